@@ -3,7 +3,9 @@
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
-use counterpoise_verify::certificate::{CaseCertificate, Certificate, Orbit, Regime, RegimeLoop, Stability};
+use counterpoise_verify::certificate::{
+    CaseCertificate, Certificate, Criterion, Orbit, Regime, RegimeLoop, SectorProof, Stability, Teeth,
+};
 use counterpoise_verify::structured::Joints;
 
 use crate::{Cell, Column, Section, Table};
@@ -11,13 +13,10 @@ use crate::{Cell, Column, Section, Table};
 /// Returns the verdict of a case in a sentence without its full stop.
 pub fn verdict(case: &CaseCertificate) -> String {
     match case.stability {
-        Stability::Stable if case.is_proved() => {
-            "stable: proved for every friction that only takes energy, and quiet in the runs".to_owned()
-        }
-        Stability::Stable => {
-            "stable: predicted in every regime, and quiet in the runs; not proved for every friction"
-                .to_owned()
-        }
+        Stability::Stable => match case.sector.as_ref().filter(|proof| proof.holds()) {
+            Some(proof) => format!("stable: proved {}, and quiet in the runs", scope(proof)),
+            None => "stable: predicted in every regime, and quiet in the runs; not proved".to_owned(),
+        },
         Stability::LimitCycle { amplitude_rad_s, frequency_hz } => format!(
             "NOT quiet at rest: a limit cycle of {} mrad/s at {} Hz",
             short(1e3 * amplitude_rad_s),
@@ -29,6 +28,49 @@ pub fn verdict(case: &CaseCertificate) -> String {
             short(1e3 * case.rest.rms_rad_s)
         ),
     }
+}
+
+/// For which frictions and motions a proof holds.
+fn scope(proof: &SectorProof) -> String {
+    let laws = match proof.criterion {
+        Criterion::Passivity => "for every dry friction that only takes energy",
+        Criterion::Circle => {
+            "for every dry friction that yields as Dahl's does, at most as stiff as the stated one"
+        }
+        Criterion::Popov => "for every dry friction that is a function of the rate",
+        Criterion::ZamesFalb => "for every dry friction that rises with the rate",
+    };
+    let teeth = if proof.teeth == Teeth::Pressed { ", while the gear teeth stay together" } else { "" };
+    format!("{laws} (criterion: {}){teeth}", proof.criterion.key())
+}
+
+/// Returns what the sector argument says in a line; `None` if none applies.
+fn sector(case: &CaseCertificate) -> String {
+    let Some(proof) = &case.sector else {
+        return "no proof: no sector argument applies (a friction observer or an estimator in the loop, a drive's curve, teeth that friction can hold apart, a law that may \
+                give energy, or a loop that is unstable without friction)"
+            .to_owned();
+    };
+    if proof.holds() {
+        return format!(
+            "proved by the criterion {}: least eigenvalue {} of its largest, at {} Hz, over all frequencies from {} Hz to {} kHz in {} \
+             intervals; aliases {} of what they may be",
+            proof.criterion.key(),
+            short(proof.least),
+            short(proof.frequency_hz),
+            short(proof.range_hz[0]),
+            short(1e-3 * proof.range_hz[1]),
+            proof.intervals,
+            short(proof.aliases)
+        );
+    }
+    if proof.least > 0.0 {
+        return format!("no proof: aliases may pass on {} times as much as they may", short(proof.aliases));
+    }
+    format!(
+        "no proof: the condition fails at {} Hz for every multiplier that was tried",
+        short(proof.frequency_hz)
+    )
 }
 
 /// Returns a regime in words.
@@ -49,6 +91,7 @@ pub fn lines(found: &Certificate) -> Vec<String> {
     if let Some(at) = worst.worst_regime() {
         lines.push(format!("worst regime: {}, {}", regime(at.regime), loop_words(at)));
     }
+    lines.push(sector(worst));
     lines.extend(worst.prediction.cycles.iter().map(|cycle| {
         let trust = if cycle.is_reliable() {
             "predicted by harmonic balance"
@@ -122,8 +165,10 @@ pub fn section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
         "Every block of the exported controller is part of these loops: its friction observers, its estimator and the inverse of the \
          drive's curve. At rest, friction is the spring of its presliding stiffness. Limit cycles are predicted by harmonic balance, \
          and each prediction is the start of a run on the simulator, which is followed until the motion settles or fades. Stability is \
-         called proved only where the rest of the loop is passive at the joints, so that no friction that only takes energy can \
-         destabilise it; this is computed one tone at a time, without the aliases of sampling. Everything else is predicted.",
+         called proved only where a sector argument holds: what is known of the friction laws (that they take energy, that they are functions \
+         of the rate or yield as a spring does) contradicts any motion that keeps itself up, at every frequency, with a bound between the \
+         points of the grid and for the aliases of sampling. It assumes that neither control nor current reaches its limit. Everything else \
+         is predicted.",
     );
     section = section.listing(regimes(found));
     if !robust.is_empty() {

@@ -45,13 +45,57 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
             let control = control_for(controller, read.iter().map(|item| &item.recording));
             let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
             let expected: Vec<_> = expected.iter().map(describe_replay).collect();
-            let ask = ReplayRequest { project: Arc::new(project.clone()), paths, improved: None };
+            let ask = ReplayRequest {
+                project: Arc::new(project.clone()),
+                folder: folder.clone(),
+                paths,
+                improved: None,
+            };
             let seen = replay_files(&ask, &Token::default()).unwrap().views;
             let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
             assert_eq!(json(&found), json(&expected), "{name}/{inside}");
             assert!(!found.is_empty());
         }
     }
+}
+
+/// Recordings under a controller that another state of the project exported: the note of the command line stands first.
+#[test]
+fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
+    let folder = std::env::temp_dir().join(format!("counterpoise-other-export-{}", std::process::id()));
+    let text = std::fs::read_to_string(example("reference-rig").join("project.toml")).unwrap();
+    let whole = text.replace("sandy-loam.parquet", "road.parquet");
+    let road = std::fs::read(example("reference-rig").join("sandy-loam.parquet")).unwrap();
+    files::write(&folder.join("road.parquet"), &road).unwrap();
+    files::write(&folder.join("project.toml"), whole.as_bytes()).unwrap();
+    let project = projects::load(&folder, Purpose::Design).unwrap().project;
+    let modelled = counterpoise_pipeline::model(&project).unwrap();
+    let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
+    let made = counterpoise_pipeline::synthesise(&project, &modelled, &reduced).unwrap();
+    let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
+    let controller =
+        counterpoise_pipeline::exchange::ControllerResult::new(&identity, &made.sampled.controller);
+    files::write(&folder.join("controller.json"), json(&controller).as_bytes()).unwrap();
+    let named = "\n[recording_controller]\nkind = \"exported\"\nfile = \"controller.json\"\n";
+    let text = format!("{whole}{named}");
+    files::write(&folder.join("project.toml"), text.as_bytes()).unwrap();
+    let project = projects::load(&folder, Purpose::Model).unwrap().project;
+    let source = example("left-out-friction").join("triangle.parquet");
+    let file = projects::recordings(&[source]).unwrap();
+    let recorded = read(&project, None, &file, Gaps::AsWritten).unwrap();
+    files::write(&folder.join("start.csv"), excerpt(&recorded[0].recording, 1500).as_bytes()).unwrap();
+    let paths = vec![folder.join("start.csv")];
+    let ask =
+        ReplayRequest { project: Arc::new(project.clone()), folder: folder.clone(), paths, improved: None };
+    let views = replay_files(&ask, &Token::default()).unwrap().views;
+    let other = counterpoise_pipeline::recordings::controller_origin::other_export(
+        &project,
+        &files::Folder(folder.clone()),
+    );
+    let note = counterpoise_report::wording::recordings::describe_other_export(&other.unwrap());
+    assert!(note.contains("0123"), "{note}");
+    assert_eq!(views[0].remarks.first(), Some(&note));
+    let _ = std::fs::remove_dir_all(folder);
 }
 
 /// The first seconds of a recording as CSV: enough for an answer, and quick.

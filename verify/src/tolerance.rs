@@ -65,8 +65,19 @@ pub const GRID_POINTS: usize = 320;
 /// See [`GRID_POINTS`].
 pub const GRID_LOWEST_HZ: f64 = 0.05;
 
-/// Scalings between the two joints that a proof by passivity tries, a decade to either side in these steps.
-pub const PASSIVITY_SCALINGS: usize = 25;
+/// Corners of the kernels of a Zames-Falb multiplier: two decades to either side of the peak of the loop, at half a decade each.
+pub const KERNELS: usize = 9;
+/// Lowest reference rate of a multiplier, rad/s: below it a loop of servo bandwidth has no peak.
+pub const MULTIPLIER_START: f64 = 1e-3;
+/// Intervals into which a range of frequencies is split at most: a hundred times what a loop with resonances of 1 % damping needs.
+pub const MULTIPLIER_SPLITS: usize = 200_000;
+/// Rounds in which the frequency at which a multiplier fails is added to its grid.
+pub const MULTIPLIER_ROUNDS: usize = 6;
+/// Range of frequencies of a proof: from this, Hz (a period of 500 s, below which nothing about a loop changes any more) ...
+/// ... to this multiple of half the sample rate, beyond which the condition is that of an inertia.
+pub const MULTIPLIER_RANGE: [f64; 2] = [2e-3, 20.0];
+/// Aliases to either side that are summed; they fall faster than the square of their number.
+pub const ALIASES: i32 = 20;
 
 /// Swings of the gear's wind-up over which limit cycles with parting teeth are sought: from the least that parts them to this many
 /// times as much, where the gap hardly matters any more.
@@ -76,6 +87,14 @@ pub const GAP_SWINGS: usize = 16;
 /// With an unstable regime or a predicted limit cycle, a run that moves more than this many noise floors is not called stable: a run
 /// with other noise can move twice as much.
 pub const MOVES_UNSTABLE_FLOORS: f64 = 1.0;
+/// A run at rest between the two limits above is repeated so often with other noise; the spread of four runs is nearly the range in which
+/// a fifth one falls.
+pub const REPEATED_RUNS: u64 = 3;
+/// The halves of a run of a limit cycle move alike to this: its amplitude is constant, and noise changes it by a few percent. Motion that noise
+/// starts anew again and again differs by more.
+pub const ALIKE_HALVES: f64 = 0.2;
+/// Largest half range over RMS of a limit cycle: 1.4 of a sine, 1.7 of a triangle, 2 of stick and slip; bursts have more.
+pub const MOST_CREST: f64 = 3.0;
 /// A motion at rest is called a limit cycle from this many cycles in a run on; below, it is a slow wandering.
 pub const LEAST_CYCLES: f64 = 10.0;
 /// A cycle counts when the rate leaves a band of this share of its range about the mean, to either side: what noise does not cross.

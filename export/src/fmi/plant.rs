@@ -92,7 +92,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
     let behaviour = environment.render_str(include_str!("../../templates/fmu_plant.c.jinja"), &data);
     let unit = Unit {
         name,
-        description: "nonlinear plant of a stabilised, out-of-balance servo mechanism",
+        description: DESCRIPTION,
         tool: &provenance.generator,
         provenance: &provenance.lines(),
         variables: &variables(),
@@ -102,6 +102,12 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
     files.extend(unit.files()?);
     Ok(files)
 }
+
+/// What the unit is, and where errors of sampling belong. The unit is exact at its communication points; when they are, and whether one is
+/// missed, is the importer's choice, so a jitter inside the unit would be added to the importer's own.
+const DESCRIPTION: &str = "nonlinear plant of a stabilised, out-of-balance servo mechanism; outputs are sensor signals before sampling: the \
+    importing tool adds what belongs to the sampling side (noise, drift, converter steps and missing codes to the outputs; jitter, late and \
+    missed samples by its communication points)";
 
 fn within(what: &'static str, value: f64, most: f64) -> Result<(), PlantUnitError> {
     if value <= most { Ok(()) } else { Err(PlantUnitError::Memory { what, value, most }) }

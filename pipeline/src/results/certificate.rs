@@ -1,6 +1,8 @@
 //! The stability certificate as plain data.
 
-use counterpoise_verify::certificate::{CaseCertificate, Certificate, Cycle, Orbit, RegimeLoop, Stability};
+use counterpoise_verify::certificate::{
+    CaseCertificate, Certificate, Cycle, Orbit, RegimeLoop, SectorProof, Stability,
+};
 use serde::Serialize;
 
 /// The certificate: the worst case, and every case.
@@ -27,10 +29,10 @@ pub struct CaseResult {
     pub out_of_balance_kg_m: f64,
     /// As [`CertificateResult::stability`].
     pub stability: &'static str,
-    /// Whether it is proved by passivity.
+    /// Whether it is proved by a sector argument.
     pub proved: bool,
-    /// The passivity that the proof needs above 0; `None` if the proof does not apply.
-    pub passivity: Option<f64>,
+    /// The sector argument; `None` if none applies.
+    pub sector: Option<SectorResult>,
     /// The limit cycle that stays: half the range of the hub rate, rad/s, and its frequency, Hz.
     pub limit_cycle: Option<CycleResult>,
     /// The linear loop in each regime.
@@ -45,6 +47,39 @@ pub struct CaseResult {
     pub motion_growth: f64,
     /// Noise floor of the hub rate, rad/s.
     pub noise_floor_rad_s: f64,
+}
+
+/// A sector argument.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SectorResult {
+    /// Whether it is a proof.
+    pub holds: bool,
+    /// `passivity`, `circle`, `popov` or `zames-falb`: the strongest criterion that it needs, or that was tried.
+    pub criterion: &'static str,
+    /// Least eigenvalue of the condition over its largest; `None` if the condition fails.
+    pub least: Option<f64>,
+    /// Frequency at which it is least, or at which it fails, Hz.
+    pub frequency_hz: f64,
+    /// Range of frequencies over which it was checked, with bounds between the points, Hz.
+    pub range_hz: [f64; 2],
+    /// Intervals of that check.
+    pub intervals: usize,
+    /// Bound of what passes through aliases, which must be below 1; `None` if the condition fails.
+    pub aliases: Option<f64>,
+}
+
+impl From<&SectorProof> for SectorResult {
+    fn from(found: &SectorProof) -> Self {
+        Self {
+            holds: found.holds(),
+            criterion: found.criterion.key(),
+            least: (found.least > 0.0).then_some(found.least),
+            frequency_hz: found.frequency_hz,
+            range_hz: found.range_hz,
+            intervals: found.intervals,
+            aliases: finite(found.aliases),
+        }
+    }
 }
 
 /// A limit cycle.
@@ -134,7 +169,7 @@ impl From<&CaseCertificate> for CaseResult {
             out_of_balance_kg_m: case.out_of_balance_kg_m,
             stability: word(case.stability),
             proved: case.is_proved(),
-            passivity: case.passivity.map(|found| found.least),
+            sector: case.sector.as_ref().map(SectorResult::from),
             limit_cycle,
             regimes: case.regimes.iter().map(RegimeResult::from).collect(),
             predicted: case.prediction.cycles.iter().map(PredictedResult::from).collect(),

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoise_host::files::recording_files;
+use counterpoise_host::files::{Folder, recording_files};
 use counterpoise_host::worker::Token;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
     control_for, read_recording, recording_controller, tabulate, without_demand,
 };
@@ -16,7 +17,8 @@ use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_report::wording::recordings::{
-    describe_column_remark, describe_missing_demand, describe_recordings_error, describe_replay,
+    describe_column_remark, describe_missing_demand, describe_other_export, describe_recordings_error,
+    describe_replay,
 };
 use counterpoise_simulate::replay::{RecordedController, Replay};
 
@@ -28,6 +30,8 @@ use crate::editing::session::file_name;
 pub struct ReplayRequest {
     /// The project.
     pub project: Arc<Project>,
+    /// The folder of the project's file.
+    pub folder: PathBuf,
     /// Files and folders.
     pub paths: Vec<PathBuf>,
     /// The mechanism of a diagnosis, if there is one.
@@ -101,6 +105,8 @@ pub struct SimulatedChannel {
 pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFiles> {
     let (files, mut views) = (recording_files(&request.paths), Vec::new());
     let controller = recording_controller(&request.project);
+    let note = other_export(&request.project, &Folder(request.folder.clone()));
+    let note = note.as_ref().map(describe_other_export);
     for path in &files {
         match read_table(request, path) {
             Ok((table, recordings)) => {
@@ -117,6 +123,9 @@ pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFi
             }
             Err(why) => views.push(unreadable_view(path, why)),
         }
+    }
+    for view in views.iter_mut().filter(|view| view.fit.is_some()) {
+        view.remarks.splice(0..0, note.clone());
     }
     Some(ReplayedFiles { files, views })
 }

@@ -186,7 +186,8 @@ impl Studio {
             .filter(|_| self.jobs.diagnosed_plant.as_ref() == Some(&project.plant))
             .map(|found| Arc::new(found.diagnosis.improved.clone()));
         let (project, paths) = (Arc::clone(project), self.jobs.recordings.clone());
-        self.jobs.replay.ask(opened.session.revision(), ReplayRequest { project, paths, improved });
+        let folder = opened.path.parent().unwrap_or(Path::new(".")).to_owned();
+        self.jobs.replay.ask(opened.session.revision(), ReplayRequest { project, folder, paths, improved });
     }
 
     pub(super) fn diagnose(&mut self) {

@@ -118,7 +118,7 @@ def rejection_db(verify, source, arrangement, hertz):
     G = at(system(named(verify["systems"], "plant_with_sensors")), np.array([rate]), 0.0)[0]
     source_input = {"heave": 1, "pitch": 2}[source]
     if arrangement == "uncontrolled":
-        return 20.0 * math.log10(abs(G[0, source_input]))
+        return decibels(abs(G[0, source_input]))
     sampled = system(named(verify["systems"], "sampled_plant"))
     name = "controller" if arrangement == "compensated" else "controller_feedback_alone"
     K = at(system(named(verify["systems"], name)), np.array([rate]), dt)[0][0]
@@ -128,7 +128,11 @@ def rejection_db(verify, source, arrangement, hertz):
     tone = (K @ R) / (1.0 - K @ P)
     hold = (1.0 - np.exp(-1j * rate * dt)) / (1j * rate * dt)
     hold *= np.exp(-1j * rate * dt * verify["control_delay_samples"])
-    return 20.0 * math.log10(abs(G[0, source_input] + G[0, 0] * hold * tone))
+    return decibels(abs(G[0, source_input] + G[0, 0] * hold * tone))
+
+
+def decibels(ratio):
+    return 20.0 * math.log10(ratio) if ratio > 0.0 else -math.inf
 
 
 def rms(values):
@@ -179,6 +183,13 @@ def step_figures(time, history):
     }
 
 
+def rejection_of_history(history, first):
+    """RMS of the hub's rate over that of the platform's pitch rate, or of its acceleration if it only heaves, in dB."""
+    moved = "heave_m_s2" if "_heave_" in history["name"] else "pitch_rate_rad_s"
+    size = rms(history[moved][first:])
+    return decibels(rms(history["hub_rate_rad_s"][first:]) / size) if size > 0.0 else None
+
+
 def history_figures(history, settle_s):
     hub = np.array(history["hub_rate_rad_s"])
     time = history["start_s"] + history["sample_time_s"] * np.arange(len(hub))
@@ -207,6 +218,7 @@ def history_figures(history, settle_s):
         }
         if "contact" in history:
             found["gear_open_fraction"] = 1.0 - float(np.mean(history["contact"][first:]))
+        found["drr_db"] = rejection_of_history(history, first)
     return {f"{name}_{key}": value for key, value in found.items()}
 
 

@@ -46,9 +46,9 @@ fn certify(range: &str) -> Result<Vec<Row>, String> {
 
 fn print(rows: &[Row]) {
     println!(
-        "| seed | blocks | certificate | rest, noise floors | growth in motion | cycle, run | cycle, certificate | worst regime |"
+        "| seed | blocks | certificate | rest, noise floors | growth in motion | rest, run | cycle, certificate | cycle, run set moving at its amplitude | proof | worst regime |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for row in rows {
         let found = &row.certificate;
         let word = match found.stability {
@@ -80,7 +80,7 @@ fn print(rows: &[Row]) {
             format!("{} {:.6} ({:.2} Hz)", at.regime.key(), at.pole_radius, at.frequency_hz)
         });
         println!(
-            "| {} | {} | {word}{}{} | {:.2} (own {:.2}) | {:.2} (own {:.2}) | {:.3} mrad/s, {:.2} Hz | {cycle}; balance: {} | {worst} |",
+            "| {} | {} | {word}{}{} | {:.2} (own {:.2}) | {:.2} (own {:.2}) | {:.3} mrad/s, {:.2} Hz | {cycle}; balance: {} | {} | {} | {worst} |",
             row.seed,
             row.blocks,
             if row.certificate.is_proved() { ", proved" } else { "" },
@@ -92,6 +92,13 @@ fn print(rows: &[Row]) {
             1e3 * row.rest.amplitude,
             row.rest.hz,
             balance.join("; "),
+            row.kicked.map_or(String::new(), |seen| {
+                format!("{:.3} mrad/s, {:.2} Hz", 1e3 * seen.amplitude, seen.hz)
+            }),
+            row.certificate.sector.map_or("none applies".to_owned(), |proof| {
+                let word = if proof.holds() { "holds" } else { "fails" };
+                format!("{} {word} {:.1e}, aliases {:.1e}", proof.criterion.key(), proof.least, proof.aliases)
+            }),
         );
     }
     summary(rows);
@@ -108,6 +115,9 @@ fn summary(rows: &[Row]) {
     );
     let cycles: Vec<[f64; 2]> = rows.iter().filter_map(Row::cycle_errors).collect();
     let within = cycles.iter().filter(|[a, f]| a.abs() <= 0.2 && f.abs() <= 0.05).count();
+    let certified = count(&|row| row.kicked.is_some());
+    let confirmed = count(&|row| row.is_confirmed() == Some(true));
+    println!("limit cycles certified: {certified}, of which stay in the independent simulator: {confirmed}");
     println!("limit cycles in both: {}, within 20 % and 5 %: {within}", cycles.len());
     println!("proved: {}", count(&|row| row.certificate.is_proved()));
 }

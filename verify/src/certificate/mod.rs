@@ -6,29 +6,32 @@
 //!    friction observers, sliding, with open gear teeth, and with the estimator learning, at each setting of the schedule;
 //! 2. predicts limit cycles by harmonic balance with the describing functions of friction, observers and backlash ([`cycle`]);
 //! 3. starts the simulator near each predicted limit cycle and follows the motion until it settles or fades ([`orbit`]);
-//! 4. proves stability by passivity where that applies ([`passivity`]);
+//! 4. proves stability where a sector argument applies: passivity, circle criterion, Popov, Zames-Falb ([`sector`]);
 //! 5. looks at runs of its own at rest and in motion, with noise and quantisation ([`runs`]).
 //!
 //! Its verdict is a [`Stability`]; what is proved, what is predicted and what is only simulated stay apart.
 //!
-//! Modules in reading order: [`regime`], [`elements`], [`cycle`], [`gap`], [`orbit`], [`passivity`], [`runs`].
+//! Modules in reading order: [`regime`], [`elements`], [`cycle`], [`gap`], [`orbit`], [`multiplier`], [`sector`],
+//! [`runs`].
 
 pub mod cycle;
 pub mod elements;
 pub mod gap;
+pub mod multiplier;
 pub mod orbit;
-pub mod passivity;
 pub mod regime;
 pub mod runs;
+pub mod sector;
 
 use counterpoise_controller::Controller;
 use counterpoise_models::plant::Plant;
 
 pub use cycle::{Cycle, Prediction};
+pub use multiplier::Criterion;
 pub use orbit::Orbit;
-pub use passivity::Passivity;
 pub use regime::{Regime, RegimeLoop, Teeth};
 pub use runs::Run;
+pub use sector::SectorProof;
 
 use crate::tolerance::{LEAST_CYCLES, MOVES_FLOORS, MOVES_UNSTABLE_FLOORS, RUN_S, STEADY_GROWTH};
 use crate::{Error, Procedure};
@@ -77,8 +80,8 @@ pub struct CaseCertificate {
     pub prediction: Prediction,
     /// What the simulator does from near each predicted limit cycle, and from two other disturbances.
     pub orbits: Vec<Orbit>,
-    /// The proof by passivity; `None` if it does not apply.
-    pub passivity: Option<Passivity>,
+    /// The proof by a sector argument; `None` if none applies.
+    pub sector: Option<SectorProof>,
     /// The run at rest, with noise and quantisation.
     pub rest: Run,
     /// The run in motion.
@@ -117,9 +120,9 @@ impl CaseCertificate {
         judged.max_by(|a, b| a.severity().total_cmp(&b.severity()))
     }
 
-    /// Returns whether stability is proved in this case: by passivity, and in a stable loop.
+    /// Returns whether stability is proved in this case: by a sector argument, and in a stable loop.
     pub fn is_proved(&self) -> bool {
-        self.stability == Stability::Stable && self.passivity.is_some_and(|found| found.holds())
+        self.stability == Stability::Stable && self.sector.is_some_and(|found| found.holds())
     }
 }
 
@@ -165,7 +168,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
         regimes,
         prediction,
         orbits,
-        passivity: passivity::prove(subject)?,
+        sector: sector::prove(subject)?,
         rest,
         motion,
         noise_floor_rad_s,
@@ -182,7 +185,8 @@ fn judge(found: &CaseCertificate) -> Stability {
         return Stability::Unstable;
     }
     let floor = MOVES_FLOORS * found.noise_floor_rad_s;
-    if found.rest.rms_rad_s > floor && found.rest.frequency_hz * RUN_S >= LEAST_CYCLES {
+    let cycles = found.rest.frequency_hz * RUN_S >= LEAST_CYCLES && found.rest.is_periodic();
+    if found.rest.rms_rad_s > floor && cycles {
         let Run { amplitude_rad_s, frequency_hz, .. } = found.rest;
         return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
     }
@@ -197,5 +201,6 @@ fn judge(found: &CaseCertificate) -> Stability {
     let grows = |one: &RegimeLoop| one.regime.is_judged() && one.growth_per_s > STEADY_GROWTH;
     let doubtful = found.regimes.iter().any(grows) || !found.prediction.cycles.is_empty();
     let bound = if doubtful { MOVES_UNSTABLE_FLOORS * found.noise_floor_rad_s } else { floor };
-    if found.rest.rms_rad_s > bound { Stability::NotPredicted } else { Stability::Stable }
+    let most = found.rest.rms_rad_s + found.rest.spread_rad_s;
+    if most > bound { Stability::NotPredicted } else { Stability::Stable }
 }

@@ -13,7 +13,8 @@
 use std::collections::HashMap;
 
 use counterpoise_controller::{Controller, READINGS};
-use counterpoise_lti::{C64, CMat, Mat, Response, StateSpace, Timebase};
+use counterpoise_lti::scaling::balance;
+use counterpoise_lti::{C64, CMat, Mat, Response, StateSpace, Timebase, feedback};
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{LinearPlant, OperatingPoint, Plant};
@@ -23,6 +24,7 @@ use super::channels::{Base, Channel, base, channels_of};
 use super::closing::linearised;
 use super::factor::Factor;
 use super::places::{Dry, Place};
+use super::taylor::{Interval, Taylor, response_over};
 use crate::Error;
 use crate::linear::closed::resolver_use;
 use crate::linear::frequency::hold;
@@ -47,12 +49,31 @@ pub struct Uncertain {
 pub struct UncertainLoop {
     /// The structure of Delta: the parameters in order, then the errors at the plant's input and output that are not 0.
     pub structure: Structure,
+    systems: Systems,
     extended: Response,
     sampled: Response,
     controller: Response,
     plant: SampledPlant,
     errors: [f64; 2],
     channels: usize,
+}
+
+/// The systems of the loop, in balanced coordinates.
+struct Systems {
+    extended: StateSpace,
+    /// From the readings without control to the control, the sampled loop closed; `None` if the loop is algebraically singular.
+    closed: Option<StateSpace>,
+}
+
+/// M over an interval of rates: direct + control x reading, where `reading` is the control that a tone of each channel causes in the
+/// closed loop, and `control` is what a tone of the control does at each channel through the hold.
+pub struct Pieces {
+    /// What goes through the mechanism alone, by rows.
+    pub direct: Vec<Vec<Taylor>>,
+    /// Per channel.
+    pub control: Vec<Taylor>,
+    /// Per channel.
+    pub reading: Vec<Taylor>,
 }
 
 impl UncertainLoop {
@@ -88,11 +109,18 @@ impl UncertainLoop {
         }
         structure.blocks.extend(errors.iter().filter(|error| **error > 0.0).map(|_| Block::Complex));
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
+        let extended = extended(&base, &channels)?;
+        let sampled = plant.sampled.select(&readings, &[port::CONTROL]);
+        let balanced = |system: &StateSpace| balance(system).0;
         Ok(Self {
             structure,
-            extended: Response::of(&extended(&base, &channels)?)?,
-            sampled: Response::of(&plant.sampled.select(&readings, &[port::CONTROL]))?,
+            extended: Response::of(&extended)?,
+            sampled: Response::of(&sampled)?,
             controller: Response::of(&K)?,
+            systems: Systems {
+                extended: balanced(&extended),
+                closed: feedback(&K, &sampled.negate()).ok().as_ref().map(balanced),
+            },
             plant,
             errors,
             channels: channels.len(),
@@ -102,6 +130,29 @@ impl UncertainLoop {
     /// The sample period, s.
     pub fn sample_period_s(&self) -> f64 {
         self.plant.sample_period_s
+    }
+
+    /// The parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole is in the
+    /// middle of the interval, or if the loop is algebraically singular.
+    pub fn over(&self, interval: Interval) -> Option<Pieces> {
+        let m = self.channels;
+        let G = response_over(&self.systems.extended, interval)?;
+        let K = response_over(self.systems.closed.as_ref()?, interval)?;
+        let none = Taylor::constant(C64::new(0.0, 0.0), interval);
+        let period_s = self.plant.sample_period_s;
+        let control_s = period_s * self.plant.delays.control as f64;
+        let held = Taylor::hold(period_s, interval) * Taylor::late(control_s, interval);
+        let read = |j: usize| {
+            FED_BACK.iter().enumerate().fold(none, |sum, (row, &i)| {
+                let late = Taylor::late(period_s * self.plant.delays.readings[i] as f64, interval);
+                sum + K[0][i] * G[m + row][j] * late
+            })
+        };
+        Some(Pieces {
+            direct: (0..m).map(|i| G[i][..m].to_vec()).collect(),
+            control: (0..m).map(|i| G[i][m] * held).collect(),
+            reading: (0..m).map(read).collect(),
+        })
     }
 
     /// M at each rate in rad/s.

@@ -10,7 +10,7 @@
 //! sampled, and [`stability`] is the whole road over all frequencies.
 //!
 //! Modules in reading order: [`blocks`], [`hermitian`], [`upper`], [`lower`], [`vertices`], [`factor`], [`places`], `channels`, [`loops`],
-//! [`closing`], [`problem`], `nearest`, [`stability`].
+//! [`closing`], [`problem`], `nearest`, [`stability`], [`taylor`].
 
 pub mod blocks;
 mod channels;
@@ -23,6 +23,7 @@ mod nearest;
 pub mod places;
 pub mod problem;
 pub mod stability;
+pub mod taylor;
 pub mod upper;
 pub mod vertices;
 

@@ -1,0 +1,403 @@
+//! Multipliers: how much of what is known about a friction law can be used in a proof of stability.
+//!
+//! The rates w = -H F follow from the friction torques F through the rest of the loop. Everything that is known about F is a quadratic
+//! inequality in w and F. If a combination of them is contradicted at every frequency,
+//!
+//! ```text
+//!     N(jw) H(jw) + H(jw)^* N(jw)^* + R(w) > 0,      N, R diagonal, one entry a joint
+//! ```
+//!
+//! then no motion can keep itself up (V. Yakubovich 1967; A. Megretski and A. Rantzer, IEEE TAC 42, 1997). The terms of N and R:
+//!
+//! | known of the law | term of N | of R | criterion |
+//! |---|---|---|---|
+//! | it takes energy out of the motion | 1 | | passivity |
+//! | it is a function of the rate | +- jw | | Popov (V. Popov 1961) |
+//! | that function is odd and rises | 1 less a kernel of absolute integral 1 at most | | Zames and Falb (G. Zames and P. Falb, SIAM J. Control 6, 1968) |
+//! | the torque changes by 0 to k times the displacement (Dahl) | -jw k | 2 w^2 | circle criterion on the presliding stiffness |
+//!
+//! The search is a second-order cone program at the points of a grid. It is heuristic: what it finds is shown to hold between the
+//! points by [`Multiplier::proves`].
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use counterpoise_lti::{C64, CMat};
+
+use crate::structured::taylor::{Interval, Taylor};
+use crate::tolerance::{KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START};
+
+/// What is known about the friction at a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Knowledge {
+    /// It takes energy out of the motion.
+    Dissipates,
+    /// It is a function of the rate, of the rate's sign.
+    FunctionOfRate,
+    /// It is an odd function that never falls.
+    Rises,
+    /// Its torque changes by at most this times the displacement, N m/rad, and never against it.
+    Stiffness(f64),
+}
+
+/// The strongest criterion that a proof needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Criterion {
+    /// Passivity.
+    Passivity,
+    /// The circle criterion on the presliding stiffness.
+    Circle,
+    /// Popov's criterion.
+    Popov,
+    /// A Zames-Falb multiplier.
+    ZamesFalb,
+}
+
+impl Criterion {
+    /// Returns the key of the criterion in results.
+    pub fn key(self) -> &'static str {
+        match self {
+            Criterion::Passivity => "passivity",
+            Criterion::Circle => "circle",
+            Criterion::Popov => "popov",
+            Criterion::ZamesFalb => "zames-falb",
+        }
+    }
+}
+
+/// A term of N at one joint, with its weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// Joint.
+    pub joint: usize,
+    /// Which term.
+    pub kind: Kind,
+    /// Weight, 0 or more.
+    pub weight: f64,
+}
+
+/// A kind of term.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// 1.
+    Constant,
+    /// j w / reference, with a sign.
+    Derivative(f64),
+    /// -sign / (1 + j w / corner); a corner below 0 looks ahead.
+    Kernel {
+        /// Corner, rad/s.
+        corner_rad_s: f64,
+        /// Sign.
+        sign: f64,
+    },
+    /// -j w / reference, and 2 w^2 / (reference k) in R.
+    Stiffness(f64),
+}
+
+/// N and R of a proof.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Multiplier {
+    /// Its terms.
+    pub terms: Vec<Term>,
+    reference_rad_s: f64,
+    joints: usize,
+}
+
+/// H over an interval.
+pub type Loop<'a> = dyn Fn(Interval) -> Option<Vec<Vec<Taylor>>> + 'a;
+
+/// How a check between points ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Proof {
+    /// It holds at every frequency of the range.
+    Holds {
+        /// Least eigenvalue over the largest modulus of an eigenvalue, over all intervals.
+        least: f64,
+        /// Where, rad/s.
+        rate_rad_s: f64,
+        /// Intervals that were needed.
+        intervals: usize,
+    },
+    /// It does not hold, or cannot be shown, at this rate, rad/s.
+    FailsAt(f64),
+}
+
+impl Multiplier {
+    /// The matrix N H + (N H)^* + R over an interval, as (0, 0), (1, 1) and (0, 1) entry; with one joint the last two are empty.
+    fn form(&self, H: &[Vec<Taylor>], over: Interval) -> [Taylor; 3] {
+        let n: Vec<Taylor> = (0..self.joints).map(|joint| self.at(joint, over)).collect();
+        let none = Taylor::constant(C64::new(0.0, 0.0), over);
+        let own = |k: usize| {
+            let passed = n[k] * H[k][k];
+            passed + passed.conj() + self.residue(k, over)
+        };
+        match self.joints {
+            1 => [own(0), none, none],
+            _ => [own(0), own(1), n[0] * H[0][1] + (n[1] * H[1][0]).conj()],
+        }
+    }
+
+    /// N at a joint over an interval.
+    pub fn at(&self, joint: usize, over: Interval) -> Taylor {
+        let own = self.terms.iter().filter(|term| term.joint == joint);
+        own.fold(Taylor::constant(C64::new(0.0, 0.0), over), |sum, term| {
+            sum + term.kind.multiplier(self.reference_rad_s, over) * term.weight
+        })
+    }
+
+    /// R at a joint over an interval.
+    fn residue(&self, joint: usize, over: Interval) -> Taylor {
+        let own = self.terms.iter().filter(|term| term.joint == joint);
+        let factor: f64 = own.map(|term| term.weight * term.kind.residue(self.reference_rad_s)).sum();
+        let (w, half) = (over.middle_rad_s, over.half_rad_s);
+        Taylor {
+            value: C64::new(factor * w * w, 0.0),
+            slope: C64::new(2.0 * factor * w, 0.0),
+            rest: factor * half * half,
+            half_rad_s: half,
+        }
+    }
+
+    /// The matrix of the condition at a rate.
+    pub fn matrix(&self, H: &[Vec<Taylor>], over: Interval) -> CMat {
+        let [a, d, b] = self.form(H, over);
+        CMat::from_fn(self.joints, self.joints, |i, j| match (i, j) {
+            (0, 0) => a.value,
+            (0, 1) => b.value,
+            (1, 0) => b.value.conj(),
+            _ => d.value,
+        })
+    }
+
+    /// Returns whether the condition holds at every rate of a range: the range is halved until it does in each interval. The tangent
+    /// is a Hermitian matrix whose least eigenvalue is a concave function of the rate, so that its ends decide.
+    pub fn proves(&self, H: &Loop<'_>, [low, high]: [f64; 2]) -> Proof {
+        let mut open = vec![[low, high]];
+        let (mut least, mut rate_rad_s, mut intervals) = (f64::INFINITY, low, 0);
+        while let Some([from, to]) = open.pop() {
+            let over = Interval { middle_rad_s: 0.5 * (from + to), half_rad_s: 0.5 * (to - from) };
+            intervals += 1;
+            if let Some(found) = H(over) {
+                let form = self.form(&found, over);
+                let end = |x: f64| form.map(|entry| entry.value + entry.slope * x);
+                let rest = form.iter().map(|entry| entry.rest.powi(2)).sum::<f64>() + form[2].rest.powi(2);
+                let bound = smallest(end(-over.half_rad_s), self.joints)
+                    .min(smallest(end(over.half_rad_s), self.joints))
+                    - rest.sqrt();
+                let middle = form.map(|entry| entry.value);
+                let (here, size) = (smallest(middle, self.joints), largest(middle, self.joints));
+                if here <= 0.0 {
+                    return Proof::FailsAt(over.middle_rad_s);
+                }
+                if bound > 0.0 {
+                    if bound / size < least {
+                        (least, rate_rad_s) = (bound / size, over.middle_rad_s);
+                    }
+                    continue;
+                }
+            }
+            let middle = (from * to).sqrt();
+            if intervals > MULTIPLIER_SPLITS || !(from < middle && middle < to) {
+                return Proof::FailsAt(middle);
+            }
+            open.extend([[middle, to], [from, middle]]);
+        }
+        Proof::Holds { least, rate_rad_s, intervals }
+    }
+
+    /// Returns the strongest criterion among the terms that matter.
+    pub fn criterion(&self) -> Criterion {
+        let of = |term: &Term| match term.kind {
+            Kind::Constant => Criterion::Passivity,
+            Kind::Stiffness(_) => Criterion::Circle,
+            Kind::Derivative(_) => Criterion::Popov,
+            Kind::Kernel { .. } => Criterion::ZamesFalb,
+        };
+        self.terms.iter().map(of).max().unwrap_or(Criterion::Passivity)
+    }
+}
+
+/// The least eigenvalue of [[a, b], [b^*, d]].
+fn smallest([a, d, b]: [C64; 3], joints: usize) -> f64 {
+    if joints == 1 {
+        return a.re;
+    }
+    0.5 * (a.re + d.re) - (0.25 * (a.re - d.re).powi(2) + b.norm_sqr()).sqrt()
+}
+
+/// The largest modulus of an eigenvalue.
+fn largest([a, d, b]: [C64; 3], joints: usize) -> f64 {
+    if joints == 1 {
+        return a.re.abs();
+    }
+    0.5 * (a.re + d.re).abs() + (0.25 * (a.re - d.re).powi(2) + b.norm_sqr()).sqrt()
+}
+
+impl Kind {
+    fn multiplier(self, reference_rad_s: f64, over: Interval) -> Taylor {
+        match self {
+            Kind::Constant => Taylor::constant(C64::new(1.0, 0.0), over),
+            Kind::Derivative(sign) => Taylor::derivative(sign / reference_rad_s, over),
+            Kind::Stiffness(_) => Taylor::derivative(-1.0 / reference_rad_s, over),
+            Kind::Kernel { corner_rad_s, sign } => {
+                let one = Taylor::constant(C64::new(1.0, 0.0), over);
+                (one + Taylor::derivative(1.0 / corner_rad_s, over)).recip() * -sign
+            }
+        }
+    }
+
+    /// The factor of w^2 in R.
+    fn residue(self, reference_rad_s: f64) -> f64 {
+        match self {
+            Kind::Stiffness(stiffness) => 2.0 / (reference_rad_s * stiffness),
+            _ => 0.0,
+        }
+    }
+}
+
+/// The terms that what is known allows, up to a criterion.
+fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<(usize, Kind)> {
+    let mut all = Vec::new();
+    for (joint, known) in known.iter().enumerate() {
+        all.push((joint, Kind::Constant));
+        match *known {
+            Knowledge::Stiffness(most_nm_rad) if most >= Criterion::Circle => {
+                all.push((joint, Kind::Stiffness(most_nm_rad)));
+            }
+            Knowledge::FunctionOfRate | Knowledge::Rises if most >= Criterion::Popov => {
+                all.extend([1.0, -1.0].map(|sign| (joint, Kind::Derivative(sign))));
+            }
+            _ => {}
+        }
+        if *known == Knowledge::Rises && most >= Criterion::ZamesFalb {
+            for k in 0..KERNELS {
+                let corner_rad_s = reference_rad_s * 10f64.powf(4.0 * k as f64 / (KERNELS - 1) as f64 - 2.0);
+                for (ahead, sign) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                    all.push((joint, Kind::Kernel { corner_rad_s: ahead * corner_rad_s, sign }));
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Returns the multiplier that makes the condition hold best at some rates, with the terms up to a criterion; `None` if the solver gives
+/// up.
+///
+/// H is expected with diagonal entries of like size in every joint.
+pub fn search(
+    known: &[Knowledge],
+    most: Criterion,
+    (H, rates): (&[Vec<Vec<Taylor>>], &[f64]),
+) -> Option<Multiplier> {
+    let size = |at: &Vec<Vec<Taylor>>| {
+        at.iter().flatten().map(|entry| entry.value.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
+    };
+    let sizes: Vec<f64> = H.iter().map(size).collect();
+    let (peak, most_size) =
+        sizes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(k, s)| (k, *s))?;
+    let reference_rad_s = rates[peak].max(MULTIPLIER_START);
+    let kinds = allowed(known, most, reference_rad_s);
+    let joints = known.len();
+    let one = |(joint, kind): (usize, Kind)| Multiplier {
+        terms: vec![Term { joint, kind, weight: 1.0 }],
+        reference_rad_s,
+        joints,
+    };
+    let each: Vec<Multiplier> = kinds.iter().map(|term| one(*term)).collect();
+    let mut program = Program::new(kinds.len() + 1);
+    program.normalise(kinds.len());
+    for joint in 0..joints {
+        program.bound_kernels(joint, &kinds);
+    }
+    for ((at, rate), size) in H.iter().zip(rates).zip(&sizes) {
+        let over = Interval { middle_rad_s: *rate, half_rad_s: 0.0 };
+        let forms: Vec<[C64; 3]> =
+            each.iter().map(|alone| alone.form(at, over).map(|entry| entry.value)).collect();
+        program.positive(&forms, size * size / most_size, joints);
+    }
+    let x = program.solve()?;
+    let terms = kinds.iter().zip(&x).filter(|(_, weight)| **weight > 1e-9);
+    let terms = terms.map(|((joint, kind), weight)| Term { joint: *joint, kind: *kind, weight: *weight });
+    Some(Multiplier { terms: terms.collect(), reference_rad_s, joints })
+}
+
+/// The cone program: the weights and, last, the least eigenvalue that is to be largest.
+struct Program {
+    variables: usize,
+    rows: Vec<Vec<f64>>,
+    bound: Vec<f64>,
+    cones: Vec<SupportedConeT<f64>>,
+}
+
+impl Program {
+    fn new(variables: usize) -> Self {
+        Self { variables, rows: Vec::new(), bound: Vec::new(), cones: Vec::new() }
+    }
+
+    fn row(&mut self, entries: &[(usize, f64)], bound: f64) {
+        let mut row = vec![0.0; self.variables];
+        entries.iter().for_each(|(k, value)| row[*k] += value);
+        self.rows.push(row);
+        self.bound.push(bound);
+    }
+
+    /// The weights are 0 or more, and 1 in sum.
+    fn normalise(&mut self, weights: usize) {
+        let all: Vec<(usize, f64)> = (0..weights).map(|k| (k, 1.0)).collect();
+        self.row(&all, 1.0);
+        self.cones.push(SupportedConeT::ZeroConeT(1));
+        (0..weights).for_each(|k| self.row(&[(k, -1.0)], 0.0));
+        self.cones.push(SupportedConeT::NonnegativeConeT(weights));
+    }
+
+    /// The kernels of a joint have together an absolute integral of at most its constant.
+    fn bound_kernels(&mut self, joint: usize, kinds: &[(usize, Kind)]) {
+        let own = kinds.iter().enumerate().filter(|(_, (at, _))| *at == joint);
+        let entries: Vec<(usize, f64)> = own
+            .filter_map(|(k, (_, kind))| match kind {
+                Kind::Constant => Some((k, -1.0)),
+                Kind::Kernel { .. } => Some((k, 1.0)),
+                _ => None,
+            })
+            .collect();
+        self.row(&entries, 0.0);
+        self.cones.push(SupportedConeT::NonnegativeConeT(1));
+    }
+
+    /// The sum of the weighted forms less the last variable times `share` is positive: a + d >= |(a - d, 2 Re b, 2 Im b)|, in units of the largest
+    /// entry.
+    fn positive(&mut self, forms: &[[C64; 3]], share: f64, joints: usize) {
+        let last = self.variables - 1;
+        let most = forms.iter().flatten().map(|entry| entry.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let of = |pick: &dyn Fn(&[C64; 3]) -> f64| -> Vec<(usize, f64)> {
+            forms.iter().enumerate().map(|(k, form)| (k, -pick(form) / most)).collect()
+        };
+        if joints == 1 {
+            let mut row = of(&|form| form[0].re);
+            row.push((last, share / most));
+            self.row(&row, 0.0);
+            self.cones.push(SupportedConeT::NonnegativeConeT(1));
+            return;
+        }
+        let mut row = of(&|form| form[0].re + form[1].re);
+        row.push((last, 2.0 * share / most));
+        self.row(&row, 0.0);
+        self.row(&of(&|form| form[0].re - form[1].re), 0.0);
+        self.row(&of(&|form| 2.0 * form[2].re), 0.0);
+        self.row(&of(&|form| 2.0 * form[2].im), 0.0);
+        self.cones.push(SupportedConeT::SecondOrderConeT(4));
+    }
+
+    /// The solution; `None` if the solver gives up.
+    fn solve(&self) -> Option<Vec<f64>> {
+        let settings = DefaultSettingsBuilder::default().verbose(false).build().ok()?;
+        let P = CscMatrix::zeros((self.variables, self.variables));
+        let A = CscMatrix::from(&self.rows);
+        let mut cost = vec![0.0; self.variables];
+        cost[self.variables - 1] = -1.0;
+        let mut solver = DefaultSolver::new(&P, &cost, &A, &self.bound, &self.cones, settings).ok()?;
+        solver.solve();
+        let good = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+        good.then(|| solver.solution.x.clone())
+    }
+}
