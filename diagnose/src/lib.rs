@@ -12,9 +12,10 @@
 //! 4. [`simulator_access`]: what is asked of the simulator.
 //! 5. [`fitting`]: effects are fitted in the simulator, and judged on held-out data.
 //! 6. [`selection`]: which effects, together, explain the recordings.
-//! 7. [`identification`]: the triangle-wave method, apart from the others.
-//! 8. [`findings`]: verdict and findings.
-//! 9. [`diagnosis`]: all of it in one function.
+//! 7. [`learning`]: free functions model what has no name.
+//! 8. [`identification`]: the triangle-wave method, apart from the others.
+//! 9. [`findings`]: verdict and findings.
+//! 10. [`diagnosis`]: all of it in one function.
 //!
 //! Beside them stand [`error`] and [`tolerance`] (the numbers that decide, each with its reason).
 //!
@@ -44,6 +45,8 @@ pub mod simulator_access;
 pub mod fitting;
 
 pub mod selection;
+
+pub mod learning;
 
 pub mod identification;
 

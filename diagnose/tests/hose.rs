@@ -96,6 +96,7 @@ fn the_hose_is_found_again() {
         base: &base,
         effects,
         assessments: &[],
+        preferences: &[],
     };
     let fit = problem.fit(&[30.0, 3000.0]).unwrap();
     let lumped = fit.parameters.lumped.unwrap();

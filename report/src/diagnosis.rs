@@ -6,6 +6,7 @@ use counterpoise_diagnose::findings::answer::{Channels, Verdict};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
+use crate::learned::learned_section;
 use crate::where_when::where_section;
 use counterpoise_pipeline::Consequence;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
@@ -23,6 +24,7 @@ pub fn report(
 ) -> Report {
     let tracks = &found.tracks;
     let mut sections = vec![fit_section(answer, tracks)];
+    sections.extend(answer.learned.as_ref().map(learned_section));
     sections.extend(consequence.map(difference::consequence));
     sections.extend(residual::sections(tracks, &found.residuals));
     sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);

@@ -9,7 +9,7 @@
 //! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
 //! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], [`advice`], [`identify`], [`replay`],
-//! [`diagnosis`], [`residual`], [`structure`]; and the
+//! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
 pub mod adaptation;
@@ -28,6 +28,7 @@ pub mod first_design;
 pub mod fra;
 pub mod html;
 pub mod identify;
+mod learned;
 pub mod model;
 pub mod page;
 pub mod replay;

@@ -11,6 +11,7 @@ use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
 };
+use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 use counterpoise_report::{diagnosis, difference, html};
 use counterpoise_verify::Verification;
@@ -98,6 +99,7 @@ fn print(answer: &AnswerText) {
     say!();
     say!("{}", sentence(answer.verdict));
     answer.findings.iter().for_each(print_finding);
+    answer.learned.iter().for_each(print_learned);
     print_fit(&answer.fit);
     if let Some(next) = &answer.next_experiment {
         say!("next experiment: {}; it {}", next.what, next.why);
@@ -123,6 +125,15 @@ fn print_finding(finding: &FindingText) {
     for other in &finding.alternatives {
         say!("    cannot be told from {} {}", other.component, other.effect);
     }
+}
+
+fn print_learned(learned: &LearnedText) {
+    say!("modelled, without a name:");
+    for function in &learned.functions {
+        say!("  {}", function.reading);
+        say!("    {}", function.range);
+    }
+    say!("  {}", learned.summary);
 }
 
 fn print_fit(fit: &FitTable) {

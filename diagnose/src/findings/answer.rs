@@ -3,6 +3,7 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+use crate::learning::LearnedModel;
 use crate::library::{Component, EffectName};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
@@ -230,4 +231,19 @@ pub struct Answer {
     pub qualification: Vec<RecordingRemark>,
     /// Warnings of the search itself.
     pub warnings: Vec<SearchWarning>,
+    /// What models, without a name, what no effect of the library explains; `None` if nothing is left over, or no free function
+    /// predicts it.
+    pub learned: Option<LearnedModel>,
+}
+
+impl Answer {
+    /// Returns the answer with a model of what no effect of the library explains.
+    #[must_use]
+    pub(crate) fn with_learned(mut self, learned: LearnedModel) -> Self {
+        self.fit.after.clone_from(&learned.after);
+        self.fit.held_out_before.clone_from(&learned.held_out_before);
+        self.fit.held_out_after.clone_from(&learned.held_out_after);
+        self.learned = Some(learned);
+        self
+    }
 }

@@ -11,6 +11,7 @@ use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariab
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::findings::answer::{Answer, Basis, Channels};
+use crate::learning::reading::read;
 use crate::library::{Component, EffectName, Parameter, find_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
@@ -151,6 +152,14 @@ impl Scale {
             };
             effect.smallest_detectable =
                 effect.smallest_detectable.map(|size| self.own(scaled, definition, size));
+        }
+        if let Some(learned) = &mut answer.learned {
+            for part in &mut learned.parts {
+                self.inverse().learned(&mut part.element);
+                part.reading = read(&part.element);
+            }
+            let tables = [&mut learned.after, &mut learned.held_out_before, &mut learned.held_out_after];
+            tables.into_iter().for_each(|table| self.bring_channels_back(table));
         }
         let fit = &mut answer.fit;
         for table in [&mut fit.before, &mut fit.after, &mut fit.held_out_before, &mut fit.held_out_after] {

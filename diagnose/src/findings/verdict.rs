@@ -60,6 +60,7 @@ impl Evidence<'_> {
             map: self.map,
             qualification: self.qualification,
             warnings,
+            learned: None,
         }
     }
 
@@ -68,7 +69,8 @@ impl Evidence<'_> {
         self.named().map_or_else(|| self.base.clone(), |c| c.fit.parameters.clone())
     }
 
-    fn verdict(&self) -> Verdict {
+    /// Returns the verdict.
+    pub(crate) fn verdict(&self) -> Verdict {
         let Some(accepted) = self.named() else {
             let explained = self.search.baseline.score.worst() < EXPLAINED;
             return if explained { Verdict::Consistent } else { Verdict::Unknown };
@@ -83,7 +85,7 @@ impl Evidence<'_> {
 
     /// Returns the accepted model if it explains enough of the mismatch to be named: all of it, or most of it within its bounds. A
     /// parameter that went to a bound to explain a part stands for something else.
-    fn named(&self) -> Option<&Candidate> {
+    pub(crate) fn named(&self) -> Option<&Candidate> {
         let accepted = self.search.accepted.as_ref()?;
         let textbook =
             !self.sizes.typical && accepted.power_share(&self.search.baseline.score) > TEXTBOOK_SHARE_TO_NAME;
@@ -301,7 +303,7 @@ fn whole_turns(phase: f64) -> f64 {
 }
 
 /// Returns the RMS over the recordings, channel by channel.
-fn channels(score: &Score) -> Channels {
+pub(crate) fn channels(score: &Score) -> Channels {
     let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
     for cell in &score.cells {
         let sum = sums.entry(cell.channel).or_default();

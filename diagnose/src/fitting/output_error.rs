@@ -122,6 +122,33 @@ pub struct Problem<'a> {
     pub effects: Vec<&'static Effect>,
     /// The assessments of the recordings for a similar mechanism; empty if there are none.
     pub assessments: &'a [Assessment],
+    /// What is preferred of the parameters whatever the recordings say; empty if nothing is.
+    pub preferences: &'a [Preference],
+}
+
+/// A preference: a linear combination of the parameters that should be a value. Its square counts as one residual does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preference {
+    /// Weight of each parameter's value, with the parameter's place.
+    pub weights: Vec<(usize, f64)>,
+    /// What the combination should be.
+    pub target: f64,
+}
+
+impl Preference {
+    /// Returns by how much parameter values miss it.
+    pub(crate) fn missed(&self, values: &[f64]) -> f64 {
+        self.weights.iter().map(|(place, weight)| weight * values[*place]).sum::<f64>() - self.target
+    }
+}
+
+/// The residuals of a fit and what each parameter changes of them, recording by recording, without what the initial states could do.
+#[derive(Debug, Clone)]
+pub(crate) struct Slopes {
+    /// Residuals.
+    pub residual: Vec<Vec<f64>>,
+    /// Changes per unit of each parameter's value: parameter by parameter, recording by recording.
+    pub columns: Vec<Vec<Vec<f64>>>,
 }
 
 impl Problem<'_> {
@@ -147,6 +174,29 @@ impl Problem<'_> {
             }
         }
         Some(best)
+    }
+
+    /// Returns the residuals and slopes at given parameter values, from known assessments of the recordings.
+    pub(crate) fn slopes(&self, values: &[f64], near: &[Assessment]) -> Option<Slopes> {
+        let free = parameters_of(&self.effects);
+        let x: Vec<f64> = free.iter().zip(values).map(|(k, &v)| to_variable(k, v)).collect();
+        let shifts = vec![StartShift::default(); near.len()];
+        let residual = self.at(&x, near, &shifts)?;
+        let now = FitState { cost: mean_square(&residual), x, shifts, residual };
+        let starts = self.start_columns(&now, near);
+        let left = |own: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+            own.iter().zip(&starts).map(|(own, starts)| starts.left(own, &starts.absorbed(own))).collect()
+        };
+        let per_value = |(column, parameter): (&Vec<Vec<f64>>, &&Parameter)| {
+            let mut left = left(column);
+            left.iter_mut().flatten().for_each(|entry| *entry /= parameter.size);
+            left
+        };
+        let columns = self.difference_columns(&now, near);
+        Some(Slopes {
+            residual: left(&now.residual),
+            columns: columns.iter().zip(&free).map(per_value).collect(),
+        })
     }
 
     fn descend(&self, start: &[f64], iterations: usize, near: Vec<Assessment>) -> Option<Fit> {
@@ -213,7 +263,12 @@ impl Problem<'_> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
-        (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k])).collect()
+        let of_recordings = (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k]));
+        let mut all = of_recordings.collect::<Option<Vec<_>>>()?;
+        if !self.preferences.is_empty() {
+            all.push(self.preferences.iter().map(|preference| preference.missed(&values)).collect());
+        }
+        Some(all)
     }
 
     /// Returns the weighted residuals of one recording of the selection.
@@ -289,11 +344,10 @@ impl Problem<'_> {
         map(self.pool, near.len(), one)
     }
 
-    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
-    /// place of a parameter is removed from its column.
-    fn linearised(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
+    /// Returns what each variable changes of the residuals, by one-sided differences: variable by variable, recording by recording.
+    fn difference_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<Vec<Vec<f64>>> {
         let free = parameters_of(&self.effects);
-        let columns: Vec<Vec<Vec<f64>>> = map(self.pool, now.x.len(), |j| {
+        map(self.pool, now.x.len(), |j| {
             let step = difference_step(free[j], now.x[j]);
             let mut moved = now.x.clone();
             moved[j] += step;
@@ -304,7 +358,13 @@ impl Problem<'_> {
                 || now.residual.iter().map(|r| vec![0.0; r.len()]).collect(),
                 |there| there.iter().zip(&now.residual).map(change).collect(),
             )
-        });
+        })
+    }
+
+    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
+    /// place of a parameter is removed from its column.
+    fn linearised(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
+        let columns = self.difference_columns(now, near);
         let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
             let absorbed: Vec<StartShift> =
                 starts.iter().zip(column).map(|(starts, own)| starts.absorbed(own)).collect();

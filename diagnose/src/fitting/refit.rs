@@ -57,7 +57,15 @@ fn left(
         base.clone()
     } else {
         let effects = structure.effects.clone();
-        let problem = Problem { simulator, pool, selection: &selection, base, effects, assessments: &[] };
+        let problem = Problem {
+            simulator,
+            pool,
+            selection: &selection,
+            base,
+            effects,
+            assessments: &[],
+            preferences: &[],
+        };
         problem.fit(&structure.start)?.parameters
     };
     Some(score(&assess(simulator, pool, &parameters)?, &parts)?.distance())

@@ -1,9 +1,9 @@
 //! An effect as data: where it sits, its parameters with bounds, and the values from which a fit starts.
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{LearnedElement, Parameters};
 
-use super::amplifier_map;
 use super::names::{Component, EffectName};
+use super::{amplifier_map, learned};
 
 /// How a parameter's value is mapped to the variable of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +50,13 @@ pub enum Access {
         /// Which of them.
         point: usize,
     },
+    /// A value of a free function.
+    Learned {
+        /// The function.
+        element: &'static LearnedElement,
+        /// Which of its points.
+        point: usize,
+    },
 }
 
 impl Parameter {
@@ -58,6 +65,7 @@ impl Parameter {
         match self.access {
             Access::Field { get, .. } => get(of),
             Access::Curve { inputs_v, point } => amplifier_map::fraction(of, inputs_v[point]),
+            Access::Learned { element, point } => learned::read(of, element, point),
         }
     }
 
@@ -68,6 +76,7 @@ impl Parameter {
             Access::Curve { inputs_v, point } => {
                 amplifier_map::set_fraction(of, amplifier_map::CurvePoint { inputs_v, point }, value);
             }
+            Access::Learned { element, point } => learned::write(of, element, point, value),
         }
     }
 }

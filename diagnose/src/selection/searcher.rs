@@ -89,8 +89,15 @@ impl Searcher<'_> {
     ) -> Option<Fit> {
         let base = &fixed.fit.parameters;
         let assessments = &fixed.assessments;
-        let problem =
-            Problem { simulator: self.simulator, pool: self.pool, selection, base, effects, assessments };
+        let problem = Problem {
+            simulator: self.simulator,
+            pool: self.pool,
+            selection,
+            base,
+            effects,
+            assessments,
+            preferences: &[],
+        };
         let mut fit = problem.fit(start)?;
         fit.effects.splice(0..0, fixed.fit.effects.iter().copied());
         fit.values.splice(0..0, fixed.fit.values.iter().copied());
@@ -105,7 +112,7 @@ impl Searcher<'_> {
         assessments: &[Assessment],
     ) -> Option<Fit> {
         let (simulator, pool, base) = (self.simulator, self.pool, self.base);
-        let problem = Problem { simulator, pool, selection, base, effects, assessments };
+        let problem = Problem { simulator, pool, selection, base, effects, assessments, preferences: &[] };
         let fit = problem.fit(start)?;
         Some(round_ripple_orders(&problem, fit))
     }

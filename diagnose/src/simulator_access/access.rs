@@ -5,6 +5,7 @@ use counterpoise_models::Parameters;
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::replay::START_FREEDOMS;
 
+use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 
 /// The shift of each degree of freedom of a recording's initial state, in units of its step.
@@ -83,6 +84,10 @@ impl Assessment {
 pub trait SimulatorAccess: Sync {
     /// Returns the number of recordings.
     fn count(&self) -> usize;
+    /// Returns the measured signals of a recording; `None` if the simulator has no recordings of a machine.
+    fn measured(&self, _index: usize) -> Option<MeasuredSignals> {
+        None
+    }
     /// Returns the index of the recording in which the machine moves most.
     fn most_active_recording(&self) -> usize;
     /// Returns the residuals of recording `index` over its first part or all of it, from the initial state of the assessment of a

@@ -259,6 +259,10 @@ impl SimulatorAccess for RecordingReplays<'_> {
         self.whole.len()
     }
 
+    fn measured(&self, index: usize) -> Option<MeasuredSignals> {
+        self.measured_at(index)
+    }
+
     fn most_active_recording(&self) -> usize {
         let motion = |r: &Recording| r.samples(Channel::HubRate).map_or(0.0, deviation);
         let sizes: Vec<f64> = self.prepared.whole.iter().map(motion).collect();

@@ -9,6 +9,7 @@
 pub mod findings;
 pub mod fitting;
 pub mod identification;
+pub mod learning;
 pub mod localisation;
 pub mod recording;
 pub mod selection;

@@ -55,9 +55,6 @@ impl Plant {
         let core = self.core(mesh);
         let mesh_torque = self.mesh_torque_nm(x[state::WINDUP], hub_rate, motor_rate, at.platform_rate_rad_s);
         let ratio = self.parameters.gearbox.ratio;
-        let around = |angle_rad: f64, load_nm: f64| Surroundings { angle_rad, load_nm, time_s: at.time_s };
-        let motor_around = around(motor_angle, mesh_torque / ratio);
-        let pivot_around = around(relative_angle, mesh_torque);
         let (sin, cos) = self.tilt(hub_angle);
         let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
         let mut u = [0.0; input::COUNT];
@@ -78,19 +75,14 @@ impl Plant {
             mesh_torque_nm: mesh_torque,
         };
         let added = self.learned_torques(&regime);
-        let level =
-            self.learned_level(LearnedPlace::Motor, &regime) * self.motor_friction.level(&motor_around);
-        let (motor_dry, motor_state) = dry(&self.motor_friction, motor_rate, level, x[n]);
-        let level =
-            self.learned_level(LearnedPlace::Pivot, &regime) * self.pivot_friction.level(&pivot_around);
-        let (pivot_dry, pivot_state) = dry(&self.pivot_friction, relative_rate, level, x[n + 1]);
+        let [motor_dry, pivot_dry] = self.dry_parts(&regime, [x[n], x[n + 1]]);
         u[input::MOTOR_TORQUE] = self.motor_torque_nm(current, motor_angle, motor_rate) + loss.motor_nm
-            - motor_dry
+            - motor_dry.torque_nm
             + error.motor_nm
             - hysteresis / ratio
             + added.motor_nm;
         u[input::HUB_TORQUE] = self.hub_torque_nm(relative_angle, motor_angle, relative_rate) + loss.hub_nm
-            - pivot_dry
+            - pivot_dry.torque_nm
             - if self.hose.is_some() { x[n + 2] } else { 0.0 }
             + error.hub_nm
             + hysteresis
@@ -108,8 +100,8 @@ impl Plant {
         if x[state::VOLTAGE].abs() >= bus && dx[state::VOLTAGE] * x[state::VOLTAGE] > 0.0 {
             dx[state::VOLTAGE] = 0.0;
         }
-        dx[n] = motor_state;
-        dx[n + 1] = pivot_state;
+        dx[n] = motor_dry.slope;
+        dx[n + 1] = pivot_dry.slope;
         if let Some(hose) = self.hose {
             dx[n + 2] = hose.slope(x[n + 2], relative_rate);
         }
@@ -117,6 +109,21 @@ impl Plant {
             let last = self.order() - 1;
             dx[last] = hysteresis.slope(x[last], motor_rate / ratio - relative_rate);
         }
+    }
+
+    /// Returns dry friction at the motor and at the pivot, from their states.
+    fn dry_parts(&self, at: &LearnedRegime, states: [f64; 2]) -> [DryPart; 2] {
+        let ratio = self.parameters.gearbox.ratio;
+        let part =
+            |friction: &FrictionModel, place: LearnedPlace, motion: JointMotion, load_nm: f64, z: f64| {
+                let around = Surroundings { angle_rad: motion.angle_rad, load_nm, time_s: at.time_s };
+                let level = self.learned_level(place, at) * friction.level(&around);
+                dry(friction, motion.rate_rad_s, level, z)
+            };
+        [
+            part(&self.motor_friction, LearnedPlace::Motor, at.motor, at.mesh_torque_nm / ratio, states[0]),
+            part(&self.pivot_friction, LearnedPlace::Pivot, at.hub, at.mesh_torque_nm, states[1]),
+        ]
     }
 
     /// Returns whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.
@@ -266,12 +273,19 @@ fn multiply(core: &Core, x: &[f64], u: &[f64], dx: &mut [f64]) {
     }
 }
 
-/// Returns the torque of the dry part and derivative of its state.
-fn dry(friction: &FrictionModel, rate: f64, level: f64, z: f64) -> (f64, f64) {
+/// Dry friction of a joint.
+struct DryPart {
+    torque_nm: f64,
+    /// Derivative of its state.
+    slope: f64,
+}
+
+/// Returns dry friction at a rate and a level, from its state.
+fn dry(friction: &FrictionModel, rate: f64, level: f64, z: f64) -> DryPart {
     if friction.states() > 1 {
-        return (friction.law().steady(rate, level), 0.0);
+        return DryPart { torque_nm: friction.law().steady(rate, level), slope: 0.0 };
     }
     let mut slope = [0.0];
     friction.derivative(rate, level, &[z], &mut slope);
-    (friction.dry_torque(rate, level, &[z]), slope[0])
+    DryPart { torque_nm: friction.dry_torque(rate, level, &[z]), slope: slope[0] }
 }

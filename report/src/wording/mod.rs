@@ -1,11 +1,12 @@
 //! The English sentences of results: what the diagnosis and the identification find, as a person reads it.
 //!
 //! The crates below compute enums and numbers. Here, and nowhere else, they become sentences: [`answer`], a diagnosis; `effects`, the effects
-//! of the library; [`localisation`], where and when; [`recordings`], what is wrong with recordings; [`identification`].
+//! of the library; [`localisation`], where and when; [`recordings`], what is wrong with recordings; [`learned`], a model without a name; [`identification`].
 
 pub mod answer;
 mod effects;
 pub mod identification;
+pub mod learned;
 pub mod localisation;
 pub mod recordings;
 

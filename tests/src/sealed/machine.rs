@@ -49,6 +49,110 @@ pub struct Machine {
     pub hum: [f64; 3],
     /// Relative loss of drive torque per second of running, up to a fifth.
     pub fading: f64,
+    /// Functions that no formula of the library equals.
+    pub hidden: Vec<Hidden>,
+    /// Levels, N m, and stiffnesses, N m/rad, of elements that stretch and then slip, between hub and platform.
+    pub slips: [[f64; 2]; SLIPS],
+}
+
+/// Number of elements that slip.
+pub const SLIPS: usize = 3;
+
+/// A function of one variable, somewhere in the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hidden {
+    pub acts: Acts,
+    pub over: Over,
+    /// Its terms; they add up.
+    pub terms: Vec<Term>,
+}
+
+/// What a hidden function is: a torque, N m, or what is added to a factor of 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Acts {
+    PivotTorque,
+    PivotLevel,
+    MotorTorque,
+    MotorLevel,
+    TorqueConstant,
+    GearStiffness,
+}
+
+/// What a hidden function follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// The hub's angle on the platform, rad.
+    Angle,
+    /// The hub's rate on the platform, rad/s.
+    Rate,
+    /// The motor's angle, rad.
+    Shaft,
+    /// Torque of the gear, N m.
+    Load,
+    /// Time, s.
+    Time,
+}
+
+/// A term of a hidden function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Term {
+    /// a sin(n x + p).
+    Sine([f64; 3]),
+    /// Height, centre, width: h exp(-((x - c) / w)^2).
+    Bump([f64; 3]),
+    /// Coefficient and whole power.
+    Power(f64, i32),
+    /// Stiffness k, distance d and width w of a soft stop at either side.
+    Stops([f64; 3]),
+    /// a (1 - exp(-x / t)).
+    Rise([f64; 2]),
+}
+
+impl Term {
+    fn at(&self, x: f64) -> f64 {
+        match *self {
+            Self::Sine([a, n, p]) => a * (n * x + p).sin(),
+            Self::Bump([height, centre, width]) => height * (-((x - centre) / width).powi(2)).exp(),
+            Self::Power(coefficient, power) => coefficient * x.powi(power),
+            Self::Stops([k, d, w]) => {
+                let beyond = |y: f64| w * (1.0 + (y / w).exp()).ln();
+                -k * (beyond(x - d) - beyond(-x - d))
+            }
+            Self::Rise([a, t]) => a * (1.0 - (-x.max(0.0) / t).exp()),
+        }
+    }
+}
+
+impl Hidden {
+    fn at(&self, x: f64) -> f64 {
+        self.terms.iter().map(|term| term.at(x)).sum()
+    }
+}
+
+/// The variables of hidden functions at an instant.
+#[derive(Debug, Clone, Copy, Default)]
+struct Regimes {
+    angle: f64,
+    rate: f64,
+    shaft: f64,
+    load: f64,
+    time: f64,
+}
+
+impl Machine {
+    /// Sum of the hidden functions of one kind.
+    fn hidden(&self, acts: Acts, at: Regimes) -> f64 {
+        let value = |h: &Hidden| {
+            h.at(match h.over {
+                Over::Angle => at.angle,
+                Over::Rate => at.rate,
+                Over::Shaft => at.shaft,
+                Over::Load => at.load,
+                Over::Time => at.time,
+            })
+        };
+        self.hidden.iter().filter(|h| h.acts == acts).map(value).sum()
+    }
 }
 
 /// Dry friction by Dahl's law with exponent 1, Stribeck level, asymmetry, and viscous part.
@@ -73,6 +177,8 @@ struct Place {
     angle: f64,
     load: f64,
     time: f64,
+    /// What hidden functions add to a factor of 1.
+    more: f64,
 }
 
 /// A sensor of second order with errors.
@@ -98,8 +204,8 @@ pub struct Platform {
 }
 
 /// Number of states: drive voltage, current, motor angle and rate, hub angle and rate, beam angle and rate, two
-/// friction torques, three sensors of two states, the hose's torque.
-pub const STATES: usize = 17;
+/// friction torques, three sensors of two states, the hose's torque, those of the elements that slip.
+pub const STATES: usize = 17 + SLIPS;
 
 impl Dry {
     /// Level at a rate and place.
@@ -108,6 +214,8 @@ impl Dry {
         let [amplitude, order, phase] = self.along;
         let warm = 1.0 - self.warming[0] * (1.0 - (-place.time / self.warming[1]).exp());
         let own = self.level * (1.0 + amplitude * (order * place.angle + phase).sin()) * warm;
+        // a friction that drives would be no friction
+        let own = own * (1.0 + place.more).max(0.1);
         (own + self.per_load * place.load.abs()) * stribeck * (1.0 + self.asymmetry * rate.signum())
     }
 
@@ -156,6 +264,15 @@ impl Machine {
         stiff * (sliding - 0.5 * sliding.abs() * bent - 0.5 * sliding * bent.abs())
     }
 
+    /// Derivatives of the torques of the elements that slip.
+    fn slip_slopes(&self, torques: &[f64], sliding: f64) -> [f64; SLIPS] {
+        std::array::from_fn(|k| {
+            let [level, stiffness] = self.slips[k];
+            let slips = torques[k].abs() >= level && torques[k] * sliding > 0.0;
+            if slips { 0.0 } else { stiffness * sliding }
+        })
+    }
+
     /// Derivatives of the states.
     pub fn slopes(&self, t: f64, x: &[f64; STATES], control: f64, platform: Platform) -> [f64; STATES] {
         let [volts, amps, shaft, spin, hub, hub_rate, beam, beam_rate, motor_dry, pivot_dry, ..] = *x;
@@ -166,37 +283,46 @@ impl Machine {
         d[1] = (clamp(volts) - self.resistance * amps - self.back_emf * spin) / self.inductance;
         let fade = 1.0 - (self.fading * t).min(0.2);
         let wave = |[a, n, p]: [f64; 3]| a * (n * shaft + p).sin();
-        let constant = self.torque_constant * (1.0 + wave(self.torque_ripple));
+        let sliding = hub_rate - platform.rate;
+        let mut at = Regimes { angle: hub - platform.angle, rate: sliding, shaft, load: 0.0, time: t };
+        let own = self.torque_constant * (1.0 + wave(self.torque_ripple));
+        let constant = own * (1.0 + self.hidden(Acts::TorqueConstant, at));
         let drive = constant * fade * amps.clamp(-self.current_limit, self.current_limit);
         let wound = shaft / self.ratio + platform.angle - hub;
         let winding = spin / self.ratio + platform.rate - hub_rate;
         let gear = self.mesh(wound, winding);
+        at.load = gear;
+        let gear = gear + self.hidden(Acts::GearStiffness, at) * (gear - self.gear_damping * winding);
         let lost = (1.0 - self.mesh_efficiency) * gear;
         let forward = 0.5 * (1.0 + spin / spin.hypot(0.05) * gear.signum());
         let (to_hub, to_motor) = (gear - forward * lost, gear - (1.0 - forward) * lost);
         d[2] = spin;
-        d[3] = (drive + wave(self.cogging)
+        d[3] = (drive + wave(self.cogging) + self.hidden(Acts::MotorTorque, at)
             - motor_dry
             - self.motor_friction.viscous * spin
             - to_motor / self.ratio)
             / self.motor_inertia;
-        let sliding = hub_rate - platform.rate;
         let twist = self.beam_stiffness * (hub - beam) + self.beam_damping * (hub_rate - beam_rate);
         let weight =
             (self.gravity + platform.heave) * (self.moment * hub.cos() - self.moment_above * hub.sin());
         let stretch = hub - platform.angle - self.spring_centre;
         let cable = self.spring * stretch + self.spring_cubic * stretch.powi(3) + x[16];
         let drag = self.pivot_friction.viscous * sliding + self.quadratic_drag * sliding * sliding.abs();
-        let hum = self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
+        let slipping: f64 = x[17..].iter().sum();
+        let free = self.hidden(Acts::PivotTorque, at) - slipping;
+        let hum = free + self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
         d[4] = hub_rate;
         d[5] = (to_hub + wave(self.mesh_ripple) + hum - twist - pivot_dry - drag - weight - cable)
             / self.hub_inertia;
         d[6] = beam_rate;
         d[7] = twist / self.beam_inertia;
-        d[8] = self.motor_friction.slope(motor_dry, spin, Place::default());
-        let place = Place { angle: hub - platform.angle, load: gear, time: t };
+        let of_motor = Place { more: self.hidden(Acts::MotorLevel, at), ..Place::default() };
+        d[8] = self.motor_friction.slope(motor_dry, spin, of_motor);
+        let more = self.hidden(Acts::PivotLevel, at);
+        let place = Place { angle: hub - platform.angle, load: gear, time: t, more };
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
         d[16] = self.hose(x[16], sliding);
+        d[17..].copy_from_slice(&self.slip_slopes(&x[17..], sliding));
         let lever = platform.heave + self.lever_arm * platform.acceleration;
         let sensed =
             [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];

@@ -8,6 +8,7 @@ pub mod oracle;
 pub mod row;
 pub mod table;
 pub mod truth;
+pub mod unnamed;
 
 pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record, record_under};
 pub use row::{Row, scored};
@@ -89,6 +90,17 @@ fn recorded(
     };
     let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
     Case { recordings: all(machine), without: without.iter().map(all).collect(), sealed }
+}
+
+/// One experiment of a machine under the proportional-integral controller, with the usual noise.
+fn recorded_plainly(
+    nominal: &Parameters,
+    machine: &Machine,
+    experiment: &Experiment,
+    dice: &mut Dice,
+) -> Written {
+    let [kp, ki, bias] = GAINS;
+    record(machine, &truth::recorder(nominal, kp, ki, bias), experiment, dice)
 }
 
 /// The k-th experiment of a seed, and the numbers that its noise is drawn from.

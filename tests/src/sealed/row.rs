@@ -87,22 +87,29 @@ fn tried(answer: &Answer) -> Vec<Tried> {
 
 /// What the diagnosis is handed of a machine.
 pub fn recordings(case: &Case) -> Vec<Recording> {
-    let one = |(index, written): (usize, &Written)| {
-        let mut recording = Recording::new(format!("{:?}", KINDS[index]), PERIOD)
-            .with(Channel::Demand, written.demand.clone())
-            .with(Channel::Control, written.control.clone())
-            .with(Channel::HubRate, written.hub_rate.clone())
-            .with(Channel::PlatformRate, written.platform_rate.clone())
-            .with(Channel::PlatformAccel, written.platform_accel.clone());
-        if case.sealed.motor_rate {
-            recording.set(Channel::MotorRate, written.motor_rate.clone());
+    let one = |written: (usize, &Written)| {
+        let mut recording = recording_of(written);
+        if !case.sealed.motor_rate {
+            recording.remove(Channel::MotorRate);
         }
-        if case.sealed.hub_position {
-            recording.set(Channel::HubPosition, written.hub_position.clone());
+        if !case.sealed.hub_position {
+            recording.remove(Channel::HubPosition);
         }
         recording
     };
     case.recordings.iter().enumerate().map(one).collect()
+}
+
+/// The recording of the k-th of [`KINDS`], with all sensors.
+pub fn recording_of((index, written): (usize, &Written)) -> Recording {
+    Recording::new(format!("{:?}", KINDS[index]), PERIOD)
+        .with(Channel::Demand, written.demand.clone())
+        .with(Channel::Control, written.control.clone())
+        .with(Channel::HubRate, written.hub_rate.clone())
+        .with(Channel::PlatformRate, written.platform_rate.clone())
+        .with(Channel::PlatformAccel, written.platform_accel.clone())
+        .with(Channel::MotorRate, written.motor_rate.clone())
+        .with(Channel::HubPosition, written.hub_position.clone())
 }
 
 /// Scores an answer.

@@ -3,7 +3,7 @@
 use counterpoise_models::{FrictionLaw, Parameters, Sensor};
 
 use super::experiment::{Dice, Recorder};
-use super::machine::{Dry, Gyro, Machine};
+use super::machine::{Dry, Gyro, Machine, SLIPS};
 
 /// Something that the project does not know.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +83,8 @@ pub fn machine(p: &Parameters) -> Machine {
         platform_late: 0,
         hum: [0.0, 1.0, 0.0],
         fading: 0.0,
+        hidden: Vec::new(),
+        slips: [[0.0; 2]; SLIPS],
     }
 }
 

@@ -1,0 +1,454 @@
+//! The fit of free functions in the simulator: ranked by what they promise, compared by what they predict, the best one fitted as smooth
+//! as held-out stretches ask for.
+
+use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
+
+use crate::findings::answer::Channels;
+use crate::findings::verdict::channels;
+use crate::fitting::output_error::{Fit, FitSelection, Preference, Problem, confidence_intervals};
+use crate::fitting::score::{RecordingPart, Score, score};
+use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
+use crate::learning::reading::{Reading, read};
+use crate::learning::templates::{Template, TemplateContext, is_at};
+use crate::learning::visited::Visited;
+use crate::library::{Component, Effect, learned_element};
+use crate::localisation::error_map::MapCell;
+use crate::recording::series::correlation_time;
+use crate::selection::candidate::{Candidate, whole_parts};
+use crate::selection::searcher::Searcher;
+use crate::simulator_access::{Assessment, Span};
+use crate::tolerance::learning::{
+    COMPARED_ITERATIONS, EVEN_SHARE, FINAL_ITERATIONS, FINE_POINTS, FITTED_CANDIDATES, FITTED_POINTS,
+    FUNCTIONS_AT_MOST, LEAST_PART, LEAST_POWER, LEAST_PROMISE, PROMISE_OF_BEST, ROUGHNESS, SCREENED_POINTS,
+    USUAL_ROUGHNESS,
+};
+use crate::tolerance::{EXPLAINED, FITTED_SHARE};
+
+/// What free functions are fitted to.
+pub struct LearningTask<'a> {
+    /// Simulator, processors and sizes.
+    pub searcher: &'a Searcher<'a>,
+    /// The mechanism: as the project has it, or with the effects that were named.
+    pub base: &'a Parameters,
+    /// The assessments of the recordings for it, with residuals.
+    pub before: &'a [Assessment],
+    /// The localisation.
+    pub map: &'a [MapCell],
+    /// The components that may contain what the model lacks.
+    pub components: &'a [Component],
+    /// What the recordings visit.
+    pub visited: &'a Visited,
+}
+
+/// A model without a name: free functions that were fitted in the simulator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LearnedModel {
+    /// The functions, the one that explains most first.
+    pub parts: Vec<LearnedPart>,
+    /// Largest RMS error over its noise floor on held-out data, before and after.
+    pub worst_held_out: [f64; 2],
+    /// Share of the power of the residual that is left on held-out data, mean over recordings and channels.
+    pub power_left: f64,
+    /// All data, with the functions.
+    pub after: Channels,
+    /// Held-out data, the model before.
+    pub held_out_before: Channels,
+    /// Held-out data, the functions fitted to the rest.
+    pub held_out_after: Channels,
+}
+
+/// One free function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LearnedPart {
+    /// The function, with its band and the recordings' coverage.
+    pub element: LearnedElement,
+    /// Log-likelihood that it gains on held-out data, in nats.
+    pub gain_nats: f64,
+    /// What its curve says; `None` if no simple form does.
+    pub reading: Option<Reading>,
+}
+
+/// A function that was fitted, with the model that has it.
+#[derive(Clone)]
+struct Learned {
+    candidate: Candidate,
+    /// For each function, how rough it may be and the cost's curvature by its values.
+    smoothness: Vec<Smoothness>,
+}
+
+/// What functions are fitted to, and what they are judged by.
+struct Split {
+    selection: FitSelection,
+    parts: Vec<RecordingPart>,
+}
+
+/// How rough a function may be.
+#[derive(Debug, Clone, Copy)]
+struct Smoothness {
+    roughness: f64,
+    curvature: f64,
+}
+
+/// Fits free functions; returns the model and the mechanism with them, or `None` if none explains enough.
+pub fn learn(task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
+    let mut found: Option<Learned> = None;
+    let mut gains = Vec::new();
+    for _ in 0..FUNCTIONS_AT_MOST {
+        let next = task.next(found.as_ref());
+        let Some(next) = next else { break };
+        gains.push(next.candidate.gain() - gains.iter().sum::<f64>());
+        let done = next.candidate.whole.worst() < EXPLAINED || task.searcher.pool.cancelled();
+        found = Some(next);
+        if done {
+            break;
+        }
+    }
+    let found = found?;
+    let parameters = found.candidate.fit.parameters.clone();
+    Some((task.model(&found.candidate, &gains)?, parameters))
+}
+
+impl LearningTask<'_> {
+    /// Returns the model with one more function; `None` if none is worth having.
+    fn next(&self, present: Option<&Learned>) -> Option<Learned> {
+        let searcher = self.searcher;
+        let now = present.map_or(self.base, |p| &p.candidate.fit.parameters);
+        let assessed = match present {
+            Some(p) => searcher.assess_model(now, &|r| p.candidate.assessments.get(r))?,
+            None => self.before.to_vec(),
+        };
+        let context = self.context(now);
+        let ranked = self.ranked(&context, &assessed);
+        let mut best: Option<(Template, Learned)> = None;
+        for (template, _) in ranked {
+            let Some(tried) = self.tried(&context, template, present, &assessed) else { continue };
+            if best.as_ref().is_none_or(|(_, b)| self.is_better(&tried, b, template)) {
+                best = Some((template, tried));
+            }
+            if searcher.pool.cancelled() {
+                return None;
+            }
+        }
+        let (template, coarse) = best?;
+        let fine = self.refined(&context, template, &coarse, present, &assessed);
+        let chosen = fine.filter(|fine| merit(&fine.candidate) > merit(&coarse.candidate)).unwrap_or(coarse);
+        let worth = self.worth(&chosen.candidate, present.map(|p| &p.candidate));
+        worth.then(|| self.fitted_to_all(chosen))
+    }
+
+    fn context<'c>(&'c self, base: &'c Parameters) -> TemplateContext<'c> {
+        let motor_turns = self.searcher.sizes.motor_turns;
+        TemplateContext { base, visited: self.visited, map: self.map, motor_turns }
+    }
+
+    /// Returns the templates that promise most on held-out stretches.
+    fn ranked(&self, context: &TemplateContext, assessed: &[Assessment]) -> Vec<(Template, f64)> {
+        let templates = context.all();
+        let mut all = Vec::new();
+        for (k, template) in templates.iter().enumerate() {
+            self.searcher.pool.progress("modelling", k, templates.len());
+            if self.searcher.pool.cancelled() {
+                break;
+            }
+            let promise = self.promise(context, *template, assessed);
+            all.extend(
+                promise.filter(|promise| *promise > LEAST_PROMISE).map(|promise| (*template, promise)),
+            );
+        }
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let most = all.first().map_or(0.0, |(_, promise)| *promise);
+        all.retain(|(_, promise)| *promise > PROMISE_OF_BEST * most);
+        all.truncate(FITTED_CANDIDATES);
+        all
+    }
+
+    /// Returns the share of the residual's power that a template promises to remove on held-out stretches.
+    fn promise(&self, context: &TemplateContext, template: Template, assessed: &[Assessment]) -> Option<f64> {
+        let element = context.element(template, SCREENED_POINTS)?;
+        let effect = context.effect(&element);
+        let selection = FitSelection::all(assessed.len());
+        let problem = self.problem(context.base, vec![effect], &selection, assessed, &[]);
+        let slopes = problem.slopes(&element.values, assessed)?;
+        let held_out = HeldOut::new(&slopes, assessed);
+        let shares = ROUGHNESS.iter().map(|rough| held_out.share(&element, &element.values, *rough));
+        Some(shares.fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// Fits a template to the first part of every recording.
+    fn tried(
+        &self,
+        context: &TemplateContext,
+        template: Template,
+        present: Option<&Learned>,
+        assessed: &[Assessment],
+    ) -> Option<Learned> {
+        let element = context.element(template, FITTED_POINTS)?;
+        self.fitted(context, &element, present, assessed)
+    }
+
+    /// Fits the chosen template with more points.
+    fn refined(
+        &self,
+        context: &TemplateContext,
+        template: Template,
+        coarse: &Learned,
+        present: Option<&Learned>,
+        assessed: &[Assessment],
+    ) -> Option<Learned> {
+        let element = context.element(template, FINE_POINTS)?;
+        let effect = coarse.candidate.fit.effects.last()?;
+        let (known, count) = (learned_element(effect)?, effect.parameters.len());
+        if known.points.len() >= element.points.len() {
+            return None;
+        }
+        let values = &coarse.candidate.fit.values;
+        let shape = LearnedElement { values: values[values.len() - count..].to_vec(), ..known.clone() };
+        let table = counterpoise_models::plant::LearnedTable::new(&shape)?;
+        let start = element.points.iter().map(|point| table.at(*point)).collect();
+        self.fitted(context, &LearnedElement { values: start, ..element }, present, assessed)
+    }
+
+    /// Fits an element from its values beside those that are present, to the first part of every recording, as rough as held-out
+    /// stretches ask for.
+    fn fitted(
+        &self,
+        context: &TemplateContext,
+        element: &LearnedElement,
+        present: Option<&Learned>,
+        assessed: &[Assessment],
+    ) -> Option<Learned> {
+        let start = element.values.clone();
+        let neutral = LearnedElement {
+            values: vec![element.quantity.neutral(); element.points.len()],
+            name: format!("learned {}", context.base.learned.len() + 1),
+            ..element.clone()
+        };
+        let effect = context.effect(&neutral);
+        let whole = FitSelection::all(assessed.len());
+        let problem = self.problem(context.base, vec![effect], &whole, assessed, &[]);
+        let slopes = problem.slopes(&neutral.values, assessed)?;
+        let curvature = HeldOut::new(&slopes, assessed).curvature;
+        let mut smoothness = present.map_or_else(Vec::new, |p| p.smoothness.clone());
+        smoothness.push(Smoothness { roughness: USUAL_ROUGHNESS, curvature });
+        let mut effects = present.map_or_else(Vec::new, |p| p.candidate.fit.effects.clone());
+        effects.push(effect);
+        let mut values = present.map_or_else(Vec::new, |p| p.candidate.fit.values.clone());
+        values.extend(start);
+        let split = self.split(&effects)?;
+        let near: Vec<Assessment> = assessed.to_vec();
+        let wanted = self.preferences(&effects, &smoothness, split.selection.span);
+        let fit = self.problem(self.base, effects.clone(), &split.selection, &near, &wanted).fit(&values)?;
+        smoothness[effects.len() - 1].roughness =
+            self.smoothest(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
+        let wanted = self.preferences(&effects, &smoothness, split.selection.span);
+        let again = self.problem(self.base, effects, &split.selection, &near, &wanted).fit(&fit.values)?;
+        Some(Learned { candidate: self.assessed(again, split.parts)?, smoothness })
+    }
+
+    /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
+    /// was fitted. A function of time is fitted to every other recording, whole, and predicts those between.
+    fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
+        let count = self.before.len();
+        let elements: Vec<&LearnedElement> = effects.iter().filter_map(|e| learned_element(e)).collect();
+        let compared = |recordings: Vec<usize>, span: Span| FitSelection {
+            iterations: COMPARED_ITERATIONS,
+            restarts: 0,
+            span,
+            ..FitSelection::heads(recordings)
+        };
+        if elements.iter().any(|e| e.variable == RegimeVariable::Time) {
+            let selection = compared((0..count).step_by(2).collect(), Span::Whole);
+            let parts =
+                (1..count).step_by(2).map(|recording| RecordingPart { recording, from: 0.0, to: 1.0 });
+            return (count > 1).then(|| Split { selection, parts: parts.collect() });
+        }
+        let to = |r: usize| elements.iter().map(|e| self.visited.share_in_range(e, r)).fold(1.0, f64::min);
+        let parts: Vec<RecordingPart> = (0..count)
+            .map(|recording| RecordingPart { recording, from: FITTED_SHARE, to: to(recording) })
+            .filter(|part| part.to > part.from + LEAST_PART)
+            .collect();
+        let selection = compared((0..count).collect(), Span::Head);
+        (!parts.is_empty()).then_some(Split { selection, parts })
+    }
+
+    /// Assesses a fit on a recording, from the initial state that was fitted with it if there is one.
+    fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
+        let simulator = self.searcher.simulator;
+        match fit.assessment(recording) {
+            Some(own) => simulator.assess_from(&fit.parameters, recording, own),
+            None => {
+                simulator.assess_near(&fit.parameters, recording, &self.before[recording].without_residuals())
+            }
+        }
+    }
+
+    /// Assesses a fit on all recordings, and on the parts that it was not fitted to.
+    fn assessed(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<Candidate> {
+        let all = 0..self.before.len();
+        let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
+        Some(Candidate {
+            whole: score(&judged, &whole_parts(judged.len()))?,
+            held_out: score(&judged, &parts)?,
+            held_out_before: score(self.before, &parts)?,
+            held_out_parts: parts,
+            assessments: judged.iter().map(Assessment::without_residuals).collect(),
+            needed: Vec::new(),
+            least_gain: self.searcher.sizes.gain_needed(),
+            fit,
+        })
+    }
+
+    /// Returns the preferences of all functions of a model; where the first parts of the recordings do not go, a function is flat if it is
+    /// fitted to them alone.
+    fn preferences(
+        &self,
+        effects: &[&'static Effect],
+        smoothness: &[Smoothness],
+        span: Span,
+    ) -> Vec<Preference> {
+        let mut first = 0;
+        let mut all = Vec::new();
+        for (effect, smooth) in effects.iter().zip(smoothness) {
+            if let Some(element) = learned_element(effect) {
+                all.extend(preferences(element, first, smooth.roughness, smooth.curvature));
+                if span == Span::Head {
+                    let known = self.visited.known_from_heads(element);
+                    all.extend(flat_preferences(&known, first, smooth.curvature));
+                }
+            }
+            first += effect.parameters.len();
+        }
+        all
+    }
+
+    /// Returns the roughness of the last function of a fit with which held-out stretches are predicted best.
+    fn smoothest(&self, fit: &Fit, count: usize) -> Option<f64> {
+        let effect = fit.effects.last()?;
+        let element = learned_element(effect)?;
+        let values = fit.values[fit.values.len() - effect.parameters.len()..].to_vec();
+        let near: Vec<Assessment> = (0..count).map(|r| self.assessment(fit, r)).collect::<Option<_>>()?;
+        let whole = FitSelection::all(count);
+        let problem = self.problem(&fit.parameters, vec![effect], &whole, &near, &[]);
+        let slopes = problem.slopes(&values, &near)?;
+        let held_out = HeldOut::new(&slopes, &near);
+        let share = |rough: &f64| held_out.share(element, &values, *rough);
+        ROUGHNESS.iter().copied().max_by(|a, b| share(a).total_cmp(&share(b)))
+    }
+
+    /// Fits all functions of a model to all recordings, whole; the held-out figures stay those of the fit to the first parts.
+    fn fitted_to_all(&self, learned: Learned) -> Learned {
+        let selection = FitSelection {
+            iterations: FINAL_ITERATIONS,
+            restarts: 1,
+            ..FitSelection::all(self.before.len())
+        };
+        let (effects, smoothness) = (learned.candidate.fit.effects.clone(), &learned.smoothness);
+        let wanted = self.preferences(&effects, smoothness, Span::Whole);
+        let near = &learned.candidate.assessments;
+        let problem = self.problem(self.base, effects, &selection, near, &wanted);
+        let again = problem.fit(&learned.candidate.fit.values);
+        match again.and_then(|fit| self.searcher.replace_fit(&learned.candidate, fit)) {
+            Some(candidate) => Learned { candidate, smoothness: learned.smoothness },
+            None => learned,
+        }
+    }
+
+    fn problem<'p>(
+        &'p self,
+        base: &'p Parameters,
+        effects: Vec<&'static Effect>,
+        selection: &'p FitSelection,
+        assessments: &'p [Assessment],
+        preferences: &'p [Preference],
+    ) -> Problem<'p> {
+        let (simulator, pool) = (self.searcher.simulator, self.searcher.pool);
+        Problem { simulator, pool, selection, base, effects, assessments, preferences }
+    }
+
+    /// Returns whether a function predicts held-out data better than another; one at a component that was located counts as better among
+    /// equals.
+    fn is_better(&self, tried: &Learned, best: &Learned, template: Template) -> bool {
+        let ahead = merit(&tried.candidate) - merit(&best.candidate);
+        let place = |learned: &Learned| {
+            learned.candidate.fit.effects.last().and_then(|e| learned_element(e)).map(|e| e.place)
+        };
+        let located = |place: LearnedPlace| self.components.first().is_some_and(|c| is_at(*c, place));
+        let favoured = located(template.place) && !place(best).is_some_and(located);
+        let even = EVEN_SHARE * merit(&best.candidate).abs();
+        ahead > if favoured { -even } else { 0.0 }
+    }
+
+    /// Returns whether a model with one more function is worth having: it gains enough on held-out data, makes no channel worse there, and
+    /// removes a good part of the residual's power.
+    fn worth(&self, candidate: &Candidate, present: Option<&Candidate>) -> bool {
+        let gained = candidate.gain() - present.map_or(0.0, Candidate::gain);
+        let power_before = present.map_or(1.0, power_left);
+        gained > candidate.least_gain
+            && !candidate.is_harmful()
+            && power_left(candidate) < (1.0 - LEAST_POWER) * power_before
+    }
+
+    /// Returns the model that a candidate is, its functions with bands and coverage.
+    fn model(&self, candidate: &Candidate, gains: &[f64]) -> Option<LearnedModel> {
+        let fit = &candidate.fit;
+        let (samples, inflation) = self.independence(candidate);
+        let intervals = confidence_intervals(fit, samples, inflation);
+        let mut first = 0;
+        let mut parts = Vec::new();
+        for (k, effect) in fit.effects.iter().enumerate() {
+            let (count, known) = (effect.parameters.len(), learned_element(effect)?);
+            let bounds = &intervals[first..first + count];
+            let element = LearnedElement {
+                values: fit.values[first..first + count].to_vec(),
+                half_width: bounds.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
+                coverage: self.visited.coverage(known),
+                ..known.clone()
+            };
+            let reading = read(&element);
+            parts.push(LearnedPart { element, reading, gain_nats: gains.get(k).copied().unwrap_or(0.0) });
+            first += count;
+        }
+        Some(LearnedModel {
+            parts,
+            worst_held_out: [candidate.held_out_before.worst(), candidate.held_out.worst()],
+            power_left: power_left(candidate),
+            after: channels(&candidate.whole),
+            held_out_before: channels(&candidate.held_out_before),
+            held_out_after: channels(&candidate.held_out),
+        })
+    }
+
+    /// Returns the number of residuals, and how many of them carry the information of one.
+    fn independence(&self, candidate: &Candidate) -> (usize, f64) {
+        let (mut samples, mut independent) = (0, 0.0);
+        for (r, near) in candidate.assessments.iter().enumerate() {
+            let parameters = &candidate.fit.parameters;
+            let channels =
+                self.searcher.simulator.residuals(parameters, r, Span::Whole, near).unwrap_or_default();
+            for channel in channels {
+                samples += channel.residual.len();
+                independent += channel.residual.len() as f64 / correlation_time(&channel.residual);
+            }
+        }
+        (samples, samples as f64 / f64::max(independent, 1.0))
+    }
+}
+
+/// Returns the share of the residual's power that a model leaves on held-out data, mean over recordings and channels.
+fn power_left(candidate: &Candidate) -> f64 {
+    let cells = candidate.held_out.cells.iter().zip(&candidate.held_out_before.cells);
+    // a channel that was at its floor before cannot get better, and does not count
+    let far = |score: &Score| score.cells.iter().filter(|c| c.excess > EXPLAINED).count();
+    let all = far(&candidate.held_out_before) == 0;
+    let counted = cells.filter(|(_, before)| all || before.excess > EXPLAINED);
+    let (sum, count) = counted.fold((0.0, 0.0), |(sum, count), (after, before)| {
+        (sum + (after.rms_error / before.rms_error).powi(2), count + 1.0)
+    });
+    sum / f64::max(count, 1.0)
+}
+
+/// Returns the log-likelihood that a model gains for each held-out sample: models may be judged on different parts.
+fn merit(candidate: &Candidate) -> f64 {
+    let samples: f64 = candidate.held_out.cells.iter().map(|cell| cell.samples).sum();
+    candidate.gain() / samples.max(1.0)
+}

@@ -1,0 +1,14 @@
+//! A model for what has no name: free functions, fitted in the simulator at the places where they explain most.
+//!
+//! Modules in reading order: [`visited`] (which values the recordings have of each regime variable), [`templates`] (the functions that
+//! are tried), [`held_out`] (what a function promises on stretches that did not choose it, and how smooth it should be), [`learner`]
+//! (the fit), [`reading`] (a fitted curve in the words of physics).
+
+mod held_out;
+pub mod learner;
+pub mod reading;
+mod templates;
+pub mod visited;
+
+pub use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
+pub use learner::{LearnedModel, LearnedPart, LearningTask, learn};

@@ -1,0 +1,353 @@
+//! A fitted curve in the words of physics: simple forms by weighted least squares to its points, the shortest that is as good as the
+//! noise allows.
+
+use counterpoise_linalg::{Mat, inverse, solve};
+use counterpoise_models::{LearnedElement, RegimeVariable};
+
+use crate::tolerance::learning::{
+    BAND_FLOOR, FORM_GRID, ORDERS_AT_MOST, READ_FROM_COVERAGE, READ_SHARE, SMALLEST_WIDTH,
+};
+
+/// A simple form of a curve over a variable x.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// level.
+    Constant,
+    /// level + slope x.
+    Linear,
+    /// level + step sgn(x).
+    Sign,
+    /// level + slope x beyond a distance, 0 within it.
+    DeadZone,
+    /// level + slope x + bend x^2.
+    Quadratic,
+    /// level + slope x + cubic x^3.
+    Cubic,
+    /// level + rise clamp((x - centre) / width).
+    Saturation,
+    /// level + rise (1 - exp(-(x - x_0) / constant)), x_0 the first point.
+    ExponentialApproach,
+    /// level + amplitude sin(order x + phase).
+    Sine,
+    /// level + height exp(-((x - centre) / width)^2).
+    Bump,
+}
+
+/// A parameter of a form.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FormParameter {
+    /// Name.
+    pub name: &'static str,
+    /// Value, in the units of the curve.
+    pub value: f64,
+    /// Half width of its 95 % interval.
+    pub half_width: f64,
+}
+
+/// What a curve says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// The form.
+    pub form: Form,
+    /// Its parameters.
+    pub parameters: Vec<FormParameter>,
+    /// Share of the curve's variation that the form explains, 0 to 1.
+    pub explained: f64,
+}
+
+impl Reading {
+    /// Returns a parameter's value by its name; 0 if the form has none of that name.
+    pub fn value(&self, name: &str) -> f64 {
+        self.find(name).map_or(0.0, |p| p.value)
+    }
+
+    /// Returns the half width of a parameter's interval by its name; 0 if the form has none of that name.
+    pub fn half_width(&self, name: &str) -> f64 {
+        self.find(name).map_or(0.0, |p| p.half_width)
+    }
+
+    fn find(&self, name: &str) -> Option<&FormParameter> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+}
+
+/// The points of a curve that recordings visit, with weights.
+struct Curve {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    weight: Vec<f64>,
+    low: f64,
+    high: f64,
+}
+
+/// A form with its inner parameters at given values, fitted in the others.
+struct FittedForm {
+    form: Form,
+    inner: Vec<f64>,
+    linear: Vec<f64>,
+    deviation: Vec<f64>,
+    misfit: f64,
+}
+
+/// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
+pub fn read(element: &LearnedElement) -> Option<Reading> {
+    let curve = Curve::of(element)?;
+    let constant = curve.best(Form::Constant)?;
+    let total = constant.misfit;
+    let count = curve.x.len() as f64;
+    let forms = forms_over(element.variable).iter().filter_map(|form| curve.best(*form));
+    // Schwarz 1978, of a curve whose own deviation is one: what is below the noise counts as noise
+    let price = |fit: &FittedForm| {
+        let size = fit.inner.len() + fit.linear.len();
+        count * (1.0 + fit.misfit / count).ln() + size as f64 * count.ln()
+    };
+    let best = forms.chain([constant]).min_by(|a, b| price(a).total_cmp(&price(b)))?;
+    let explained = if total > 0.0 { 1.0 - best.misfit / total } else { 1.0 };
+    let flat = best.form == Form::Constant;
+    let within_noise = best.misfit < count;
+    (if flat { within_noise } else { explained > READ_SHARE || within_noise }).then(|| Reading {
+        form: best.form,
+        parameters: curve.parameters(&best),
+        explained,
+    })
+}
+
+/// Returns the forms that make sense over a variable, the shortest first.
+fn forms_over(variable: RegimeVariable) -> &'static [Form] {
+    match variable {
+        RegimeVariable::Turn => &[Form::Sine, Form::Bump],
+        RegimeVariable::Time => &[Form::Linear, Form::ExponentialApproach, Form::Sine, Form::Quadratic],
+        _ => &[
+            Form::Linear,
+            Form::Sign,
+            Form::DeadZone,
+            Form::Quadratic,
+            Form::Cubic,
+            Form::Saturation,
+            Form::Sine,
+            Form::Bump,
+        ],
+    }
+}
+
+impl Curve {
+    fn of(element: &LearnedElement) -> Option<Self> {
+        let visited = |k: usize| element.coverage.get(k).is_none_or(|share| *share >= READ_FROM_COVERAGE);
+        let kept: Vec<usize> = (0..element.points.len()).filter(|k| visited(*k)).collect();
+        let of = |list: &[f64]| kept.iter().map(|k| list[*k]).collect::<Vec<f64>>();
+        let (x, y) = (of(&element.points), of(&element.values));
+        if x.len() < 5 {
+            return None;
+        }
+        let low_high = |list: &[f64]| {
+            list.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)))
+        };
+        let (bottom, top) = low_high(&y);
+        let floor =
+            BAND_FLOOR * (top - bottom).max(1e-12 * top.abs().max(bottom.abs())).max(f64::MIN_POSITIVE);
+        let weight = |k: &usize| {
+            let half = element.half_width.get(*k).copied().unwrap_or(0.0);
+            (half / 1.96).max(floor).powi(-2)
+        };
+        let (low, high) = low_high(&x);
+        Some(Self { weight: kept.iter().map(weight).collect(), x, y, low, high })
+    }
+
+    /// Returns a form fitted to the curve: its inner parameters by a grid that is refined twice, the others by least squares.
+    fn best(&self, form: Form) -> Option<FittedForm> {
+        let mut grids: Vec<[f64; 2]> = self.inner_ranges(form);
+        let mut best: Option<FittedForm> = None;
+        for _ in 0..if grids.is_empty() { 1 } else { 3 } {
+            for inner in points_of(&grids) {
+                let found = self.fitted(form, inner);
+                best = match (best, found) {
+                    (Some(old), Some(new)) if old.misfit <= new.misfit => Some(old),
+                    (old, new) => new.or(old),
+                };
+            }
+            let at = &best.as_ref()?.inner;
+            for (grid, value) in grids.iter_mut().zip(at) {
+                let reach = 1.5 * (grid[1] - grid[0]) / FORM_GRID as f64;
+                *grid = [(value - reach).max(grid[0]), (value + reach).min(grid[1])];
+            }
+        }
+        best
+    }
+
+    /// Returns the ranges of the parameters that do not enter linearly.
+    fn inner_ranges(&self, form: Form) -> Vec<[f64; 2]> {
+        let range = self.high - self.low;
+        let widths = [SMALLEST_WIDTH * range, range];
+        let reach = self.low.abs().max(self.high.abs());
+        match form {
+            Form::Constant | Form::Linear | Form::Sign | Form::Quadratic | Form::Cubic => Vec::new(),
+            Form::DeadZone => vec![[0.02 * reach, 0.9 * reach]],
+            Form::Saturation | Form::Bump => vec![[self.low, self.high], widths],
+            Form::ExponentialApproach => vec![widths],
+            Form::Sine => vec![[std::f64::consts::TAU * 0.75 / range, self.fastest()]],
+        }
+    }
+
+    /// Returns the fastest sine that the points can show.
+    fn fastest(&self) -> f64 {
+        let spacing = (self.high - self.low) / (self.x.len() - 1) as f64;
+        (std::f64::consts::PI / spacing * 0.8)
+            .min(ORDERS_AT_MOST / (self.high - self.low) * std::f64::consts::TAU)
+    }
+
+    fn row(&self, form: Form, inner: &[f64], x: f64) -> Vec<f64> {
+        match form {
+            Form::Constant => vec![1.0],
+            Form::Linear => vec![1.0, x],
+            Form::Sign => vec![1.0, if x == 0.0 { 0.0 } else { x.signum() }],
+            Form::DeadZone => vec![1.0, (x.abs() - inner[0]).max(0.0) * x.signum()],
+            Form::Quadratic => vec![1.0, x, x * x],
+            Form::Cubic => vec![1.0, x, x * x * x],
+            Form::Saturation => vec![1.0, ((x - inner[0]) / inner[1]).clamp(-1.0, 1.0)],
+            Form::ExponentialApproach => vec![1.0, 1.0 - (-(x - self.low) / inner[0]).exp()],
+            Form::Sine => vec![1.0, (inner[0] * x).sin(), (inner[0] * x).cos()],
+            Form::Bump => vec![1.0, (-((x - inner[0]) / inner[1]).powi(2)).exp()],
+        }
+    }
+
+    fn fitted(&self, form: Form, inner: Vec<f64>) -> Option<FittedForm> {
+        let rows: Vec<Vec<f64>> = self.x.iter().map(|x| self.row(form, &inner, *x)).collect();
+        let count = rows[0].len();
+        let sum = |of: &dyn Fn(usize) -> f64| (0..self.x.len()).map(|k| self.weight[k] * of(k)).sum::<f64>();
+        let mut normal = Mat::from_fn(count, count, |i, j| sum(&|k| rows[k][i] * rows[k][j]));
+        for i in 0..count {
+            normal[(i, i)] *= 1.0 + 1e-12;
+        }
+        let right: Vec<f64> = (0..count).map(|i| sum(&|k| rows[k][i] * self.y[k])).collect();
+        let linear = solve(&normal, &Mat::col(&right)).ok().filter(Mat::is_finite)?.as_slice().to_vec();
+        let missed = |k: usize| self.y[k] - rows[k].iter().zip(&linear).map(|(r, c)| r * c).sum::<f64>();
+        let misfit = sum(&|k| missed(k).powi(2));
+        let free = self.x.len().saturating_sub(count + inner.len()).max(1) as f64;
+        let scale = (misfit / free).max(1.0).sqrt();
+        let covariance = inverse(&normal).ok()?;
+        let deviation = (0..count).map(|i| scale * covariance[(i, i)].max(0.0).sqrt()).collect();
+        Some(FittedForm { form, inner, linear, deviation, misfit })
+    }
+
+    /// Returns half the width of the 95 % interval of an inner parameter: where the misfit has grown by what noise allows.
+    fn inner_half_width(&self, best: &FittedForm, place: usize) -> f64 {
+        let range = self.inner_ranges(best.form)[place];
+        let free = self.x.len().saturating_sub(best.linear.len() + best.inner.len()).max(1) as f64;
+        let allowed = best.misfit + 1.96f64.powi(2) * (best.misfit / free).max(1.0);
+        let worse = |by: f64| {
+            let mut inner = best.inner.clone();
+            inner[place] += by;
+            self.fitted(best.form, inner).is_none_or(|fit| fit.misfit > allowed)
+        };
+        let mut half = 1e-4 * (range[1] - range[0]);
+        while half < range[1] - range[0] && !(worse(half) || best.inner[place] > half && worse(-half)) {
+            half *= 1.25;
+        }
+        half
+    }
+
+    fn parameters(&self, best: &FittedForm) -> Vec<FormParameter> {
+        let linear = |name, k: usize| FormParameter {
+            name,
+            value: best.linear[k],
+            half_width: 1.96 * best.deviation[k],
+        };
+        let inner = |name, k: usize| FormParameter {
+            name,
+            value: best.inner[k],
+            half_width: self.inner_half_width(best, k),
+        };
+        let level = linear("level", 0);
+        match best.form {
+            Form::Constant => vec![level],
+            Form::Linear => vec![level, linear("slope", 1)],
+            Form::Sign => vec![level, linear("step", 1)],
+            Form::DeadZone => vec![level, linear("slope", 1), inner("distance", 0)],
+            Form::Quadratic => vec![level, linear("slope", 1), linear("bend", 2)],
+            Form::Cubic => vec![level, linear("slope", 1), linear("cubic", 2)],
+            Form::Saturation => vec![level, linear("rise", 1), inner("centre", 0), inner("width", 1)],
+            Form::ExponentialApproach => vec![level, linear("rise", 1), inner("constant", 0)],
+            Form::Bump => vec![level, linear("height", 1), inner("centre", 0), inner("width", 1)],
+            Form::Sine => {
+                let (sin, cos) = (best.linear[1], best.linear[2]);
+                let half_width = 1.96 * best.deviation[1].max(best.deviation[2]);
+                let amplitude = FormParameter { name: "amplitude", value: sin.hypot(cos), half_width };
+                let doubt = (half_width / sin.hypot(cos).max(f64::MIN_POSITIVE)).min(std::f64::consts::PI);
+                let phase = FormParameter { name: "phase", value: cos.atan2(sin), half_width: doubt };
+                vec![level, amplitude, inner("order", 0), phase]
+            }
+        }
+    }
+}
+
+/// Returns the points of a grid over some ranges; one without parameters if there are none.
+fn points_of(ranges: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    let mut all = vec![Vec::new()];
+    for [low, high] in ranges {
+        let at = |k: usize| low + (high - low) * k as f64 / (FORM_GRID - 1) as f64;
+        let with = |point: &Vec<f64>, k: usize| point.iter().copied().chain([at(k)]).collect::<Vec<f64>>();
+        all =
+            all.iter().flat_map(|point| (0..FORM_GRID).map(|k| with(point, k)).collect::<Vec<_>>()).collect();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use counterpoise_models::{LearnedPlace, LearnedQuantity};
+
+    fn curve(variable: RegimeVariable, low: f64, high: f64, of: impl Fn(f64) -> f64) -> LearnedElement {
+        let points: Vec<f64> = (0..25).map(|k| low + (high - low) * f64::from(k) / 24.0).collect();
+        // a small error that no form has
+        let values: Vec<f64> =
+            points.iter().enumerate().map(|(k, x)| of(*x) + 0.01 * (2.4 * (k * k) as f64).sin()).collect();
+        let half_width = vec![0.02; 25];
+        let element =
+            LearnedElement::neutral(LearnedPlace::Pivot, LearnedQuantity::FrictionLevel, variable, points);
+        LearnedElement { values, half_width, ..element }
+    }
+
+    #[test]
+    fn each_form_is_read_with_its_numbers() {
+        use RegimeVariable::{Angle, Rate, Time};
+        let near = |reading: &Reading, name: &str, value: f64| {
+            let (found, half) = (reading.value(name), reading.half_width(name));
+            assert!(
+                (found - value).abs() < half.max(0.03 * value.abs()),
+                "{name} {found} +- {half}, not {value}"
+            );
+        };
+        let read =
+            |variable, low, high, of: &dyn Fn(f64) -> f64| read(&curve(variable, low, high, of)).unwrap();
+        let flat = read(Angle, -0.1, 0.1, &|_| 1.2);
+        assert_eq!(flat.form, Form::Constant);
+        let bump = read(Angle, -0.1, 0.1, &|x| 1.0 + 0.4 * (-((x + 0.06) / 0.02f64).powi(2)).exp());
+        assert_eq!(bump.form, Form::Bump);
+        [("height", 0.4), ("centre", -0.06), ("width", 0.02)].iter().for_each(|(n, v)| near(&bump, n, *v));
+        let linear = read(Angle, -0.1, 0.1, &|x| 1.0 + 5.0 * x);
+        assert_eq!(linear.form, Form::Linear);
+        near(&linear, "slope", 5.0);
+        let cubic = read(Rate, -1.0, 1.0, &|x| 0.2 * x - 1.5 * x * x * x);
+        assert_eq!(cubic.form, Form::Cubic);
+        near(&cubic, "cubic", -1.5);
+        let sine = read(Angle, -0.1, 0.1, &|x| 1.0 + 0.3 * (90.0 * x + 0.5).sin());
+        assert_eq!(sine.form, Form::Sine);
+        [("amplitude", 0.3), ("order", 90.0), ("phase", 0.5)].iter().for_each(|(n, v)| near(&sine, n, *v));
+        let rise = read(Time, 0.0, 5.0, &|t| 1.0 + 0.6 * (1.0 - (-t / 1.3).exp()));
+        assert_eq!(rise.form, Form::ExponentialApproach);
+        [("rise", 0.6), ("constant", 1.3)].iter().for_each(|(n, v)| near(&rise, n, *v));
+        let stops = read(Angle, -0.1, 0.1, &|x| -20.0 * (x.abs() - 0.05f64).max(0.0) * x.signum());
+        assert_eq!(stops.form, Form::DeadZone);
+        near(&stops, "distance", 0.05);
+        let sign = read(Rate, -1.0, 1.0, &|x| if x > 0.0 { 0.4 } else { -0.4 });
+        assert!(matches!(sign.form, Form::Sign | Form::Saturation), "{sign:?}");
+    }
+
+    #[test]
+    fn a_curve_without_a_simple_form_is_not_read() {
+        let rough = curve(RegimeVariable::Angle, -0.1, 0.1, |x| (3e3 * (x + 0.11) * (x + 0.11)).sin());
+        assert_eq!(read(&rough), None);
+    }
+}

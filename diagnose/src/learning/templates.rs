@@ -1,0 +1,120 @@
+//! The free functions that are tried: at which place, of what, over which variable, with which points.
+
+use std::f64::consts::TAU;
+
+use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
+
+use crate::learning::visited::Visited;
+use crate::library::{Component, Effect, make_learned_effect};
+use crate::localisation::error_hypotheses::Regime;
+use crate::localisation::error_map::MapCell;
+use crate::localisation::trend::{Repetition, Trend};
+use crate::tolerance::learning::{FACTOR_STEP, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP};
+
+use LearnedPlace::{Gearbox, Motor, Pivot};
+use LearnedQuantity::{FrictionLevel, Stiffness, Torque, TorqueConstant};
+use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
+
+/// A free function to be tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Template {
+    pub place: LearnedPlace,
+    pub quantity: LearnedQuantity,
+    pub variable: RegimeVariable,
+}
+
+/// All that are tried. A torque over the motor's angle beyond one turn is one over the hub's angle.
+const TEMPLATES: [Template; 14] = [
+    Template { place: Pivot, quantity: FrictionLevel, variable: Angle },
+    Template { place: Pivot, quantity: FrictionLevel, variable: Load },
+    Template { place: Pivot, quantity: FrictionLevel, variable: Time },
+    Template { place: Pivot, quantity: Torque, variable: Angle },
+    Template { place: Pivot, quantity: Torque, variable: Rate },
+    Template { place: Pivot, quantity: Torque, variable: Time },
+    Template { place: Motor, quantity: FrictionLevel, variable: Load },
+    Template { place: Motor, quantity: FrictionLevel, variable: Turn },
+    Template { place: Motor, quantity: Torque, variable: Rate },
+    Template { place: Motor, quantity: Torque, variable: Turn },
+    Template { place: Motor, quantity: TorqueConstant, variable: Control },
+    Template { place: Motor, quantity: TorqueConstant, variable: Time },
+    Template { place: Motor, quantity: TorqueConstant, variable: Turn },
+    Template { place: Gearbox, quantity: Stiffness, variable: Load },
+];
+/// Points over a turn, as a multiple of those over a range: cogging has many periods.
+const TURN_POINTS: usize = 2;
+
+/// What templates are made for.
+pub(crate) struct TemplateContext<'a> {
+    /// The mechanism.
+    pub base: &'a Parameters,
+    /// What the recordings visit.
+    pub visited: &'a Visited,
+    /// The localisation.
+    pub map: &'a [MapCell],
+    /// Turns of the motor, as the model counts them, per turn of the machine's own motor.
+    pub motor_turns: f64,
+}
+
+impl TemplateContext<'_> {
+    /// Returns the templates that a machine allows.
+    pub fn all(&self) -> Vec<Template> {
+        let rigid = self.base.gearbox.is_rigid();
+        let slides = |place: LearnedPlace| match place {
+            Motor => self.base.motor_friction.coulomb_nm() > 0.0,
+            _ => self.base.pivot_friction.coulomb_nm() > 0.0,
+        };
+        let allowed = |t: &&Template| {
+            let of_gear = t.place == Gearbox || t.variable == Load;
+            let turns = t.variable != Turn || self.motor_turns == 1.0;
+            !(of_gear && rigid) && turns && (t.quantity != FrictionLevel || slides(t.place))
+        };
+        TEMPLATES.iter().filter(allowed).copied().collect()
+    }
+
+    /// Returns the element of a template with a number of points over what the recordings visit; `None` if the variable does not move.
+    pub fn element(&self, template: Template, count: usize) -> Option<LearnedElement> {
+        let Template { place, quantity, variable } = template;
+        let points = if variable == Turn {
+            let count = TURN_POINTS * count;
+            (0..count).map(|k| TAU * k as f64 / count as f64).collect()
+        } else {
+            let [low, high] = self.visited.range(place, variable)?;
+            let count = if variable == Time { self.time_points(high - low, count) } else { count };
+            (0..count).map(|k| low + (high - low) * k as f64 / (count - 1) as f64).collect()
+        };
+        Some(LearnedElement::neutral(place, quantity, variable, points))
+    }
+
+    /// Returns how many points a function of time needs: more if the mismatch repeats in time.
+    fn time_points(&self, length_s: f64, count: usize) -> usize {
+        let period = self.map.iter().filter(|cell| cell.regime == Regime::Time).filter_map(|cell| match cell
+            .trend
+        {
+            Some(Trend::Periodic { repetition: Some(Repetition::InTime { period_s, .. }) }) => Some(period_s),
+            _ => None,
+        });
+        let shortest = period.fold(f64::INFINITY, f64::min);
+        let needed = (POINTS_A_PERIOD * length_s / shortest) as usize;
+        if shortest.is_finite() && needed <= TIME_POINTS_AT_MOST { needed.max(count) } else { count }
+    }
+
+    /// Returns the effect by which an element is fitted.
+    pub fn effect(&self, element: &LearnedElement) -> &'static Effect {
+        let at_hub = TORQUE_STEP * self.visited.drive_torque_nm;
+        let step = match (element.quantity.is_factor(), element.place) {
+            (true, _) => FACTOR_STEP,
+            (false, Motor) => at_hub / self.base.gearbox.ratio,
+            (false, _) => at_hub,
+        };
+        make_learned_effect(element, step)
+    }
+}
+
+/// Returns the components at which an error explains most and that a place belongs to.
+pub(crate) fn is_at(component: Component, place: LearnedPlace) -> bool {
+    match place {
+        Pivot => matches!(component, Component::Pivot | Component::Structure),
+        Motor => matches!(component, Component::Motor | Component::Amplifier | Component::Control),
+        Gearbox => component == Component::Gearbox,
+    }
+}

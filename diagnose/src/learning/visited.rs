@@ -1,0 +1,148 @@
+//! The values that recordings have of each regime variable: the range over which a free function is known, and how often.
+
+use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
+
+use crate::localisation::torque_balances::Signals;
+use crate::recording::measured_signals::MeasuredSignals;
+use crate::recording::series::rms;
+use crate::tolerance::FITTED_SHARE;
+use crate::tolerance::learning::RANGE_QUANTILE;
+
+/// The values of the regime variables, recording by recording.
+#[derive(Debug, Clone, Default)]
+pub struct Visited {
+    recordings: Vec<VisitedRecording>,
+    /// RMS torque of the drive at the hub, N m.
+    pub drive_torque_nm: f64,
+    ratio: f64,
+    stiffness: f64,
+}
+
+/// The values of one recording.
+#[derive(Debug, Clone, Default)]
+struct VisitedRecording {
+    angle: Vec<f64>,
+    rate: Vec<f64>,
+    motor_rate: Vec<f64>,
+    load: Vec<f64>,
+    drive: Vec<f64>,
+    time: Vec<f64>,
+}
+
+impl Visited {
+    /// Returns what recordings visit.
+    pub fn of(base: &Parameters, recordings: &[MeasuredSignals]) -> Self {
+        let mut torques = Vec::new();
+        let one = |recording: &MeasuredSignals| {
+            let signals = Signals::new(base, recording, None);
+            torques.extend(signals.drive.iter().filter(|torque| torque.is_finite()));
+            let drive = |control: &f64| base.amplifier.drive_v(*control, &base.motor);
+            VisitedRecording {
+                time: (0..signals.relative.len()).map(|k| k as f64 * recording.period_s).collect(),
+                drive: recording.control.iter().map(drive).collect(),
+                angle: signals.angle,
+                rate: signals.relative,
+                motor_rate: signals.motor,
+                load: signals.mesh,
+            }
+        };
+        let recordings = recordings.iter().map(one).collect();
+        Self {
+            recordings,
+            drive_torque_nm: rms(&torques),
+            ratio: base.gearbox.ratio,
+            stiffness: base.gearbox.stiffness_nm_rad,
+        }
+    }
+
+    /// Returns the samples of a variable at a place, recording by recording.
+    fn samples(&self, place: LearnedPlace, variable: RegimeVariable) -> Vec<Vec<f64>> {
+        let one = |r: &VisitedRecording| {
+            let scaled = |series: &[f64], factor: f64| series.iter().map(|x| factor * x).collect();
+            match (variable, place) {
+                (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Pivot) => r.angle.clone(),
+                (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Motor) => {
+                    scaled(&r.angle, self.ratio)
+                }
+                (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Gearbox) => {
+                    scaled(&r.load, 1.0 / self.stiffness)
+                }
+                (RegimeVariable::Rate, LearnedPlace::Motor) => r.motor_rate.clone(),
+                (RegimeVariable::Rate, _) => r.rate.clone(),
+                (RegimeVariable::Load, LearnedPlace::Motor) => scaled(&r.load, 1.0 / self.ratio),
+                (RegimeVariable::Load, _) => r.load.clone(),
+                (RegimeVariable::Control, _) => r.drive.clone(),
+                (RegimeVariable::Time, _) => r.time.clone(),
+            }
+        };
+        self.recordings.iter().map(one).collect()
+    }
+
+    /// Returns the range of an element's variable in the first parts of all recordings, with half a spacing of its points at either end.
+    fn range_of_heads(&self, element: &LearnedElement) -> [f64; 2] {
+        let heads = |series: Vec<f64>| {
+            let count = (series.len() as f64 * FITTED_SHARE) as usize;
+            series.into_iter().take(count).collect::<Vec<f64>>()
+        };
+        let all = self.samples(element.place, element.variable).into_iter().flat_map(heads);
+        let (low, high) = all
+            .filter(|x| x.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let count = element.points.len();
+        let spacing = (element.points[count - 1] - element.points[0]) / (count - 1).max(1) as f64;
+        [low - 0.5 * spacing, high + 0.5 * spacing]
+    }
+
+    /// Returns whether the first parts of the recordings determine each point of an element.
+    pub(crate) fn known_from_heads(&self, element: &LearnedElement) -> Vec<bool> {
+        if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
+            return vec![true; element.points.len()];
+        }
+        let [low, high] = self.range_of_heads(element);
+        element.points.iter().map(|point| (low..=high).contains(point)).collect()
+    }
+
+    /// Returns the share of a recording up to which it stays in the range of the first parts of all recordings: nothing is known of an
+    /// element beyond.
+    pub(crate) fn share_in_range(&self, element: &LearnedElement, recording: usize) -> f64 {
+        if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
+            return 1.0;
+        }
+        let [low, high] = self.range_of_heads(element);
+        let samples = self.samples(element.place, element.variable);
+        let Some(series) = samples.get(recording) else { return 1.0 };
+        let outside = |x: &f64| x.is_finite() && !(low..=high).contains(x);
+        series.iter().position(outside).map_or(1.0, |first| first as f64 / series.len() as f64)
+    }
+
+    /// Returns the range of a variable at a place without the rarest samples; `None` if it does not move.
+    pub fn range(&self, place: LearnedPlace, variable: RegimeVariable) -> Option<[f64; 2]> {
+        let mut sorted = self.samples(place, variable).concat();
+        sorted.retain(|x| x.is_finite());
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        let rare = (RANGE_QUANTILE * last as f64) as usize;
+        let (low, high) = (sorted[rare], sorted[last - rare]);
+        (high - low > 1e-9 * low.abs().max(high.abs()) && high > low).then_some([low, high])
+    }
+
+    /// Returns the share of the samples nearest to each point of an element.
+    pub fn coverage(&self, element: &LearnedElement) -> Vec<f64> {
+        let mut counts = vec![0.0; element.points.len()];
+        let turn = element.variable == RegimeVariable::Turn;
+        let mut total = 0.0;
+        for sample in self.samples(element.place, element.variable).concat() {
+            let at = if turn { sample.rem_euclid(std::f64::consts::TAU) } else { sample };
+            if !at.is_finite() {
+                continue;
+            }
+            let above = element.points.partition_point(|point| *point < at).min(counts.len() - 1);
+            let below = above.saturating_sub(1);
+            let nearer_below = (at - element.points[below]).abs() < (element.points[above] - at).abs();
+            counts[if nearer_below { below } else { above }] += 1.0;
+            total += 1.0;
+        }
+        // four digits are enough for a drawing
+        counts.iter().map(|count| (1e4 * count / f64::max(total, 1.0)).round() * 1e-4).collect()
+    }
+}

@@ -1,0 +1,89 @@
+//! Free functions as effects: one parameter for each point of a table, so that they are fitted as every effect is.
+
+use std::sync::{Mutex, PoisonError};
+
+use counterpoise_models::{LearnedElement, LearnedPlace, Parameters};
+
+use super::effect::{Access, Effect, Kind, Mapping, Parameter};
+use super::names::{Component, EffectName};
+use crate::tolerance::FIT_STEP;
+use crate::tolerance::learning::{FACTOR_BOUNDS, TORQUE_BOUND};
+
+/// Every element that was requested: an effect lives as long as the program, so each is made once.
+static ELEMENTS: Mutex<Vec<(&'static LearnedElement, &'static Effect)>> = Mutex::new(Vec::new());
+
+/// Returns the effect whose parameters are the values of a free function at its points; `step` is a change of a value that the
+/// converters do not hide, in its unit.
+pub fn make_learned_effect(element: &LearnedElement, step: f64) -> &'static Effect {
+    let mut known = ELEMENTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let size = step / FIT_STEP;
+    let same =
+        |(k, e): &&(&'static LearnedElement, &'static Effect)| *k == element && e.parameters[0].size == size;
+    if let Some((_, effect)) = known.iter().find(same) {
+        return effect;
+    }
+    let element: &'static LearnedElement = Box::leak(Box::new(element.clone()));
+    let made: &'static Effect = Box::leak(Box::new(made(element, size)));
+    known.push((element, made));
+    made
+}
+
+/// Returns the element of a free function in the library; `None` for another effect.
+pub fn learned_element(effect: &Effect) -> Option<&'static LearnedElement> {
+    match effect.parameters.first()?.access {
+        Access::Learned { element, .. } => Some(element),
+        _ => None,
+    }
+}
+
+fn made(element: &'static LearnedElement, size: f64) -> Effect {
+    let bound = TORQUE_BOUND * size * FIT_STEP;
+    let bounds = if element.quantity.is_factor() { FACTOR_BOUNDS } else { [-bound, bound] };
+    let unit = if element.quantity.is_factor() { "1" } else { "N m" };
+    let parameter = |(point, at): (usize, &f64)| Parameter {
+        name: Box::leak(format!("value at {at:.4} {}", element.variable.unit()).into_boxed_str()),
+        unit,
+        bounds,
+        size,
+        mapping: Mapping::Linear,
+        access: Access::Learned { element, point },
+    };
+    Effect {
+        // a free function of one regime variable (Kennedy, O'Hagan 2001: discrepancy of a model)
+        effect: EffectName::Unknown,
+        component: component(element.place),
+        kind: Kind::MissingPhysics,
+        parameters: Box::leak(element.points.iter().enumerate().map(parameter).collect()),
+        starts: &[],
+    }
+}
+
+/// Returns the component at which a free function acts.
+pub fn component(place: LearnedPlace) -> Component {
+    match place {
+        LearnedPlace::Pivot => Component::Pivot,
+        LearnedPlace::Motor => Component::Motor,
+        LearnedPlace::Gearbox => Component::Gearbox,
+    }
+}
+
+/// Returns whether an element of a machine is the fitted one, whatever its values.
+fn is_same(a: &LearnedElement, b: &LearnedElement) -> bool {
+    (a.place, a.quantity, a.variable, &a.points) == (b.place, b.quantity, b.variable, &b.points)
+        && a.name == b.name
+}
+
+/// Returns the value of a free function at a point in a mechanism; the neutral one if the mechanism does not have it.
+pub(super) fn read(of: &Parameters, element: &LearnedElement, point: usize) -> f64 {
+    let found = of.learned.iter().find(|e| is_same(e, element));
+    found.map_or(element.quantity.neutral(), |e| e.values[point])
+}
+
+/// Sets the value of a free function at a point; a mechanism that does not have the function is given it.
+pub(super) fn write(of: &mut Parameters, element: &LearnedElement, point: usize, value: f64) {
+    let place = of.learned.iter().position(|e| is_same(e, element)).unwrap_or_else(|| {
+        of.learned.push(element.clone());
+        of.learned.len() - 1
+    });
+    of.learned[place].values[point] = value;
+}

@@ -1,0 +1,64 @@
+//! Limits of free functions: how many points, how smooth, and when one is kept.
+
+/// Factors that a free function may take. Below 0 a friction would drive; a factor of 6 is beyond every practice machine.
+pub const FACTOR_BOUNDS: [f64; 2] = [0.0, 6.0];
+/// Largest torque of a free function, as a multiple of the step with which it is differenced.
+pub const TORQUE_BOUND: f64 = 400.0;
+/// Step of a factor in the numerical derivative. A step of half a percent drowns in the output converter's steps, one of six percent
+/// does not.
+pub const FACTOR_STEP: f64 = 0.05;
+/// Step of a torque, as a share of the RMS torque of the drive at that place: the control then moves by some converter steps.
+pub const TORQUE_STEP: f64 = 0.01;
+/// Points of a function while candidates are ranked.
+pub const SCREENED_POINTS: usize = 8;
+/// Points of a function that is fitted.
+pub const FITTED_POINTS: usize = 12;
+/// Points of the chosen function: enough for a bump of a twentieth of the range.
+pub const FINE_POINTS: usize = 25;
+/// Points of a function of time for each period of what repeats in time.
+pub const POINTS_A_PERIOD: f64 = 8.0;
+/// Largest number of points of a function of time.
+pub const TIME_POINTS_AT_MOST: usize = 60;
+/// Candidates that are fitted in the simulator, of those that were screened.
+pub const FITTED_CANDIDATES: usize = 3;
+/// Share of the best candidate's promise that another must have to be fitted.
+pub const PROMISE_OF_BEST: f64 = 0.25;
+/// Smallest share of the residual's power that a candidate must promise on held-out stretches.
+pub const LEAST_PROMISE: f64 = 0.05;
+/// Weights of the penalty on second differences, relative to the median curvature of the cost, from rough to smooth. The held-out
+/// stretches choose among them.
+pub const ROUGHNESS: [f64; 6] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
+/// The weight while candidates are compared.
+pub const USUAL_ROUGHNESS: f64 = 1e-4;
+/// Weight of the preference for a value that changes nothing, relative to the median curvature: it holds points that no recording visits.
+pub const NEUTRAL_WEIGHT: f64 = 1e-6;
+/// Iterations of a fit while candidates are compared, and of the final one.
+pub const COMPARED_ITERATIONS: usize = 6;
+/// See [`COMPARED_ITERATIONS`].
+pub const FINAL_ITERATIONS: usize = 8;
+/// Free functions of a model at most. Two are enough for an effect that acts along two variables; more follow noise.
+pub const FUNCTIONS_AT_MOST: usize = 2;
+/// Samples of a stretch that is held out while the others choose the smoothness: half a second at 1 kHz.
+pub const HELD_OUT_STRETCH: usize = 500;
+/// Groups of stretches, each held out in turn.
+pub const HELD_OUT_GROUPS: usize = 4;
+/// Share of the residual's power on held-out data that a function must remove to be kept.
+pub const LEAST_POWER: f64 = 0.1;
+/// Quantile of a variable's samples at which the range of a function ends: single spikes of a sensor do not extend it.
+pub const RANGE_QUANTILE: f64 = 0.001;
+/// Share of the recorded samples that a point must have to be read: others are extrapolated.
+pub const READ_FROM_COVERAGE: f64 = 0.002;
+/// Share of a curve's variation that a form must explain to be named.
+pub const READ_SHARE: f64 = 0.9;
+/// Smallest deviation of a point that a reading assumes, as a share of the curve's range: the band of a smooth fit leaves out its own bias.
+pub const BAND_FLOOR: f64 = 0.02;
+/// Points of the grid along each parameter that does not enter a form linearly; it is refined twice.
+pub const FORM_GRID: usize = 24;
+/// Smallest width of a bump, as a share of the range.
+pub const SMALLEST_WIDTH: f64 = 0.02;
+/// Most periods of a sine over the range.
+pub const ORDERS_AT_MOST: f64 = 30.0;
+/// Shortest held-out part of a recording, as a share of its length, that counts.
+pub const LEAST_PART: f64 = 0.05;
+/// Share of the best function's merit within which another counts as equal.
+pub const EVEN_SHARE: f64 = 0.05;

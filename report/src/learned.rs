@@ -1,0 +1,55 @@
+//! The section on free functions: each curve with its band, and the recordings' coverage under it.
+
+use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
+
+use crate::wording::learned::{LearnedFunctionText, LearnedText};
+use crate::{Cell, Column, Section, Table};
+
+/// Returns the section on a model without a name.
+pub(super) fn learned_section(learned: &LearnedText) -> Section {
+    let columns = [
+        Column::Text("place"),
+        Column::Text("quantity"),
+        Column::Text("over"),
+        Column::Text("reading"),
+        Column::Text("range"),
+    ];
+    let mut table = Table::new("Modelled, without a name", &columns);
+    for function in &learned.functions {
+        let texts =
+            [function.place, function.quantity, function.variable, &function.reading, &function.range];
+        table.rows.push(texts.iter().map(|text| Cell::text(*text)).collect());
+    }
+    let figures = learned.functions.iter().map(curve);
+    Section::new("A model of what has no name")
+        .saying(learned.summary.clone())
+        .listing(table)
+        .showing(figures)
+}
+
+/// Returns the curve of a function.
+fn curve(function: &LearnedFunctionText) -> Figure {
+    let pairs = |list: &[f64]| -> Vec<(f64, f64)> {
+        function.points.iter().copied().zip(list.iter().copied()).collect()
+    };
+    let band: Vec<(f64, f64, f64)> = function
+        .points
+        .iter()
+        .zip(function.values.iter().zip(&function.half_width))
+        .map(|(x, (value, half))| (*x, value - half, value + half))
+        .collect();
+    let unit = if function.value_unit.is_empty() { "1" } else { function.value_unit };
+    let value = Panel::new(
+        Axis::linear(function.quantity, unit),
+        vec![Series::solid("fitted in the simulator", Colour::First, pairs(&function.values))],
+    )
+    .with_bands(vec![Band::new("95 %", Colour::First, band)])
+    .with_height(190.0);
+    let coverage = Panel::new(
+        Axis::linear("share of samples", "1"),
+        vec![Series::solid("recorded", Colour::Muted, pairs(&function.coverage))],
+    )
+    .with_height(80.0);
+    let title = format!("{} at the {} over {}", function.quantity, function.place, function.variable);
+    Figure::new(&title, Axis::linear(function.variable, function.variable_unit), vec![value, coverage])
+}

@@ -1,0 +1,334 @@
+//! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
+
+use counterpoise_diagnose::findings::answer::Channels;
+use counterpoise_diagnose::learning::reading::{Form, Reading};
+use counterpoise_diagnose::learning::{
+    LearnedElement, LearnedModel, LearnedPart, LearnedPlace, LearnedQuantity, RegimeVariable,
+};
+use counterpoise_plot::number::short;
+use serde::Serialize;
+
+/// A model without a name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LearnedText {
+    /// One sentence on what it explains.
+    pub summary: String,
+    /// Largest RMS error over its noise floor on held-out data, the model before.
+    pub worst_held_out_before: f64,
+    /// The same, with the functions fitted to the rest.
+    pub worst_held_out_after: f64,
+    /// Share of the power of the residual that is left on held-out data.
+    pub power_left: f64,
+    /// The functions, the one that explains most first.
+    pub functions: Vec<LearnedFunctionText>,
+    /// Fit of all data with the functions.
+    pub after: Channels,
+}
+
+/// A free function.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LearnedFunctionText {
+    /// The component at which it acts.
+    pub place: &'static str,
+    /// What it adds or multiplies.
+    pub quantity: &'static str,
+    /// What it is a function of.
+    pub variable: &'static str,
+    /// Unit of the variable.
+    pub variable_unit: &'static str,
+    /// Unit of the values; empty for a factor.
+    pub value_unit: &'static str,
+    /// Values of the variable.
+    pub points: Vec<f64>,
+    /// The function there.
+    pub values: Vec<f64>,
+    /// Half width of its 95 % band.
+    pub half_width: Vec<f64>,
+    /// Share of the recorded samples nearest to each point.
+    pub coverage: Vec<f64>,
+    /// What the curve says.
+    pub reading: String,
+    /// Over which range it is known.
+    pub range: String,
+}
+
+/// Describes a model without a name.
+pub fn describe_learned(model: &LearnedModel) -> LearnedText {
+    let [before, after] = model.worst_held_out;
+    LearnedText {
+        summary: format!(
+            "On held-out data the worst channel falls from {before:.2} to {after:.2} noise floors, and {:.0} % of the residual's power is removed.",
+            100.0 * (1.0 - model.power_left).max(0.0)
+        ),
+        worst_held_out_before: before,
+        worst_held_out_after: after,
+        power_left: model.power_left,
+        functions: model.parts.iter().map(describe_function).collect(),
+        after: model.after.clone(),
+    }
+}
+
+fn describe_function(part: &LearnedPart) -> LearnedFunctionText {
+    let element = &part.element;
+    LearnedFunctionText {
+        place: place(element.place),
+        quantity: quantity(element.quantity),
+        variable: variable(element.variable),
+        variable_unit: element.variable.unit(),
+        value_unit: element.quantity.unit(),
+        points: element.points.clone(),
+        values: element.values.clone(),
+        half_width: element.half_width.clone(),
+        coverage: element.coverage.clone(),
+        reading: describe_reading(element, part.reading.as_ref()),
+        range: range(element),
+    }
+}
+
+fn place(place: LearnedPlace) -> &'static str {
+    match place {
+        LearnedPlace::Pivot => "pivot",
+        LearnedPlace::Motor => "motor",
+        LearnedPlace::Gearbox => "gearbox",
+    }
+}
+
+fn quantity(quantity: LearnedQuantity) -> &'static str {
+    match quantity {
+        LearnedQuantity::Torque => "torque",
+        LearnedQuantity::FrictionLevel => "friction",
+        LearnedQuantity::Stiffness => "stiffness",
+        LearnedQuantity::Damping => "damping",
+        LearnedQuantity::TorqueConstant => "torque-constant",
+    }
+}
+
+fn variable(variable: RegimeVariable) -> &'static str {
+    match variable {
+        RegimeVariable::Angle => "angle",
+        RegimeVariable::Turn => "turn",
+        RegimeVariable::Rate => "rate",
+        RegimeVariable::Load => "load",
+        RegimeVariable::Control => "control",
+        RegimeVariable::Time => "time",
+    }
+}
+
+/// The subject of a sentence about a function.
+fn subject(element: &LearnedElement) -> String {
+    let at = place(element.place);
+    match element.quantity {
+        LearnedQuantity::Torque => format!("a torque at the {at}"),
+        LearnedQuantity::FrictionLevel => format!("the friction at the {at}"),
+        LearnedQuantity::Stiffness => format!("the stiffness at the {at}"),
+        LearnedQuantity::Damping => format!("the damping at the {at}"),
+        LearnedQuantity::TorqueConstant => "the torque constant".to_owned(),
+    }
+}
+
+fn range(element: &LearnedElement) -> String {
+    let (Some(low), Some(high)) = (element.points.first(), element.points.last()) else {
+        return String::new();
+    };
+    if element.variable == RegimeVariable::Turn {
+        return format!("known over the whole turn of the {}", place(element.place));
+    }
+    format!(
+        "known for {} from {} to {}; flat outside, where the recordings do not go",
+        variable(element.variable),
+        along(element, *low),
+        along(element, *high)
+    )
+}
+
+/// A value of the variable with a unit of its size.
+fn along(element: &LearnedElement, value: f64) -> String {
+    let unit = element.variable.unit();
+    if unit.starts_with("rad") && value.abs() < 0.5 && value != 0.0 {
+        return format!("{} m{unit}", short(1e3 * value));
+    }
+    format!("{} {unit}", short(value))
+}
+
+/// A change of the function, with its interval: in percent for a factor.
+fn change(element: &LearnedElement, value: f64, half: f64) -> String {
+    if element.quantity.is_factor() {
+        return format!(
+            "{:.0} % ({:.0} to {:.0} %)",
+            100.0 * value,
+            100.0 * (value - half),
+            100.0 * (value + half)
+        );
+    }
+    format!("{} N m ({} to {})", short(value), short(value - half), short(value + half))
+}
+
+/// Describes what a curve says, with its numbers and intervals.
+pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> String {
+    let subject = subject(element);
+    let Some(reading) = reading else { return without_form(element, &subject) };
+    let sized = |name: &str| (reading.value(name), reading.half_width(name));
+    let factor = element.quantity.is_factor();
+    match reading.form {
+        Form::Constant => {
+            let (level, half) = sized("level");
+            let off = change(element, level - element.quantity.neutral(), half);
+            format!("{subject} is off by {off} wherever the recordings go")
+        }
+        Form::Linear if factor => evenly(element, &subject, sized("slope")),
+        Form::Linear => line(element, &subject, sized("slope")),
+        Form::DeadZone => stops(element, &subject, reading),
+        Form::Cubic => cubic(element, &subject, reading),
+        Form::Sine => sine(element, &subject, reading),
+        Form::Quadratic => {
+            let bend = short(reading.value("bend"));
+            format!(
+                "{subject} bends with the square of the {}: {bend} per ({})^2",
+                variable(element.variable),
+                element.variable.unit()
+            )
+        }
+        Form::Bump | Form::Sign | Form::Saturation | Form::ExponentialApproach => {
+            step(element, &subject, reading)
+        }
+    }
+}
+
+/// Describes a curve that no simple form explains.
+fn without_form(element: &LearnedElement, subject: &str) -> String {
+    let fold = |start: f64, pick: fn(f64, f64) -> f64| element.values.iter().copied().fold(start, pick);
+    let (low, high) = (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max));
+    let unit = if element.quantity.is_factor() { " times its value" } else { " N m" };
+    let over = variable(element.variable);
+    format!(
+        "{subject} follows the {over} by no simple form, between {} and {}{unit}",
+        short(low),
+        short(high)
+    )
+}
+
+/// Describes a curve that goes from one level to another, or to another and back.
+fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+    let of = |name: &str| change(element, reading.value(name).abs(), reading.half_width(name));
+    let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
+    let at = |name: &str| along(element, reading.value(name));
+    match reading.form {
+        Form::Sign => format!(
+            "{subject} changes its sign with the {}: {} either way",
+            variable(element.variable),
+            of("step")
+        ),
+        Form::Saturation => format!(
+            "{subject} {} by {} within {} of {}, and stays there",
+            rises("rise"),
+            of("rise"),
+            at("width"),
+            at("centre")
+        ),
+        Form::ExponentialApproach => format!(
+            "{subject} {} by {} with a constant of {} +- {} {}",
+            rises("rise"),
+            of("rise"),
+            short(reading.value("constant")),
+            short(reading.half_width("constant")),
+            element.variable.unit()
+        ),
+        _ => format!(
+            "{subject} {} by {} within {} of {}{}",
+            rises("height"),
+            of("height"),
+            at("width"),
+            at("centre"),
+            spot(element, reading.value("height"))
+        ),
+    }
+}
+
+/// Describes a factor that changes in proportion to its variable.
+fn evenly(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) -> String {
+    let reach = element.points.last().unwrap_or(&0.0) - element.points.first().unwrap_or(&0.0);
+    let rises = if slope > 0.0 { "rises" } else { "falls" };
+    let by = change(element, (slope * reach).abs(), half * reach);
+    format!("{subject} {rises} evenly with the {}, by {by} over its range", variable(element.variable))
+}
+
+/// What a bump is called where engineers have a word for it.
+fn spot(element: &LearnedElement, height: f64) -> &'static str {
+    match (element.quantity, height > 0.0) {
+        (LearnedQuantity::FrictionLevel, true) => ": a tight spot",
+        (LearnedQuantity::FrictionLevel, false) => ": a loose spot",
+        _ => "",
+    }
+}
+
+fn line(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) -> String {
+    let size = format!(
+        "{} N m per {} ({} to {})",
+        short(slope.abs()),
+        element.variable.unit(),
+        short(slope.abs() - half),
+        short(slope.abs() + half)
+    );
+    match (element.variable, slope > 0.0) {
+        (RegimeVariable::Angle, true) => {
+            format!("{subject} pushes away from its middle as a spring of negative stiffness does: {size}")
+        }
+        (RegimeVariable::Angle, false) => format!("{subject} acts as a spring: {size}"),
+        (RegimeVariable::Rate, false) => format!("{subject} acts as viscous friction: {size}"),
+        _ => format!("{subject} is proportional to the {}: {size}", variable(element.variable)),
+    }
+}
+
+fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+    let (slope, over) = (reading.value("slope"), variable(element.variable));
+    let hard = slope < 0.0 && element.variable == RegimeVariable::Angle && !element.quantity.is_factor();
+    format!(
+        "{subject} sets in beyond {} of {over} to either side, with {} +- {} per {}{}",
+        along(element, reading.value("distance")),
+        short(slope),
+        short(reading.half_width("slope")),
+        element.variable.unit(),
+        if hard { ": soft stops" } else { "" }
+    )
+}
+
+fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+    let (slope, cube) = (reading.value("slope"), reading.value("cubic"));
+    let what = match (element.quantity, element.variable, cube < 0.0) {
+        (LearnedQuantity::Torque, RegimeVariable::Angle, true) => ": a spring that hardens",
+        (LearnedQuantity::Torque, RegimeVariable::Rate, true) => {
+            ": drag that grows with the cube of the rate"
+        }
+        _ => "",
+    };
+    let unit = element.variable.unit();
+    format!(
+        "{subject} is {} x + {} x^3 ({} to {}), x in {unit}{what}",
+        short(slope),
+        short(cube),
+        short(cube - reading.half_width("cubic")),
+        short(cube + reading.half_width("cubic"))
+    )
+}
+
+fn sine(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+    let amplitude = change(element, reading.value("amplitude"), reading.half_width("amplitude"));
+    let (order, half) = (reading.value("order"), reading.half_width("order"));
+    match element.variable {
+        RegimeVariable::Time => format!(
+            "{subject} swings by {amplitude} at {} +- {} Hz",
+            short(order / std::f64::consts::TAU),
+            short(half / std::f64::consts::TAU)
+        ),
+        RegimeVariable::Angle | RegimeVariable::Turn => format!(
+            "{subject} repeats {} +- {} times a turn, with an amplitude of {amplitude}",
+            short(order),
+            short(half)
+        ),
+        _ => format!(
+            "{subject} repeats every {} of the {}, with an amplitude of {amplitude}",
+            along(element, std::f64::consts::TAU / order),
+            variable(element.variable)
+        ),
+    }
+}
