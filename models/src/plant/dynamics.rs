@@ -74,11 +74,10 @@ impl Plant {
             mesh_torque_nm: mesh_torque,
         };
         let added = self.learned_torques(&regime);
-        let level =
-            self.learned_level(LearnedPlace::Motor, &regime) * self.motor_friction.level(&motor_around);
+        let learned = |place: LearnedPlace| self.learned_level(place, &regime);
+        let level = learned(LearnedPlace::Motor) * self.motor_friction.level(&motor_around);
         let (motor_dry, motor_state) = dry(&self.motor_friction, motor_rate, level, x[n]);
-        let level =
-            self.learned_level(LearnedPlace::Pivot, &regime) * self.pivot_friction.level(&pivot_around);
+        let level = learned(LearnedPlace::Pivot) * self.pivot_friction.level(&pivot_around);
         let (pivot_dry, pivot_state) = dry(&self.pivot_friction, relative_rate, level, x[n + 1]);
         u[input::MOTOR_TORQUE] = self.motor_torque_nm(current, motor_angle, motor_rate) + loss.motor_nm
             - motor_dry
@@ -95,21 +94,32 @@ impl Plant {
         u[input::LOAD] = gravity * cos;
         u[input::MESH_TORQUE] = offset;
         multiply(&core, x, &u, dx);
+        self.complete_core(&core, x, at, dx);
+        dx[n] = motor_state;
+        dx[n + 1] = pivot_state;
+        self.hose_and_hysteresis(x, relative_rate, motor_rate / ratio - relative_rate, dx);
+    }
+
+    /// Sets the derivatives of a hose's torque and of that of the transmission's hysteresis, where there are such.
+    fn hose_and_hysteresis(&self, x: &[f64], hub_rate_rad_s: f64, twist_rate_rad_s: f64, dx: &mut [f64]) {
+        if let Some(hose) = self.hose {
+            let place = self.core_order() + 2;
+            dx[place] = hose.slope(x[place], hub_rate_rad_s);
+        }
+        if let Some(hysteresis) = self.gear_hysteresis {
+            let last = self.order() - 1;
+            dx[last] = hysteresis.slope(x[last], twist_rate_rad_s);
+        }
+    }
+
+    /// Adds what the platform's acceleration does to the core, and holds a voltage at the bus limit.
+    fn complete_core(&self, core: &Core, x: &[f64], at: &Excitation, dx: &mut [f64]) {
         for (slope, carried) in dx.iter_mut().zip(&core.carried) {
             *slope += carried * at.platform_acceleration_rad_s2;
         }
         let bus = self.parameters.amplifier.bus_voltage_v;
         if x[state::VOLTAGE].abs() >= bus && dx[state::VOLTAGE] * x[state::VOLTAGE] > 0.0 {
             dx[state::VOLTAGE] = 0.0;
-        }
-        dx[n] = motor_state;
-        dx[n + 1] = pivot_state;
-        if let Some(hose) = self.hose {
-            dx[n + 2] = hose.slope(x[n + 2], relative_rate);
-        }
-        if let Some(hysteresis) = self.gear_hysteresis {
-            let last = self.order() - 1;
-            dx[last] = hysteresis.slope(x[last], motor_rate / ratio - relative_rate);
         }
     }
 
