@@ -93,21 +93,32 @@ impl Plant {
         u[input::LOAD] = gravity * cos - at.surge_m_s2 * sin;
         u[input::MESH_TORQUE] = offset;
         multiply(&core, x, &u, dx);
+        self.complete_core(&core, x, at, dx);
+        dx[n] = motor_dry.slope;
+        dx[n + 1] = pivot_dry.slope;
+        self.hose_and_hysteresis(x, relative_rate, motor_rate / ratio - relative_rate, dx);
+    }
+
+    /// Sets the derivatives of a hose's torque and of that of the transmission's hysteresis, where there are such.
+    fn hose_and_hysteresis(&self, x: &[f64], hub_rate_rad_s: f64, twist_rate_rad_s: f64, dx: &mut [f64]) {
+        if let Some(hose) = self.hose {
+            let place = self.core_order() + 2;
+            dx[place] = hose.slope(x[place], hub_rate_rad_s);
+        }
+        if let Some(hysteresis) = self.gear_hysteresis {
+            let last = self.order() - 1;
+            dx[last] = hysteresis.slope(x[last], twist_rate_rad_s);
+        }
+    }
+
+    /// Adds what the platform's acceleration does to the core, and holds a voltage at the bus limit.
+    fn complete_core(&self, core: &Core, x: &[f64], at: &Excitation, dx: &mut [f64]) {
         for (slope, carried) in dx.iter_mut().zip(&core.carried) {
             *slope += carried * at.platform_acceleration_rad_s2;
         }
         let bus = self.parameters.amplifier.bus_voltage_v;
         if x[state::VOLTAGE].abs() >= bus && dx[state::VOLTAGE] * x[state::VOLTAGE] > 0.0 {
             dx[state::VOLTAGE] = 0.0;
-        }
-        dx[n] = motor_dry.slope;
-        dx[n + 1] = pivot_dry.slope;
-        if let Some(hose) = self.hose {
-            dx[n + 2] = hose.slope(x[n + 2], relative_rate);
-        }
-        if let Some(hysteresis) = self.gear_hysteresis {
-            let last = self.order() - 1;
-            dx[last] = hysteresis.slope(x[last], motor_rate / ratio - relative_rate);
         }
     }
 
