@@ -110,7 +110,7 @@ const NOT_ALONE: [(&str, &str, &str, &str); 3] = [
 /// Complains of each sensor that cannot be the only one of a loop.
 fn not_alone(v: &mut dyn Visit) {
     for (key, unit, why, add) in NOT_ALONE {
-        if v.has(key) && v.enter(&TableField::optional(key, why), false) {
+        if v.has(key) && v.enter(&TableField::optional(key, why), Presence::Absent) {
             sensor(v, &mut UNKNOWN.clone(), unit);
             v.leave();
             v.complain(key, why, Some(add.to_owned()));

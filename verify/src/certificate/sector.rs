@@ -114,13 +114,13 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
     let nominal = without_dry(parameters, [0.0; 2]);
     let still = Dry { viscous: [0.0; 2], springs: [0.0; 2] };
     let exact = GainErrors { at: [C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 };
-    if outermost_pole(&nominal, &still, (&controller, point), &exact)?.norm() >= 1.0 {
+    if outermost_pole(&nominal, &still, &controller, point, &exact)?.norm() >= 1.0 {
         return Ok(None);
     }
     let whole = Factor { centre: 1.0, a: 1.0, b: 0.0 };
     let joint = |place| Uncertain { factor: whole, places: vec![place] };
     let joints = [joint(Place::MotorDry), joint(Place::PivotDry)];
-    let pulled = UncertainLoop::new((&nominal, rates), (&controller, point), &joints, [0.0; 2])?;
+    let pulled = UncertainLoop::new(&nominal, rates, &controller, point, &joints, [0.0; 2])?;
     let scaled = Scaled::new(&pulled, [motor, pivot])?;
     Ok(Some(scaled.prove(teeth)?))
 }
