@@ -84,10 +84,10 @@ const OTHERS: [(&str, &str); 5] = [
         "cable drive with a current loop and a tachometer on the motor",
         "format = 2
          plant.inertia = 40.0
-         plant.cable = { ratio = 30.0, stiffness = 3e5 }
+         plant.cable = { ratio = 30.0 }
          plant.motor = { inertia = 2e-3, torque_constant = 0.3 }
-         plant.drive = { kind = \"current\", limit = 12.0, bandwidth = \"300 Hz\", delay = \"0.2 ms\" }
-         plant.sensors.tachometer = { place = \"motor\", noise = \"0.01 deg/s\" }
+         plant.drive = { kind = \"current\", limit = 12.0, bandwidth = \"300 Hz\" }
+         plant.sensors.tachometer = { place = \"motor\", noise = \"0.1 deg/s\" }
          plant.interface = { sample_period = 1e-3 }",
     ),
     (
@@ -108,7 +108,7 @@ const OTHERS: [(&str, &str); 5] = [
          plant.mass = 6.0
          plant.motor = { torque_constant = 45.0 }
          plant.drive = { kind = \"current\", limit = 9.0 }
-         plant.sensors.encoder = { resolution = 1e-7 }
+         plant.sensors.encoder = { resolution = 1e-6 }
          plant.interface = { sample_period = 0.25e-3 }",
     ),
     (

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult};
+use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::{Context as PageContext, html, robust, sweep};
@@ -97,6 +97,7 @@ fn print_cost(options: &SweepOptions, cost: Option<String>) {
 fn prepare(options: &SweepOptions) -> Result<Named> {
     let loaded = projects::load(&options.project, Purpose::Sweep)?;
     output::warnings(&loaded, options.results.progress());
+    campaign_is_stated(&loaded.project)?;
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = pipeline::run_stages(&loaded.project, &world)?;
     let campaign = pipeline::campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;

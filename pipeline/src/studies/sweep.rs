@@ -73,6 +73,23 @@ impl CampaignResult {
     }
 }
 
+/// Checks that a project says what a campaign varies and judges: asked before the design, which takes longer.
+///
+/// # Errors
+/// The first section that is missing.
+pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
+    let missing = |section| Err(PipelineError::Missing { section, needed_by: "the campaign" });
+    let Some(asked) = project.campaign() else { return missing("sweep") };
+    let Some(judged) = &project.verify else { return missing("verify") };
+    if asked.variations.is_empty() {
+        return missing("[sweep.variation]");
+    }
+    if judged.requirements.is_empty() {
+        return missing("[verify.requirement]");
+    }
+    Ok(())
+}
+
 /// The Monte Carlo campaign of the project's requirements over its variations.
 ///
 /// # Errors
@@ -89,12 +106,7 @@ pub fn campaign(
         .verify
         .as_ref()
         .ok_or(PipelineError::Missing { section: "verify", needed_by: "the campaign" })?;
-    if asked.variations.is_empty() {
-        return Err(PipelineError::Missing { section: "[sweep.variation]", needed_by: "the campaign" });
-    }
-    if judged.requirements.is_empty() {
-        return Err(PipelineError::Missing { section: "[verify.requirement]", needed_by: "the campaign" });
-    }
+    campaign_is_stated(project)?;
     Ok(Campaign::new(
         modelled.parameters.clone(),
         verified.controller().clone(),

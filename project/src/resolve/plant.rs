@@ -98,7 +98,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         beam,
     );
     described_by_inertias(&mut Words::of(axis, v), &mut plant.lumped);
-    transmission::gearbox_section(&mut Words::of(axis, v), &mut plant.gearbox);
+    transmission::gearbox_section(&mut Words::of(axis, v), plant);
     transmission::other_sections(&mut Words::of(axis, v), plant);
     // a linear motor drives the hub without a transmission, and has the hub's units
     let is_direct = plant.gearbox.kind == Transmission::Direct;
@@ -155,7 +155,7 @@ fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<Lumped>) {
 /// Reads or lists the structure as one or two inertias with more than that.
 fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
     let short = inertias.as_ref().is_some_and(|l| *l == Lumped::rigid(l.hub_inertia_kg_m2));
-    let section = TableField::optional("lumped", "the structure as one inertia or two");
+    let section = TableField::optional("lumped", "the structure as one inertia, two, or more in a chain");
     if v.enter(&section, Presence::from(inertias.is_some() && !short)) {
         let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);
         lumped(v, &mut value);

@@ -28,7 +28,9 @@ const EFFICIENCY: Field =
 const RATIO: Field = Field::new("ratio", "motor turns per hub turn").limit(ABOVE_0);
 
 /// Reads or lists the gearbox; without one the motor is on the hub's axis.
-pub(super) fn gearbox_section(v: &mut dyn Visit, gearbox: &mut Gearbox) {
+pub(super) fn gearbox_section(v: &mut dyn Visit, plant: &mut Parameters) {
+    let load = plant.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2());
+    let gearbox = &mut plant.gearbox;
     let there = gearbox.kind == Transmission::Gearbox;
     let section = TableField::optional("gearbox", "gearbox between motor and hub");
     if !v.enter(&section, Presence::from(there)) {
@@ -41,7 +43,8 @@ pub(super) fn gearbox_section(v: &mut dyn Visit, gearbox: &mut Gearbox) {
     v.number(&RATIO, &mut gearbox.ratio);
     v.number(&STIFFNESS, &mut gearbox.stiffness_nm_rad);
     let damping = Field::new("damping", "at the output, only while the teeth touch").unit("N m s/rad");
-    v.number(&damping.limit(AT_LEAST_0).or(0.0), &mut gearbox.damping_nm_s_rad);
+    let damping = as_usual(damping.limit(AT_LEAST_0), gearbox.stiffness_nm_rad, load);
+    v.number(&damping, &mut gearbox.damping_nm_s_rad);
     v.number(&BACKLASH, &mut gearbox.backlash_rad);
     v.number(&EFFICIENCY, &mut gearbox.mesh_efficiency);
     ripple(
@@ -100,12 +103,9 @@ fn keys(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     v.number(&STIFFNESS, &mut plant.gearbox.stiffness_nm_rad);
     let damping = Field::new("damping", "at the output").unit("N m s/rad").limit(AT_LEAST_0);
-    let damping = damping.or(usual_damping(plant)).assumed(
-        "damping ratio 0.01 with the motor held",
-        "metal parts without a damper: 0.005 to 0.03",
-        UsualRange::Factors(0.5, 3.0),
-    );
+    let load = plant.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2());
     let gearbox = &mut plant.gearbox;
+    let damping = as_usual(damping, gearbox.stiffness_nm_rad, load);
     v.number(&damping, &mut gearbox.damping_nm_s_rad);
     match gearbox.kind {
         Transmission::HarmonicDrive => harmonic(v, gearbox),
@@ -135,11 +135,13 @@ fn harmonic(v: &mut dyn Visit, gearbox: &mut Gearbox) {
         if amplitude == 0.0 { Ripple::NONE } else { Ripple { amplitude, order: LOBES, phase_rad: 0.0 } };
 }
 
-/// Damping of the compliance at a damping ratio of 0.01 of the load on it, the motor held; 0 if it is rigid or the load's inertia is
-/// not stated as a number.
-fn usual_damping(plant: &Parameters) -> f64 {
-    let (gearbox, lumped) = (&plant.gearbox, plant.lumped.as_ref());
-    let load = lumped.map_or(0.0, |l| l.inertia_kg_m2());
-    let damping = 2.0 * DAMPING_RATIO * (gearbox.stiffness_nm_rad * load).sqrt();
-    if damping.is_finite() { damping } else { 0.0 }
+/// The key of a compliance's damping, at a damping ratio of 0.01 of the load on it, the motor held, if it is absent; 0 if the compliance
+/// is rigid or the load's inertia is not stated as a number. Without any damping a resonance has no bound, and no loop bears it.
+fn as_usual(damping: Field, stiffness_nm_rad: f64, load_kg_m2: f64) -> Field {
+    let usual = 2.0 * DAMPING_RATIO * (stiffness_nm_rad * load_kg_m2).sqrt();
+    damping.or(if usual.is_finite() { usual } else { 0.0 }).assumed(
+        "damping ratio 0.01 with the motor held",
+        "metal parts without a damper: 0.005 to 0.03",
+        UsualRange::Factors(0.5, 3.0),
+    )
 }

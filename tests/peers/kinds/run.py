@@ -145,7 +145,13 @@ def main(program):
         told = {f["figure"]: f["value"] for f in answer["figures"]}
         found = figures(y, period, step)
         if found["overshoot_percent"] < 0.1:
-            del found["peak_time_s"]  # a step that does not overshoot has its largest value anywhere
+            # Such a step creeps to its largest value: the instant is decided by rounding, but at the other program's instant
+            # this one must stand as high.
+            there = y[min(round(told["nonlinear_step_peak_time_s"] / period), len(y) - 1)] / step
+            off = abs(max(y) / step - there)
+            worst = max(worst, off)
+            print(f"{name:15} {'at the peak time':18} SciPy {there:12.6f}  its largest  {max(y) / step:12.6f}")
+            del found["peak_time_s"]
         for key, value in found.items():
             other = told[f"nonlinear_step_{key}"]
             scale = 100 + value if key == "overshoot_percent" else value
