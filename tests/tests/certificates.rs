@@ -8,7 +8,7 @@ use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOp
 use counterpoise_synth::Drives;
 use counterpoise_tests::certificates::trial;
 use counterpoise_verify::Procedure;
-use counterpoise_verify::certificate::{CaseCertificate, Stability};
+use counterpoise_verify::certificate::{CaseCertificate, Criterion, Stability};
 
 fn base() -> Project {
     let path = format!("{}/../examples/reference-rig/project.toml", env!("CARGO_MANIFEST_DIR"));
@@ -38,6 +38,26 @@ fn the_reference_rig_is_stable_in_every_regime() {
     assert!(found.regimes.iter().all(|at| at.pole_radius < 1.0), "{:?}", found.regimes);
 }
 
+/// What is proved for every Dahl friction up to the stated stiffness is quiet in simulation with little and with much friction, from the
+/// disturbances that the certificate follows.
+#[test]
+fn the_reference_rig_is_proved_and_quiet_for_other_levels_of_friction() {
+    let proof = certified(&base()).sector.unwrap();
+    assert!(proof.holds(), "{proof:?}");
+    assert_eq!(proof.criterion, Criterion::Circle, "passivity alone fails");
+    for level in [0.1, 3.0] {
+        let mut project = base();
+        for friction in [&mut project.plant.motor_friction, &mut project.plant.pivot_friction] {
+            let stiffness = friction.presliding_stiffness_nm_rad().unwrap();
+            friction.law.scale_coulomb(level);
+            friction.set_presliding_stiffness_nm_rad(stiffness);
+        }
+        let found = certified(&project);
+        assert!(found.is_proved(), "{level}: {:?} {:?}", found.stability, found.sector);
+        assert!(found.orbits.iter().all(|orbit| orbit.rms_rad_s <= 2.0 * found.noise_floor_rad_s), "{level}");
+    }
+}
+
 /// A friction observer that cancels twice the friction that is there makes the loop hunt at rest; its margins do not show it.
 #[test]
 fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
@@ -56,6 +76,7 @@ fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
         sign_rate_rad_s: 0.01,
     });
     let found = certified(&project);
+    assert!(found.sector.is_none(), "no sector argument applies to an observer in the loop");
     let sliding = found.regimes.iter().find(|at| at.regime.key() == "sliding").unwrap();
     assert!(sliding.gain_margin_db > 12.0, "the margins see nothing: {sliding:?}");
     let worst = found.worst_regime().unwrap();

@@ -14,9 +14,8 @@
 //!
 //! The argument does not apply to friction observers in the loop, which give energy, nor to teeth that friction can hold apart.
 
-use counterpoise_lti::C64;
-use counterpoise_lti::CMat;
 use counterpoise_lti::linalg::csolve;
+use counterpoise_lti::{C64, CMat};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::{Friction, FrictionLaw};
 
@@ -208,7 +207,7 @@ impl<'a> Scaled<'a> {
         (None, failed)
     }
 
-    /// The bound of what passes through aliases: 4 (sum b^2 sum r^2 - sum b^2 r^2) at its largest over the frequencies below half the
+    /// The bound of what passes through aliases: 4 sum over j != k of b_k^2 r_j^2 at its largest over the frequencies below half the
     /// sample rate, where b = |Q^-1/2 N control| and r = |Q^-1/2 reading| at each alias, Q the matrix of the condition there.
     fn aliases(&self, multiplier: &Multiplier, nyquist: f64) -> f64 {
         let below = grid_between([MULTIPLIER_RANGE[0] * std::f64::consts::TAU, nyquist]);
@@ -216,17 +215,17 @@ impl<'a> Scaled<'a> {
     }
 
     fn aliases_of(&self, multiplier: &Multiplier, rate: f64, nyquist: f64) -> f64 {
-        let (mut controls, mut readings, mut same) = (0.0, 0.0, 0.0);
+        let mut all = Vec::new();
         for k in -ALIASES..=ALIASES {
             let alias = (rate + 2.0 * nyquist * f64::from(k)).abs();
             let Some([b, r]) = self.sizes(multiplier, alias) else { return f64::INFINITY };
             // the last alias stands for all beyond it, which fall faster than the square of their number
             let weight = if k.abs() == ALIASES { f64::from(ALIASES) } else { 1.0 };
-            controls += weight * b;
-            readings += weight * r;
-            same += b * r;
+            all.push([weight * b, weight * r]);
         }
-        4.0 * (controls * readings - same)
+        let others =
+            |k: usize| -> f64 { all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, x)| x[1]).sum() };
+        4.0 * (0..all.len()).map(|k| all[k][0] * others(k)).sum::<f64>()
     }
 
     /// |Q^-1/2 N control|^2 and |Q^-1/2 reading|^2 at a rate; `None` at a pole.
