@@ -8,14 +8,8 @@ use counterpoise_lti::{C64, CMat, Mat, StateSpace, Timebase, is_stable, response
 
 use crate::error::During;
 use crate::reduction::{bound, choose};
+use crate::tolerance::{IDLE_CONTRIBUTION, MOST_STEPS};
 use crate::{Error, Order, Warning};
-
-/// A step of the iteration that contributes less than this share of a Gramian's factor is idle. The Gramian, and with it the squares of the Hankel
-/// values, is then right to about the square of it, relative to the largest.
-const CONTRIBUTION: f64 = 1e-7;
-
-/// Factorisations at most. A structure has as many dominant modes as it takes steps; two hundred take minutes at 200 000 unknowns.
-const STEPS: usize = 200;
 
 /// A large structure
 ///
@@ -73,11 +67,11 @@ pub fn balred_large(
     }
     let pencil = QuadraticPencil::of(&structure.M, &structure.C, &structure.K).during("balancing")?;
     let ports = Ports { F: &structure.F, P: &structure.P, V: &structure.V };
-    let accuracy = Accuracy { contribution: CONTRIBUTION, steps: STEPS };
+    let accuracy = Accuracy { contribution: IDLE_CONTRIBUTION, steps: MOST_STEPS };
     let gramians = low_rank_gramians(&pencil, &ports, accuracy, watch).during("balancing")?;
     let directions = gramians.balanced(&pencil).during("balancing")?;
     let (kept, mut warnings) = choose(&directions.values, order, 0)?;
-    if gramians.last_contribution > CONTRIBUTION {
+    if gramians.last_contribution > IDLE_CONTRIBUTION {
         warnings.push(Warning::GramiansUnfinished { share: gramians.last_contribution });
     }
     let system = projected(structure, &directions, kept)?;

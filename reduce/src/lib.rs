@@ -8,7 +8,8 @@
 //! border of stability are never reduced: they are split off first and put back unchanged.
 //!
 //! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced`], [`weighted`], [`modal`], [`second_order`],
-//! [`large`] (structures with sparse matrices), [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide), [`error`].
+//! [`large`] (structures with sparse matrices), [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide),
+//! [`error`].
 //!
 //! ```
 //! use counterpoise_lti::{C64, Timebase, Zpk};

@@ -33,6 +33,15 @@ pub const PAIRED_VALUES: f64 = 0.1;
 /// Natural frequencies compared to measure an error; as many as the reduced structure has, at most this many.
 pub const COMPARED_FREQUENCIES: usize = 6;
 
+// ---- large structures ----
+
+/// A step of the iteration for low-rank Gramians that contributes less than this share of the factor is idle. The Gramian, and with it the squares of
+/// the Hankel values, is then right to about the square of it, relative to the largest.
+pub const IDLE_CONTRIBUTION: f64 = 1e-7;
+
+/// Factorisations of a large structure at most. It takes about one for each motion that matters, and two hundred take an hour at 200 000 unknowns.
+pub const MOST_STEPS: usize = 200;
+
 // ---- stable and unstable parts ----
 
 /// A pole counts as on the border of stability within this share of its size.
