@@ -49,7 +49,7 @@ pub const RANGE_QUANTILE: f64 = 0.001;
 /// Share of the recorded samples that a point must have to be read: others are extrapolated.
 pub const READ_FROM_COVERAGE: f64 = 0.002;
 /// Share of a curve's variation that a form must explain to be named.
-pub const READ_SHARE: f64 = 0.9;
+pub const READ_SHARE: f64 = 0.95;
 /// Smallest deviation of a point that a reading assumes, as a share of the curve's range: the band of a smooth fit leaves out its own bias.
 pub const BAND_FLOOR: f64 = 0.02;
 /// Points of the grid along each parameter that does not enter a form linearly; it is refined twice.

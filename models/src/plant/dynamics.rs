@@ -58,25 +58,18 @@ impl Plant {
         let (sin, cos) = self.tilt(hub_angle);
         let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
         let mut u = [0.0; input::COUNT];
-        u[input::DRIVE] = self.parameters.amplifier.drive_v(at.control_v, &self.parameters.motor);
+        let motor = JointMotion { angle_rad: motor_angle, rate_rad_s: motor_rate };
+        let hub = JointMotion { angle_rad: relative_angle, rate_rad_s: relative_rate };
+        let regime = self.regime(x, at, [motor, hub], mesh_torque);
+        u[input::DRIVE] = regime.drive_v;
         u[input::PLATFORM_RATE] = at.platform_rate_rad_s;
         let loss = self.mesh_loss_nm(mesh_torque, motor_rate);
         let hysteresis = if self.gear_hysteresis.is_some() { x[self.order() - 1] } else { 0.0 };
         let error = self.kinematic_error_nm(mesh_torque + hysteresis, motor_angle, motor_rate);
-        let current =
-            dot(&self.current_row()) + self.direct_current_a(u[input::DRIVE], at.platform_rate_rad_s);
-        let regime = LearnedRegime {
-            time_s: at.time_s,
-            drive_v: u[input::DRIVE],
-            current_a: current,
-            motor: JointMotion { angle_rad: motor_angle, rate_rad_s: motor_rate },
-            hub: JointMotion { angle_rad: relative_angle, rate_rad_s: relative_rate },
-            wind_up_rad: x[state::WINDUP],
-            mesh_torque_nm: mesh_torque,
-        };
         let added = self.learned_torques(&regime);
         let [motor_dry, pivot_dry] = self.dry_parts(&regime, [x[n], x[n + 1]]);
-        u[input::MOTOR_TORQUE] = self.motor_torque_nm(current, motor_angle, motor_rate) + loss.motor_nm
+        u[input::MOTOR_TORQUE] = self.motor_torque_nm(regime.current_a, motor_angle, motor_rate)
+            + loss.motor_nm
             - motor_dry.torque_nm
             + error.motor_nm
             - hysteresis / ratio
@@ -119,6 +112,28 @@ impl Plant {
         let bus = self.parameters.amplifier.bus_voltage_v;
         if x[state::VOLTAGE].abs() >= bus && dx[state::VOLTAGE] * x[state::VOLTAGE] > 0.0 {
             dx[state::VOLTAGE] = 0.0;
+        }
+    }
+
+    /// Returns where the plant is, as its free functions see it, with the motion of the motor and of the hub on the platform.
+    fn regime(
+        &self,
+        x: &[f64],
+        at: &Excitation,
+        [motor, hub]: [JointMotion; 2],
+        mesh_torque_nm: f64,
+    ) -> LearnedRegime {
+        let drive_v = self.parameters.amplifier.drive_v(at.control_v, &self.parameters.motor);
+        let of_states: f64 =
+            self.current_row().iter().zip(x).take(self.core_order()).map(|(c, s)| c * s).sum();
+        LearnedRegime {
+            time_s: at.time_s,
+            drive_v,
+            current_a: of_states + self.direct_current_a(drive_v, at.platform_rate_rad_s),
+            motor,
+            hub,
+            wind_up_rad: x[state::WINDUP],
+            mesh_torque_nm,
         }
     }
 
