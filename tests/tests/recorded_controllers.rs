@@ -211,6 +211,5 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     assert!(diagnosed.diagnosis.answer.qualification.iter().any(said));
 }
 
-/// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator, other weights, the tip.
-const EXAMPLES: [&str; 6] =
-    ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf", "azimuth", "tip-control"];
+/// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator.
+const EXAMPLES: [&str; 4] = ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf"];
