@@ -8,6 +8,6 @@ use anyhow::Result;
 pub type Done = Result<ExitCode>;
 
 /// Returns 0 if all verdicts hold, 1 if some fail.
-pub fn verdict_code(passes: bool) -> ExitCode {
-    if passes { ExitCode::SUCCESS } else { ExitCode::from(1) }
+pub fn verdict_code(verdicts: impl IntoIterator<Item = bool>) -> ExitCode {
+    if verdicts.into_iter().all(|holds| holds) { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

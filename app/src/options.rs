@@ -33,6 +33,17 @@ impl Results {
     }
 }
 
+/// Where a report and a result go.
+#[derive(Args, Clone)]
+pub struct Outputs {
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
 /// Arguments of `new`.
 #[derive(Args)]
 pub struct NewOptions {
@@ -103,12 +114,9 @@ pub struct ReplayOptions {
     /// SECONDS; `none` follows it from start to end; `auto` uses half a second if the machine hunts, otherwise `none`
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
     pub windows: ReplayLength,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
+    /// Where report and results go.
     #[command(flatten)]
-    pub results: Results,
+    pub outputs: Outputs,
 }
 
 /// `auto`, `none` or a length in seconds.
@@ -134,12 +142,9 @@ pub struct DiagnoseOptions {
     /// Write the improved project file
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
+    /// Where report and results go.
     #[command(flatten)]
-    pub results: Results,
+    pub outputs: Outputs,
 }
 
 /// Arguments of `identify`.
@@ -156,10 +161,7 @@ pub struct IdentifyOptions {
     /// Write the project file with the identified values
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
+    /// Where report and results go.
     #[command(flatten)]
-    pub results: Results,
+    pub outputs: Outputs,
 }

@@ -13,6 +13,7 @@ use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
 use counterpoise_host::terminal::harmless;
 pub use counterpoise_host::terminal::tell;
+use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::listed;
 
 /// Exit code of a program whose standard output was lost: a full disk, or a reader that has gone away.
@@ -65,13 +66,22 @@ pub fn figure(value: f64) -> String {
 /// Prints a result as JSON where that was asked for; says whether it went to standard output.
 pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     let Some(target) = &results.json else { return Ok(false) };
-    let text = json_text(result)?;
+    let text = with_schema(json_text(result)?);
     if target == Path::new("-") {
         put(&text);
         return Ok(true);
     }
     projects::write(target, text.as_bytes())?;
     Ok(false)
+}
+
+/// Returns the JSON of a result with the name and version of its schema first, unless it states them already. A list has no key for it.
+fn with_schema(text: String) -> String {
+    let own = "\n  \"schema\": ";
+    match text.strip_prefix("{\n") {
+        Some(rest) if !text.contains(own) => format!("{{{own}\"{SCHEMA}\",\n{rest}"),
+        _ => text,
+    }
 }
 
 /// Returns a result as JSON: a key a line, a list of numbers in one line, so that a matrix can be read.
@@ -157,6 +167,21 @@ mod tests {
             "{\n  \"A\": [[1.0, 2.5], [0.0, -1.0]],\n  \"b\": {},\n  \"c\": [{\n    \"d\": null\n  }]\n}\n"
         );
         assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+    }
+
+    #[test]
+    fn a_result_states_its_schema_once() {
+        let with = |value: serde_json::Value| with_schema(json_text(&value).unwrap());
+        assert_eq!(
+            with(serde_json::json!({"a": 1})),
+            "{\n  \"schema\": \"counterpoise.results/1\",\n  \"a\": 1\n}\n"
+        );
+        let stated = serde_json::json!({"a": 1, "schema": SCHEMA});
+        assert_eq!(with(stated.clone()), json_text(&stated).unwrap());
+        let inner = serde_json::json!({"a": {"schema": SCHEMA}});
+        assert!(with(inner).starts_with("{\n  \"schema\": "));
+        assert_eq!(with(serde_json::json!([{"a": 1}])), json_text(&serde_json::json!([{"a": 1}])).unwrap());
+        assert_eq!(with(serde_json::json!({})), "{}\n");
     }
 
     #[test]

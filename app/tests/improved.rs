@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
+
+mod support;
 
 const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/");
 
@@ -25,16 +27,9 @@ fn project(folder: &Path) -> String {
     rig + "\n[recording_controller]\nkind = \"pi\"\nkp = 18.0\nki = 80.0\nbias = 2.88\n\n[recording]\nwindows = [[0.0, 2.5]]\n[recording.channels]\ncontrol = \"control\"\n"
 }
 
-fn folder() -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("improved");
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 #[test]
 fn what_a_diagnosis_saves_every_command_takes() {
-    let folder = folder();
+    let folder = support::folder("improved");
     fs::write(folder.join("project.toml"), project(&folder)).unwrap();
     let recording = format!("{EXAMPLES}left-out-friction/triangle.parquet");
     let run = counterpoise(

@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 
@@ -64,6 +66,9 @@ a list, and `NAME` a key that is a name from the project or the recording, such 
 accounted for in percent, and `ci95` a 95 % interval. The words of a diagnosis' `verdict` are explained in
 [the theory of the diagnosis](../theory/diagnosis.md).
 
+The key `schema` holds name and version of the schema. The number rises when a key changes its meaning or goes; new keys leave it as it is. A
+result that is a list has no place for it; its keys follow the same version.
+
 `counterpoise verify --json` lists every figure that a requirement can ask for, with its unit.
 ";
 
@@ -86,14 +91,30 @@ fn small_campaign() -> String {
     folder.to_str().unwrap().to_owned()
 }
 
-/// Runs the command of an example and returns its result.
-fn run(example: &Example) -> Value {
+/// Runs the commands of all examples, as many at once as the machine has processors, and returns their results in order.
+fn run_all() -> Vec<Value> {
+    let (rig, next) = (small_campaign(), AtomicUsize::new(0));
+    let results: Vec<OnceLock<Value>> = EXAMPLES.iter().map(|_| OnceLock::new()).collect();
+    let work = || {
+        while let Some((k, example)) = EXAMPLES.iter().enumerate().nth(next.fetch_add(1, Ordering::Relaxed)) {
+            results[k].set(run(example, &rig)).unwrap();
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    results.into_iter().map(|result| result.into_inner().unwrap()).collect()
+}
+
+/// Runs the command of an example and returns its result; `rig` is the folder of the small campaign.
+fn run(example: &Example, rig: &str) -> Value {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join(example.name);
     let _ = fs::remove_dir_all(&out);
     fs::create_dir_all(&out).unwrap();
     let result = out.join("result.json");
-    let substituted =
-        |word: &&str| word.replace("OUT", out.to_str().unwrap()).replace("RIG", &small_campaign());
+    let substituted = |word: &&str| word.replace("OUT", out.to_str().unwrap()).replace("RIG", rig);
     let done = Command::new(env!("CARGO_BIN_EXE_counterpoise"))
         .args(example.command.iter().map(substituted))
         .arg(format!("--json={}", result.to_str().unwrap()))
@@ -194,8 +215,8 @@ fn page() -> String {
 #[test]
 fn the_program_gives_the_keys_of_the_stored_results() {
     let writes = std::env::var_os("WRITE_MANUAL").is_some();
-    for example in EXAMPLES {
-        let given = shortened(run(example));
+    for (example, given) in EXAMPLES.iter().zip(run_all()) {
+        let given = shortened(given);
         if writes {
             let text = serde_json::to_string_pretty(&given).unwrap();
             fs::write(stored(example.name), text + "\n").unwrap();

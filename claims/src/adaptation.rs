@@ -189,19 +189,16 @@ pub fn adapted_feedforward(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn adaptation_criteria(name: &str, adapted: f64, truth: f64, unadapted: f64) -> [Criterion; 2] {
     [
         Criterion::at_most(
-            (&format!("{name}: adapted, largest hub rate over the default"), "returns"),
+            &format!("{name}: adapted, largest hub rate over the default"),
+            "returns",
             adapted,
             RETURNED,
             "half more is 3.5 dB",
         )
         .explained_by(RETURNED, RETURNED * truth),
         Criterion::at_least(
-            (
-                &format!(
-                    "{name}: not adapted, smallest hub rate at a changed out-of-balance over the default"
-                ),
-                "does not return",
-            ),
+            &format!("{name}: not adapted, smallest hub rate at a changed out-of-balance over the default"),
+            "does not return",
             unadapted,
             RETURNED,
             "what the adapted one passes, the unadapted one must fail",
@@ -270,7 +267,8 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
             100.0 * worst
         ),
         criteria: vec![Criterion::at_most(
-            ("largest error of the estimate, %", "asked for"),
+            "largest error of the estimate, %",
+            "asked for",
             100.0 * worst,
             15.0,
             "good enough for the feedforward: 15 % of the heave torque is -16 dB",

@@ -188,22 +188,25 @@ pub fn uniform_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         measured: format!("equal lengths, off in % mode by mode: {}", every_column(beam, all)?),
         criteria: vec![
             Criterion::at_most(
-                ("14 elements, modes 1 to 5, largest |off|, %", "4"),
+                "14 elements, modes 1 to 5, largest |off|, %",
+                "4",
                 largest,
                 4.0,
                 "the thesis' own bound",
             ),
             Criterion::within(
-                ("3 elements of equal length, mode 1 off, %", "+0.9"),
+                "3 elements of equal length, mode 1 off, %",
+                "+0.9",
                 first,
-                (-1.0, 1.0),
+                [-1.0, 1.0],
                 "the thesis' own bound",
             )
             .explained_by(found.range[0], found.range[1]),
             Criterion::within(
-                ("3 elements, best place of the nodes, mode 1 off, %", "+0.9"),
+                "3 elements, best place of the nodes, mode 1 off, %",
+                "+0.9",
                 found.range[2],
-                (-1.0, 1.0),
+                [-1.0, 1.0],
                 "if the place of the nodes is the reason, some place must give the thesis' figure",
             ),
         ],
@@ -274,13 +277,15 @@ fn column_criteria(column: &Printed, tapered: &[f64], uniform: &[f64]) -> [Crite
     // the thesis' own table is worse in the mean with few elements; a coarse mesh is so far off that only the direction counts
     [
         Criterion::at_most(
-            (&first_mode, "at most 1"),
+            &first_mode,
+            "at most 1",
             (first(tapered) / first(uniform)).abs(),
             1.0,
             "the thesis says at least as close",
         ),
         Criterion::at_most(
-            (&all_modes, &format!("{own:.2} in its table")),
+            &all_modes,
+            &format!("{own:.2} in its table"),
             mean(tapered) / mean(uniform),
             1.0,
             "at least as close",
@@ -293,16 +298,18 @@ fn column_criteria(column: &Printed, tapered: &[f64], uniform: &[f64]) -> [Crite
 fn smooth_criteria(equal: f64, cone: f64) -> Vec<Criterion> {
     vec![
         Criterion::within(
-            ("3 tapered elements of equal length, mode 1 off, %", "+0.2"),
+            "3 tapered elements of equal length, mode 1 off, %",
+            "+0.2",
             equal,
-            (-0.2, 0.2),
+            [-0.2, 0.2],
             "the thesis' own bound",
         )
         .explained_by(-3.0, 3.0),
         Criterion::within(
-            ("3 tapered elements on one smooth cone, mode 1 off, %", "+0.2"),
+            "3 tapered elements on one smooth cone, mode 1 off, %",
+            "+0.2",
             cone,
-            (-0.5, 0.5),
+            [-0.5, 0.5],
             "without a step inside an element, half a percent is what the cone's place leaves open",
         ),
     ]

@@ -68,7 +68,8 @@ pub fn over_factor(
     what: &str,
     factors: &[f64],
     found: &[Behaviour],
-    (says, others): (&[(f64, &str)], [Vec<Curve>; 2]),
+    says: &[(f64, &str)],
+    others: [Vec<Curve>; 2],
 ) -> Drawing {
     let over = |of: &dyn Fn(&Behaviour) -> f64| factors.iter().zip(found).map(|(x, b)| (*x, of(b))).collect();
     let overshoot = Curve::points("with the observer", over(&|b| b.overshoot_percent));
@@ -231,7 +232,7 @@ pub fn largest_db(
     a: &StateSpace,
     b: &StateSpace,
     input: usize,
-    band_hz: (f64, f64),
+    band_hz: [f64; 2],
 ) -> Result<f64, PipelineError> {
     let rates = rates(band_hz);
     let (x, y) = (Response::of(a)?.at_all(&rates)?, Response::of(b)?.at_all(&rates)?);
@@ -240,7 +241,7 @@ pub fn largest_db(
 }
 
 /// Two hundred rates in rad/s over a band in Hz.
-pub fn rates((low, high): (f64, f64)) -> Vec<f64> {
+pub fn rates([low, high]: [f64; 2]) -> Vec<f64> {
     let ratio: f64 = (high / low).ln() / 199.0;
     (0..200).map(|k| std::f64::consts::TAU * low * (ratio * f64::from(k)).exp()).collect()
 }

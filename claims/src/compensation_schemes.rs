@@ -102,13 +102,15 @@ pub fn schemes_of_the_appendix(bench: &Bench<'_>) -> Result<Claim, PipelineError
         ),
         criteria: vec![
             Criterion::at_least(
-                ("dither over no scheme, RMS hub rate", "no significant improvement"),
+                "dither over no scheme, RMS hub rate",
+                "no significant improvement",
                 rates[1] / rates[0],
                 0.7,
                 "3 dB would be significant",
             ),
             Criterion::at_least(
-                ("best scheme without a model over the observer, RMS hub rate", "the observer is preferred"),
+                "best scheme without a model over the observer, RMS hub rate",
+                "the observer is preferred",
                 best / observed,
                 1.0,
                 "no scheme may be better",

@@ -32,12 +32,7 @@ pub enum Agreement {
 
 impl Criterion {
     /// Returns a criterion that accepts the range from `low` to `high`.
-    pub fn within(
-        (what, thesis): (&str, &str),
-        measured: f64,
-        (low, high): (f64, f64),
-        reason: &str,
-    ) -> Self {
+    pub fn within(what: &str, thesis: &str, measured: f64, [low, high]: [f64; 2], reason: &str) -> Self {
         Self {
             what: what.to_owned(),
             thesis: thesis.to_owned(),
@@ -49,13 +44,13 @@ impl Criterion {
     }
 
     /// Returns a criterion that accepts everything up to a value.
-    pub fn at_most(named: (&str, &str), measured: f64, most: f64, reason: &str) -> Self {
-        Self::within(named, measured, (f64::NEG_INFINITY, most), reason)
+    pub fn at_most(what: &str, thesis: &str, measured: f64, most: f64, reason: &str) -> Self {
+        Self::within(what, thesis, measured, [f64::NEG_INFINITY, most], reason)
     }
 
     /// Returns a criterion that accepts everything from a value on.
-    pub fn at_least(named: (&str, &str), measured: f64, least: f64, reason: &str) -> Self {
-        Self::within(named, measured, (least, f64::INFINITY), reason)
+    pub fn at_least(what: &str, thesis: &str, measured: f64, least: f64, reason: &str) -> Self {
+        Self::within(what, thesis, measured, [least, f64::INFINITY], reason)
     }
 
     /// Returns the same criterion with the range that an explanation predicts.
@@ -90,14 +85,13 @@ mod tests {
     #[test]
     fn a_value_agrees_is_explained_or_disagrees() {
         let of = |measured| {
-            Criterion::within(("ratio", "5"), measured, (2.5, 10.0), "a factor of two")
-                .explained_by(10.0, 20.0)
+            Criterion::within("ratio", "5", measured, [2.5, 10.0], "a factor of two").explained_by(10.0, 20.0)
         };
         assert_eq!(of(5.0).agreement(), Agreement::Agrees);
         assert_eq!(of(15.0).agreement(), Agreement::Explained);
         assert_eq!(of(25.0).agreement(), Agreement::Disagrees);
         assert_eq!(of(f64::NAN).agreement(), Agreement::Disagrees);
         assert_eq!(of(1.0).range(), "2.5 to 10");
-        assert_eq!(Criterion::at_most(("a", "b"), 1.0, 2.0, "").range(), "at most 2");
+        assert_eq!(Criterion::at_most("a", "b", 1.0, 2.0, "").range(), "at most 2");
     }
 }

@@ -14,7 +14,7 @@ use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// Control band, Hz.
-const BAND_HZ: (f64, f64) = (0.1, 10.0);
+const BAND_HZ: [f64; 2] = [0.1, 10.0];
 
 /// Row C9: designed on either model, run on the finer one, linear and nonlinear.
 ///
@@ -54,7 +54,7 @@ pub fn designs_on_two_models(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
             apart[0],
             apart[1],
             apart[2],
-            BAND_HZ.1,
+            BAND_HZ[1],
             margin_db[0],
             margin_db[1],
             ran[0][0],
@@ -83,15 +83,15 @@ fn designs_on_two_models_figures(
     fine: &Plant,
     (linear, other): (&[StateSpace; 2], &Controller),
 ) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates((0.1, 100.0));
+    let drawn = rates([0.1, 100.0]);
     let names = ["designed on two inertias", "designed on finite elements"];
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
         let curves = vec![
-            Curve::line(names[0], gain_db(&linear[0], (0, input), &drawn)?),
-            Curve::reference(names[1], gain_db(&linear[1], (0, input), &drawn)?),
+            Curve::line(names[0], gain_db(&linear[0], input, &drawn)?),
+            Curve::reference(names[1], gain_db(&linear[1], input, &drawn)?),
         ];
-        panels.push(panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ.1, "compared to here"));
+        panels.push(panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ[1], "compared to here"));
     }
     let controllers =
         drawing("The three controllers by both designs (V s/rad, V s²/m, V s/rad)", frequency(), panels);
@@ -130,31 +130,36 @@ fn designs_criteria(
 ) -> Vec<Criterion> {
     vec![
         Criterion::at_most(
-            ("largest difference of the three controllers to 10 Hz, dB", "nearly the same"),
+            "largest difference of the three controllers to 10 Hz, dB",
+            "nearly the same",
             apart_db.iter().copied().fold(0.0, f64::max),
             ALIKE_DB,
             "2 dB is what two careful readings of the figure differ by",
         ),
         Criterion::at_most(
-            ("largest pole of the lumped design on the elements", "no spillover"),
+            "largest pole of the lumped design on the elements",
+            "no spillover",
             radius,
             1.0,
             "stable",
         ),
         Criterion::at_most(
-            ("gain margins apart on the elements, dB", "perform alike"),
+            "gain margins apart on the elements, dB",
+            "perform alike",
             margins_apart_db,
             MARGIN_ALIKE_DB,
             "a quarter of the margin itself",
         ),
         Criterion::at_most(
-            ("overshoots apart, percentage points", "perform alike"),
+            "overshoots apart, percentage points",
+            "perform alike",
             (ran[0][0] - ran[1][0]).abs(),
             OVERSHOOT_ALIKE,
             "2 points can be seen in a figure",
         ),
         Criterion::at_most(
-            ("RMS hub rates apart, relative", "perform alike"),
+            "RMS hub rates apart, relative",
+            "perform alike",
             (ran[0][1] / ran[1][1] - 1.0).abs(),
             RESIDUAL_ALIKE,
             "a tenth is a decibel",

@@ -52,7 +52,7 @@ pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
                 |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
             marks.extend(curve.points.iter().map(ring));
         }
-        series.push(Series::new(&capital(&curve.name), (colour, dash), curve.points));
+        series.push(Series::new(&capital(&curve.name), colour, dash, curve.points));
     }
     Panel::new(y, series).with_marks(marks)
 }
@@ -132,27 +132,27 @@ pub fn hub_panel(curves: Vec<Curve>) -> Panel {
     panel(Axis::linear("hub rate", "mrad/s"), curves)
 }
 
-/// (Hz, dB) of one element of a system's frequency response.
+/// (Hz, dB) of the frequency response of a system's first output over one input.
 ///
 /// # Errors
 /// A response that does not exist.
 pub fn gain_db(
     system: &StateSpace,
-    (output, input): (usize, usize),
+    input: usize,
     rates_rad_s: &[f64],
 ) -> Result<Vec<(f64, f64)>, PipelineError> {
     let values = Response::of(system)?.at_all(rates_rad_s)?;
-    let db = |k: usize| 20.0 * values[k][(output, input)].norm().log10();
+    let db = |k: usize| 20.0 * values[k][(0, input)].norm().log10();
     Ok(rates_rad_s.iter().enumerate().map(|(k, rate)| (rate / std::f64::consts::TAU, db(k))).collect())
 }
 
-/// (Hz, degrees) of one element, without jumps of a whole turn.
+/// (Hz, degrees) of the same, without jumps of a whole turn.
 ///
 /// # Errors
 /// A response that does not exist.
 pub fn phase_deg(
     system: &StateSpace,
-    (output, input): (usize, usize),
+    input: usize,
     rates_rad_s: &[f64],
 ) -> Result<Vec<(f64, f64)>, PipelineError> {
     let values = Response::of(system)?.at_all(rates_rad_s)?;
@@ -162,7 +162,7 @@ pub fn phase_deg(
         before = Some(phase);
         phase
     };
-    let degrees = |k: usize| values[k][(output, input)].arg().to_degrees();
+    let degrees = |k: usize| values[k][(0, input)].arg().to_degrees();
     let both = rates_rad_s.iter().enumerate();
     Ok(both.map(|(k, rate)| (rate / std::f64::consts::TAU, unwrapped(degrees(k)))).collect())
 }

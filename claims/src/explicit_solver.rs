@@ -44,7 +44,8 @@ impl Sliding {
     pub fn new(
         law: FrictionLaw,
         inertia_kg_m2: f64,
-        (hz, amplitude_rad_s): (f64, f64),
+        hz: f64,
+        amplitude_rad_s: f64,
     ) -> Result<Self, PipelineError> {
         let friction = Friction::plain(law, 0.0);
         let coulomb = friction.coulomb_nm();

@@ -42,25 +42,29 @@ pub fn exported_controller(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: vec![
             Criterion::at_most(
-                ("gain margins apart, dB", "the same closed loop"),
+                "gain margins apart, dB",
+                "the same closed loop",
                 (before - after).abs(),
                 0.5,
                 "half a decibel cannot be seen",
             ),
             Criterion::at_most(
-                ("phase margins apart, deg", "the same closed loop"),
+                "phase margins apart, deg",
+                "the same closed loop",
                 (lag_before - lag_after).abs(),
                 1.0,
                 "a degree cannot be seen",
             ),
             Criterion::at_most(
-                ("most that smaller numbers cost, dB", "the same closed loop"),
+                "most that smaller numbers cost, dB",
+                "the same closed loop",
                 most_db,
                 SAME_DB,
                 "a hundredth of the hub rate",
             ),
             Criterion::at_least(
-                ("kinds of numbers that ran in the loop", "runs on the target"),
+                "kinds of numbers that ran in the loop",
+                "runs on the target",
                 ran.figures.len() as f64,
                 3.0,
                 "double, single and fixed point",

@@ -72,19 +72,22 @@ pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: vec![
             Criterion::at_most(
-                ("error of the predicted tip rate over that of taking the hub's", "asked for"),
+                "error of the predicted tip rate over that of taking the hub's",
+                "asked for",
                 as_predicted / as_hub,
                 0.5,
                 "a prediction that is worth its computation halves the error",
             ),
             Criterion::at_most(
-                ("tip rate over hub rate with the whole controller, RMS", "stabilised, too"),
+                "tip rate over hub rate with the whole controller, RMS",
+                "stabilised, too",
                 after / hub_after,
                 1.1,
                 "a tenth more than the hub",
             ),
             Criterion::at_most(
-                ("tip rate with the whole controller over that without control, RMS", "stabilised"),
+                "tip rate with the whole controller over that without control, RMS",
+                "stabilised",
                 after / before,
                 0.5,
                 "half is the least that can be called stabilised",
@@ -153,13 +156,15 @@ pub fn inertia_and_imbalance_apart(bench: &Bench<'_>) -> Result<Claim, PipelineE
         ),
         criteria: vec![
             Criterion::at_least(
-                ("change of the overshoot by inertia over that by out-of-balance", "apart"),
+                "change of the overshoot by inertia over that by out-of-balance",
+                "apart",
                 step_by_inertia / step_by_moment,
                 1.0,
                 "the step belongs to inertia",
             ),
             Criterion::at_least(
-                ("change of the RMS hub rate by out-of-balance over that by inertia", "apart"),
+                "change of the RMS hub rate by out-of-balance over that by inertia",
+                "apart",
                 rate_by_moment / rate_by_inertia,
                 3.0,
                 "stabilisation belongs to out-of-balance",

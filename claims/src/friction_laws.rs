@@ -143,12 +143,9 @@ fn words(values: &[f64]) -> String {
     values.iter().map(|v| format!("{v:.2}")).collect::<Vec<_>>().join(" / ")
 }
 
-/// What a row is called, where it stands and what it says.
-type Named = (&'static str, &'static str, &'static str, &'static str);
-
-fn no_dahl((id, title, source, says): Named) -> Claim {
+fn no_dahl(named: [&'static str; 4]) -> Claim {
     let why = "the mechanism's pivot friction is not Dahl's law, or it has no lumped structure";
-    Claim::not_measured([id, title, source, says], why)
+    Claim::not_measured(named, why)
 }
 
 /// Row C15: the laws' frequency maps.
@@ -156,62 +153,70 @@ fn no_dahl((id, title, source, says): Named) -> Claim {
 /// # Errors
 /// Those of the simulator.
 pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let (id, title, source) = ("C15", "friction models", "7.2, figs 7-2 to 7-5");
-    let says = "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best";
+    let named = [
+        "C15",
+        "friction models",
+        "7.2, figs 7-2 to 7-5",
+        "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best",
+    ];
     let free = free(bench)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl((id, title, source, says))) };
+    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let maps = friction_laws_over_amplitude_maps(&free, shared)?;
     let truth = &maps[0].1;
     let rows: Vec<(&'static str, Vec<f64>)> =
         maps[1..].iter().map(|(name, map)| (*name, distances(map, truth))).collect();
-    let (fixed, moving) = rows.split_at(STATIC.len());
     let large = rows.iter().map(|row| row.1[0]).fold(0.0, f64::max);
-    let smallest = SHARES.len() - 1;
-    let least_static = fixed.iter().map(|row| row.1[smallest]).fold(f64::MAX, f64::min);
-    let most_dynamic = moving.iter().map(|row| row.1[smallest]).fold(0.0, f64::max);
     let table: Vec<String> = rows.iter().map(|(name, row)| format!("{name} {}", words(row))).collect();
     let measured = format!(
         "balanced, motor disconnected, 0.5 to 4 Hz; distance of each law, of the same level and presliding stiffness, from a machine with a brush of {} bristles, in dB at pitch rates of 1 / 0.667 / 0.333 / 0.167 / 0.083 of {PITCH_RAD_S} rad/s: {}",
         BRUSH.0,
         table.join("; ")
     );
+    let why = format!(
+        "at the largest amplitude the laws are still up to {large:.1} dB apart, for a reversal passes through presliding at every amplitude"
+    );
+    Ok(Claim {
+        measured,
+        criteria: friction_laws_over_amplitude_criteria(&rows, large),
+        why,
+        drawings: friction_laws_over_amplitude_figures(&rows, &maps),
+        ..Claim::of(named)
+    })
+}
+
+/// Returns what is asked of the laws' distances from the machine, the largest one at the largest amplitude given.
+fn friction_laws_over_amplitude_criteria(rows: &[(&'static str, Vec<f64>)], large: f64) -> Vec<Criterion> {
+    let (fixed, moving) = rows.split_at(STATIC.len());
+    let smallest = SHARES.len() - 1;
+    let least_static = fixed.iter().map(|row| row.1[smallest]).fold(f64::MAX, f64::min);
+    let most_dynamic = moving.iter().map(|row| row.1[smallest]).fold(0.0, f64::max);
     let overall = |name: &str| rows.iter().find(|row| row.0 == name).map_or(f64::NAN, |row| whole(&row.1));
     let others =
         rows.iter().filter(|row| row.0 != "Dahl").map(|row| whole(&row.1)).fold(f64::INFINITY, f64::min);
-    let criteria = vec![
+    vec![
         Criterion::at_most(
-            ("largest amplitude: farthest law from the machine, dB", "all agree"),
+            "largest amplitude: farthest law from the machine, dB",
+            "all agree",
             large,
             AGREES_DB,
             "1 dB is the width of a line in the figures",
         )
         .explained_by(AGREES_DB, 2.0),
         Criterion::at_least(
-            ("smallest amplitude: nearest static law over farthest dynamic law", "the static ones differ"),
+            "smallest amplitude: nearest static law over farthest dynamic law",
+            "the static ones differ",
             least_static / most_dynamic,
             1.2,
             "a fifth farther can be seen",
         ),
         Criterion::at_most(
-            ("Dahl over the nearest other law, RMS over the map", "Dahl fits best"),
+            "Dahl over the nearest other law, RMS over the map",
+            "Dahl fits best",
             overall("Dahl") / others,
             1.0,
             "no other law may be nearer",
         ),
-    ];
-    let why = format!(
-        "at the largest amplitude the laws are still up to {large:.1} dB apart, for a reversal passes through presliding at every amplitude"
-    );
-    Ok(Claim {
-        id,
-        title,
-        source,
-        says,
-        measured,
-        criteria,
-        why,
-        drawings: friction_laws_over_amplitude_figures(&rows, &maps),
-    })
+    ]
 }
 
 /// A law and its map.
@@ -256,18 +261,23 @@ fn friction_laws_over_amplitude_figures(rows: &[(&'static str, Vec<f64>)], maps:
 /// # Errors
 /// Those of the simulator.
 pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let (id, title, source) = ("C16", "cost of a model", "7.2");
-    let says = "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre";
-    let Some(shared) = shared(bench.parameters()) else { return Ok(no_dahl((id, title, source, says))) };
+    let named = [
+        "C16",
+        "cost of a model",
+        "7.2",
+        "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre",
+    ];
+    let Some(shared) = shared(bench.parameters()) else { return Ok(no_dahl(named)) };
     let laws = [
         ("Dahl", bench.parameters().pivot_friction.law.clone()),
         ("reset integrator", DYNAMIC[2].1(shared)),
         ("LuGre", DYNAMIC[1].1(shared)),
     ];
     let mut own = [0; 3];
-    let pitch = (bench.procedure.pitch.frequency_hz, bench.procedure.pitch.amplitude);
+    let pitch = &bench.procedure.pitch;
     let steps = |law: &FrictionLaw| -> Result<usize, PipelineError> {
-        Ok(Sliding::new(law.clone(), shared.inertia_kg_m2, pitch)?.evaluations(WORKED_S))
+        let sliding = Sliding::new(law.clone(), shared.inertia_kg_m2, pitch.frequency_hz, pitch.amplitude)?;
+        Ok(sliding.evaluations(WORKED_S))
     };
     let mut explicit = [0; 3];
     for (k, (_, law)) in laws.iter().enumerate() {
@@ -286,10 +296,6 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         damped[1]
     );
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "{WORKED_S} s of the closed loop under heave and pitch, one tolerance: {} evaluations with Dahl, {:.2} times that with the reset integrator, {:.2} times with LuGre",
             own[0],
@@ -299,6 +305,7 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         criteria: cost_criteria([ratio(own, 1), ratio(own, 2)], damped[1]),
         why,
         drawings: vec![cost_of_friction_laws_figure([own, explicit])],
+        ..Claim::of(named)
     })
 }
 
@@ -306,23 +313,26 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
 fn cost_criteria(own: [f64; 2], damped: f64) -> Vec<Criterion> {
     vec![
         Criterion::within(
-            ("closed loop: work with the reset integrator over Dahl", "1.5"),
+            "closed loop: work with the reset integrator over Dahl",
+            "1.5",
             own[0],
-            (1.25, 1.8),
+            [1.25, 1.8],
             "a fifth: the thesis rounds to halves",
         )
         .explained_by(0.8, 1.25),
         Criterion::within(
-            ("closed loop: work with LuGre over Dahl", "3"),
+            "closed loop: work with LuGre over Dahl",
+            "3",
             own[1],
-            (2.4, 3.6),
+            [2.4, 3.6],
             "a fifth: the thesis rounds to halves",
         )
         .explained_by(0.8, 1.25),
         Criterion::within(
-            ("explicit solver: work with LuGre of a hundred times the bristle damping over Dahl", "3"),
+            "explicit solver: work with LuGre of a hundred times the bristle damping over Dahl",
+            "3",
             damped,
-            (2.0, 4.5),
+            [2.0, 4.5],
             "if stiffness is the reason, enough damping must give the thesis' ratio",
         ),
     ]
@@ -369,11 +379,14 @@ fn work(bench: &Bench<'_>, parameters: &Parameters) -> Result<usize, PipelineErr
 /// # Errors
 /// Those of the simulator.
 pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let (id, title, source) = ("F3", "why the others fit worse", "9.2");
-    let says =
-        "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps";
+    let named = [
+        "F3",
+        "why the others fit worse",
+        "9.2",
+        "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps",
+    ];
     let free = free(bench)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl((id, title, source, says))) };
+    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let truth = map(&with_law(&free, brush(shared)))?;
     let dahl = whole(&distances(&map(&with_law(&free, DYNAMIC[0].1(shared)))?, &truth));
     let lugre = |x: [f64; 2]| FrictionLaw::Lugre {
@@ -389,16 +402,11 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let a = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, lugre(x)))?, &truth))))?;
     let b = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, reset(x)))?, &truth))))?;
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "RMS distance from the map of a machine with a brush of {} bristles: Dahl {dahl:.2} dB as matched; LuGre {:.2} dB as matched, {:.2} dB fitted (stiffness x{:.2}, damping x{:.3}); reset integrator {:.2} dB, {:.2} dB fitted (x{:.2}, x{:.3}). The usual bristle damping alone set both apart from the machine: with almost none they are no farther than Dahl's law",
             BRUSH.0, a.before, a.after, a.at[0], a.at[1], b.before, b.after, b.at[0], b.at[1]
         ),
         criteria: fitted_criteria(&a, &b, dahl),
-        why: String::new(),
         drawings: vec![fitted_friction_laws_figure(
             &truth,
             [
@@ -408,6 +416,7 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 ("reset integrator fitted", map(&with_law(&free, reset(b.at)))?),
             ],
         )],
+        ..Claim::of(named)
     })
 }
 
@@ -415,25 +424,29 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn fitted_criteria(a: &Fitted, b: &Fitted, dahl: f64) -> Vec<Criterion> {
     vec![
         Criterion::at_most(
-            ("LuGre: distance fitted over as matched", "its parameters are the reason"),
+            "LuGre: distance fitted over as matched",
+            "its parameters are the reason",
             a.after / a.before,
             0.7,
             "a third nearer shows that the parameters were wrong",
         ),
         Criterion::at_most(
-            ("LuGre fitted: bristle damping over the usual one", "its damping sets it apart"),
+            "LuGre fitted: bristle damping over the usual one",
+            "its damping sets it apart",
             a.at[1],
             0.3,
             "most of the damping must go",
         ),
         Criterion::at_most(
-            ("LuGre fitted over Dahl as matched, distance", "its parameters are the reason"),
+            "LuGre fitted over Dahl as matched, distance",
+            "its parameters are the reason",
             a.after / dahl,
             1.0,
             "if the parameters were the reason, the fitted law is no farther than Dahl's",
         ),
         Criterion::at_most(
-            ("reset integrator fitted over Dahl as matched, distance", "its parameters are the reason"),
+            "reset integrator fitted over Dahl as matched, distance",
+            "its parameters are the reason",
             b.after / dahl,
             1.0,
             "if the parameters were the reason, the fitted law is no farther than Dahl's",

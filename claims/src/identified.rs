@@ -120,9 +120,10 @@ pub fn triangle_identification(bench: &Bench<'_>) -> Result<Claim, PipelineError
                 let off = 100.0 * (all[k].value / truth[k] - 1.0);
                 let name = format!("{}: identified off the truth, %", names[k]);
                 Criterion::within(
-                    (&name, "read from the picture"),
+                    &name,
+                    "read from the picture",
                     off,
-                    (-allowed, allowed),
+                    [-allowed, allowed],
                     "as near as the thesis reads it from its plot",
                 )
             })
@@ -192,13 +193,15 @@ pub fn amplifier_curve(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: vec![
             Criterion::at_least(
-                ("points of the curve", "14 in its tables"),
+                "points of the curve",
+                "14 in its tables",
                 points.len() as f64,
                 6.0,
                 "fewer do not show where the curve bends",
             ),
             Criterion::at_most(
-                ("largest error of a point, %", "recovered"),
+                "largest error of a point, %",
+                "recovered",
                 100.0 * worst,
                 10.0,
                 "the scatter of the thesis' own two tables",

@@ -13,7 +13,7 @@ use counterpoise_pipeline::{PipelineError, run_stages};
 use counterpoise_plot::{Axis, Figure as Drawing};
 
 /// Band in which controllers are compared, Hz.
-const BAND_HZ: (f64, f64) = (0.1, 10.0);
+const BAND_HZ: [f64; 2] = [0.1, 10.0];
 
 pub(super) fn configured(bench: &Bench<'_>, name: &str) -> Result<Option<Parameters>, PipelineError> {
     let found: Option<&Configuration> = bench.parameters().configurations.iter().find(|c| c.name == name);
@@ -105,15 +105,17 @@ fn imbalance_criteria(
 ) -> [Criterion; 2] {
     [
         Criterion::at_most(
-            (&format!("{name}: change of the overshoot, percentage points"), "leaves the step alone"),
+            &format!("{name}: change of the overshoot, percentage points"),
+            "leaves the step alone",
             overshoot.abs(),
             3.0,
             "the masses also change the inertia by up to a tenth",
         ),
         Criterion::within(
-            (&format!("{name}: compensated error over the normal"), &format!("{thesis}")),
+            &format!("{name}: compensated error over the normal"),
+            &format!("{thesis}"),
             growth,
-            (0.5 * thesis, 2.0 * thesis),
+            [0.5 * thesis, 2.0 * thesis],
             "a factor of two: the ratio has the rig's own normal error below it",
         )
         .explained_by(0.7 * expected, 1.3 * expected),
@@ -214,7 +216,8 @@ fn redesigned(
     let by_inertia = 20.0 * (inertia(parameters) / inertia(bench.parameters())).log10().abs();
     let stays = |what: &str, db: f64| {
         Criterion::at_most(
-            (&format!("{name}: change of the {what}, dB"), "unchanged"),
+            &format!("{name}: change of the {what}, dB"),
+            "unchanged",
             db,
             0.5,
             "half a decibel cannot be seen in the figure",
@@ -225,14 +228,16 @@ fn redesigned(
         stays("feedback", changes[0]),
         stays("pitch feedforward", changes[2]),
         Criterion::within(
-            (&format!("{name}: change of the heave feedforward, dB"), &format!("{law:.2} by the gain law")),
+            &format!("{name}: change of the heave feedforward, dB"),
+            &format!("{law:.2} by the gain law"),
             changes[1],
-            (law - 0.5, law + 0.5),
+            [law - 0.5, law + 0.5],
             "half a decibel cannot be seen in the figure",
         )
         .explained_by(law - 2.0 * by_inertia - 0.5, law + 2.0 * by_inertia + 0.5),
         Criterion::at_most(
-            (&format!("{name}: error after the redesign over the normal"), "restored"),
+            &format!("{name}: error after the redesign over the normal"),
+            "restored",
             after,
             1.5,
             "less than half more is left",
@@ -247,12 +252,12 @@ fn redesigned(
 
 /// The three paths of each design over frequency.
 fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> {
-    let drawn = rates((0.1, 50.0));
+    let drawn = rates([0.1, 50.0]);
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
         let mut curves = Vec::new();
         for (factor, controller) in designs {
-            let points = gain_db(&linear(controller)?, (0, input), &drawn)?;
+            let points = gain_db(&linear(controller)?, input, &drawn)?;
             curves.push(Curve::line(format!("out-of-balance x{factor}"), points));
         }
         panels.push(panel(Axis::linear(name, "dB"), curves));
@@ -313,13 +318,15 @@ pub fn gravity_over_elevation(bench: &Bench<'_>) -> Result<Claim, PipelineError>
         ),
         criteria: vec![
             Criterion::at_most(
-                ("largest departure from the cosine law, relative", "cosine"),
+                "largest departure from the cosine law, relative",
+                "cosine",
                 worst,
                 1e-3,
                 "a plane mechanism with its centre of mass on the beam has no other term",
             ),
             Criterion::at_most(
-                ("holding drive at 60 deg over that at level", "0.5"),
+                "holding drive at 60 deg over that at level",
+                "0.5",
                 at(60.0) / level,
                 0.55,
                 "the cosine of 60 degrees, with a tenth for the height of the centre of mass",

@@ -83,10 +83,15 @@ pub enum Finding {
 }
 
 impl Claim {
+    /// Returns a row by its name, title, place in the thesis and what the thesis says; nothing is measured yet.
+    pub fn of([id, title, source, says]: [&'static str; 4]) -> Self {
+        let (measured, criteria, why, drawings) = (String::new(), Vec::new(), String::new(), Vec::new());
+        Self { id, title, source, says, measured, criteria, why, drawings }
+    }
+
     /// Returns a row that this project does not allow to be measured.
-    pub fn not_measured([id, title, source, says]: [&'static str; 4], why: &'static str) -> Self {
-        let (measured, why, drawings) = (String::new(), why.to_owned(), Vec::new());
-        Self { id, title, source, says, measured, criteria: Vec::new(), why, drawings }
+    pub fn not_measured(named: [&'static str; 4], why: &'static str) -> Self {
+        Self { why: why.to_owned(), ..Self::of(named) }
     }
 
     /// Returns how the row turned out. It holds if every criterion agrees with the thesis; it differs if every other one is as the

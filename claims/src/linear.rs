@@ -35,21 +35,24 @@ pub fn margins_and_step(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             "gain margin {gain:.1} dB, phase margin {phase:.1} deg, overshoot {overshoot:.1} %, steady-state error {error:.3} %"
         ),
         criteria: vec![
-            Criterion::at_least(("gain margin, dB", "12"), gain, 12.0, "the thesis' figure is a requirement"),
+            Criterion::at_least("gain margin, dB", "12", gain, 12.0, "the thesis' figure is a requirement"),
             Criterion::at_least(
-                ("phase margin, deg", "60"),
+                "phase margin, deg",
+                "60",
                 phase,
                 60.0,
                 "the thesis' figure is a requirement",
             ),
             Criterion::at_most(
-                ("step overshoot, %", "13"),
+                "step overshoot, %",
+                "13",
                 overshoot,
                 13.0,
                 "the thesis' figure is a requirement",
             ),
             Criterion::at_most(
-                ("steady-state error, %", "none"),
+                "steady-state error, %",
+                "none",
                 error,
                 0.1,
                 "what is left of the transient after the run",
@@ -140,20 +143,23 @@ fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Crit
     let equal_hz = all.iter().find(|point| point.1 < PITCH_FACTOR).map_or(f64::NAN, |point| point.0);
     vec![
         Criterion::within(
-            ("peak without control over peak by feedback", "13"),
+            "peak without control over peak by feedback",
+            "13",
             by_feedback,
-            (0.75 * PITCH_FACTOR, 1.33 * PITCH_FACTOR),
+            [0.75 * PITCH_FACTOR, 1.33 * PITCH_FACTOR],
             "read from a figure; a quarter covers its resolution",
         )
         .explained_by(0.9 * predicted, 1.1 * predicted),
         Criterion::within(
-            ("frequency at which the loop reduces pitch 13 times, Hz", "not printed"),
+            "frequency at which the loop reduces pitch 13 times, Hz",
+            "not printed",
             equal_hz,
-            (0.1, 2.0),
+            [0.1, 2.0],
             "if the frequency is the reason, it must be one of a vehicle's pitch",
         ),
         Criterion::at_least(
-            ("peak by feedback over peak with feedforward", "removes most of the rest"),
+            "peak by feedback over peak with feedforward",
+            "removes most of the rest",
             by_both,
             5.0,
             "most means at least 80 %",
@@ -246,7 +252,8 @@ pub fn heave_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             bench.procedure.heave.frequency_hz
         ),
         criteria: vec![Criterion::at_least(
-            ("RMS hub rate by feedback over that with the feedforward", "almost removed"),
+            "RMS hub rate by feedback over that with the feedforward",
+            "almost removed",
             ratio,
             10.0,
             "almost means that at most a tenth is left",

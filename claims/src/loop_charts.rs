@@ -41,25 +41,29 @@ pub fn nyquist_and_nichols(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: vec![
             Criterion::at_least(
-                ("distance of the loop from -1", "0.5 (a gain margin of 6 dB)"),
+                "distance of the loop from -1",
+                "0.5 (a gain margin of 6 dB)",
                 nearest,
                 0.5,
                 "the usual circle of Ms = 2",
             ),
             Criterion::within(
-                ("distance read from the curve over 1/Ms", "the same loop"),
+                "distance read from the curve over 1/Ms",
+                "the same loop",
                 nearest * ms,
-                (0.99, 1.01),
+                [0.99, 1.01],
                 "the curve has 700 points",
             ),
             Criterion::within(
-                ("closed-loop peak read from the curve over Mt", "the same loop"),
+                "closed-loop peak read from the curve over Mt",
+                "the same loop",
                 closed / mt,
-                (0.99, 1.01),
+                [0.99, 1.01],
                 "the curve has 700 points",
             ),
             Criterion::at_most(
-                ("largest closed-loop gain, dB", "13 % of overshoot"),
+                "largest closed-loop gain, dB",
+                "13 % of overshoot",
                 20.0 * closed.log10(),
                 3.0,
                 "a second-order loop with 13 % of overshoot peaks by 1 dB; sensors and delay may add 2",
@@ -164,13 +168,15 @@ pub fn open_loop_analyser(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn open_loop_criteria(db: f64, deg: f64) -> Vec<Criterion> {
     vec![
         Criterion::at_most(
-            ("largest difference of the gain, dB", "the loop that was designed"),
+            "largest difference of the gain, dB",
+            "the loop that was designed",
             db,
             3.0,
             "what the friction observer leaves is below the noise of the thesis' measurement, 3 dB",
         ),
         Criterion::at_most(
-            ("largest difference of the phase, deg", "the loop that was designed"),
+            "largest difference of the phase, deg",
+            "the loop that was designed",
             deg,
             20.0,
             "a sixth of the phase margin's own 60 deg, twice",

@@ -71,25 +71,29 @@ pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: vec![
             Criterion::within(
-                ("overshoot above that of the linear plant, percentage points", "+2 (15 against 13)"),
+                "overshoot above that of the linear plant, percentage points",
+                "+2 (15 against 13)",
                 observed.overshoot_percent - linear,
-                (-1.0, 5.0),
+                [-1.0, 5.0],
                 "an observer that is 10 % off in level moves the overshoot by about 3 points",
             ),
             Criterion::at_most(
-                ("steady-state error, %", "same as linear"),
+                "steady-state error, %",
+                "same as linear",
                 observed.steady_error_percent,
                 1.0,
                 "friction holds the hub within 1 %",
             ),
             Criterion::within(
-                ("RMS hub rate over that of the linear plant", "slightly more"),
+                "RMS hub rate over that of the linear plant",
+                "slightly more",
                 observed.residual_rad_s / linear_rate,
-                (1.0, 5.0),
+                [1.0, 5.0],
                 "the residual is small on both; without observer the ratio is above 20",
             ),
             Criterion::at_least(
-                ("RMS hub rate without observer over that with it", "the observer is needed"),
+                "RMS hub rate without observer over that with it",
+                "the observer is needed",
                 plain.residual_rad_s / observed.residual_rad_s,
                 2.0,
                 "half the residual is the least that justifies an observer",
@@ -165,7 +169,8 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 "hub inertia",
                 &[0.5, 1.0, 2.0],
                 &found,
-                (&[(20.5, "thesis, doubled"), (13.0, "thesis, halved")], Default::default()),
+                &[(20.5, "thesis, doubled"), (13.0, "thesis, halved")],
+                Default::default(),
             ),
             &[0.5, 1.0, 2.0],
         )?,
@@ -178,35 +183,37 @@ fn inertia_criteria(found: &[Behaviour], (doubled, share): (&Behaviour, f64)) ->
     let stays = |b: &Behaviour| (b.residual_rad_s / found[1].residual_rad_s - 1.0).abs();
     vec![
         Criterion::within(
-            ("hub inertia doubled: overshoot above the normal, percentage points", "+5.5 (20.5 against 15)"),
+            "hub inertia doubled: overshoot above the normal, percentage points",
+            "+5.5 (20.5 against 15)",
             above(&found[2]),
-            (2.75, 11.0),
+            [2.75, 11.0],
             "a factor of two: the inertia that the thesis doubles is not printed",
         )
         .explained_by(0.5 * share * whole, 1.5 * share * whole),
         Criterion::within(
-            (
-                "inertia of hub and beam doubled: overshoot above the normal, percentage points",
-                "+5.5 (20.5 against 15)",
-            ),
+            "inertia of hub and beam doubled: overshoot above the normal, percentage points",
+            "+5.5 (20.5 against 15)",
             whole,
-            (2.75, 16.5),
+            [2.75, 16.5],
             "from half to three times: the loop of the thesis has another crossover",
         ),
         Criterion::within(
-            ("hub inertia halved: overshoot above the normal, percentage points", "-2 (13 against 15)"),
+            "hub inertia halved: overshoot above the normal, percentage points",
+            "-2 (13 against 15)",
             above(&found[0]),
-            (-4.0, 0.0),
+            [-4.0, 0.0],
             "a factor of two",
         ),
         Criterion::at_least(
-            ("doubled: peak time over the normal", "slower"),
+            "doubled: peak time over the normal",
+            "slower",
             found[2].peak_time_s / found[1].peak_time_s,
             1.02,
             "more than a sample",
         ),
         Criterion::at_most(
-            ("largest change of the RMS hub rate, relative", "hardly changes"),
+            "largest change of the RMS hub rate, relative",
+            "hardly changes",
             stays(&found[0]).max(stays(&found[2])),
             0.25,
             "a quarter is 2 dB",
@@ -273,19 +280,19 @@ pub fn other_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             overshoots(&found)
         ),
         criteria: vec![
-            Criterion::at_least(("friction doubled: RMS hub rate over the normal", "degrades"), over(&found[2]), 1.2, "20 % can be seen in a figure"),
-            Criterion::at_least(("friction halved: RMS hub rate over the normal", "degrades"), over(&found[0]), 1.2, "20 % can be seen in a figure"),
+            Criterion::at_least("friction doubled: RMS hub rate over the normal", "degrades", over(&found[2]), 1.2, "20 % can be seen in a figure"),
+            Criterion::at_least("friction halved: RMS hub rate over the normal", "degrades", over(&found[0]), 1.2, "20 % can be seen in a figure"),
             Criterion::within(
-                ("doubled, observer identified anew: RMS hub rate over the normal", "restored"),
+                "doubled, observer identified anew: RMS hub rate over the normal", "restored",
                 over(&updated[1]),
-                (0.9, 1.1),
+                [0.9, 1.1],
                 "restored means within 10 %",
             )
             .explained_by(1.0, 2.2),
             Criterion::within(
-                ("halved, observer identified anew: RMS hub rate over the normal", "restored"),
+                "halved, observer identified anew: RMS hub rate over the normal", "restored",
                 over(&updated[0]),
-                (0.9, 1.1),
+                [0.9, 1.1],
                 "restored means within 10 %",
             )
             .explained_by(0.45, 1.0),
@@ -306,7 +313,7 @@ fn other_friction_figures(
         vec![Curve::points(name, after(&|b| b.overshoot_percent))],
         vec![Curve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
     ];
-    let figures = over_factor("friction", factors, found, (&[], others));
+    let figures = over_factor("friction", factors, found, &[], others);
     let mut all = members(bench, Varied::Friction, factors)?;
     for (factor, controller) in [0.5, 2.0].into_iter().zip(controllers) {
         let parameters = changed(bench, Varied::Friction, factor)?;
@@ -340,19 +347,22 @@ pub fn other_backlash(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: vec![
             Criterion::at_most(
-                ("largest change of the overshoot, percentage points", "hardly matters"),
+                "largest change of the overshoot, percentage points",
+                "hardly matters",
                 apart(|b| b.overshoot_percent),
                 1.0,
                 "1 point cannot be seen in a figure",
             ),
             Criterion::at_most(
-                ("largest change of the RMS hub rate, relative", "hardly matters"),
+                "largest change of the RMS hub rate, relative",
+                "hardly matters",
                 apart(|b| b.residual_rad_s) / found[1].residual_rad_s,
                 0.05,
                 "5 % is half a decibel",
             ),
             Criterion::at_most(
-                ("share of the time with the teeth apart", "gravity preloads the gear"),
+                "share of the time with the teeth apart",
+                "gravity preloads the gear",
                 open,
                 0.0,
                 "a preloaded gear does not open",
@@ -362,7 +372,7 @@ pub fn other_backlash(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         drawings: with_family(
             bench,
             (Varied::Backlash, "backlash"),
-            over_factor("backlash", &factors, &found, (&[], Default::default())),
+            over_factor("backlash", &factors, &found, &[], Default::default()),
             &factors,
         )?,
     })

@@ -82,16 +82,15 @@ pub fn balanced_against_compensated(bench: &Bench<'_>) -> Result<Claim, Pipeline
         ),
         criteria: vec![
             Criterion::at_most(
-                (
-                    "out of balance with both feedforwards over balanced with pitch, RMS hub rate",
-                    "as well as balanced",
-                ),
+                "out of balance with both feedforwards over balanced with pitch, RMS hub rate",
+                "as well as balanced",
                 rates[2] / rates[4],
                 1.3,
                 "a third is 2 dB, the width of the thesis' measured curves",
             ),
             Criterion::at_least(
-                ("balanced with both over balanced with pitch, RMS hub rate", "makes things worse"),
+                "balanced with both over balanced with pitch, RMS hub rate",
+                "makes things worse",
                 rates[5] / rates[4],
                 1.1,
                 "a tenth can be seen in a figure",
@@ -232,19 +231,22 @@ fn band_criteria(hz: f64, [backlash, inertia, friction]: [&[f64]; 3]) -> [Criter
     let least_step = friction.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     [
         Criterion::at_most(
-            (&format!("{hz} Hz: largest change with backlash, dB"), "hardly changes"),
+            &format!("{hz} Hz: largest change with backlash, dB"),
+            "hardly changes",
             spread(backlash),
             1.0,
             "1 dB is the width of a line in the figure",
         ),
         Criterion::at_most(
-            (&format!("{hz} Hz: largest change with inertia, dB"), "hardly changes"),
+            &format!("{hz} Hz: largest change with inertia, dB"),
+            "hardly changes",
             spread(inertia),
             3.0,
             "the curves of the figure lie within 3 dB",
         ),
         Criterion::at_least(
-            (&format!("{hz} Hz: least change with 50 N m more friction, dB"), "worsens"),
+            &format!("{hz} Hz: least change with 50 N m more friction, dB"),
+            "worsens",
             least_step,
             0.5,
             "half a decibel is above the scatter",

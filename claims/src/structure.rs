@@ -14,9 +14,9 @@ use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// The band in which the reduction is judged, Hz.
-const REDUCED_HZ: (f64, f64) = (0.1, 20.0);
+const REDUCED_HZ: [f64; 2] = [0.1, 20.0];
 /// What is drawn, Hz.
-const DRAWN_HZ: (f64, f64) = (0.1, 400.0);
+const DRAWN_HZ: [f64; 2] = [0.1, 400.0];
 /// Flexible modes of the finite-element plant: with drive and rigid body this makes the thesis' order 21.
 const MODES: usize = 8;
 /// The order that the thesis reduces to, and the flexible modes that are left in it.
@@ -133,11 +133,12 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             "order {}, minimal realisation {}; largest error to {} Hz over the largest response, in % for control / heave / pitch: {}",
             full.order(),
             seen.system.order(),
-            REDUCED_HZ.1,
+            REDUCED_HZ[1],
             words.join("; ")
         ),
         criteria: vec![Criterion::at_most(
-            ("largest error of the best reduction, % of the largest response", "keeps the response"),
+            "largest error of the best reduction, % of the largest response",
+            "keeps the response",
             best,
             100.0 * KEEPS,
             "5 % cannot be seen in the thesis' figure",
@@ -153,16 +154,12 @@ fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawi
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut curves =
-            vec![Curve::faint(format!("whole, order {}", full.order()), gain_db(full, (0, input), &drawn)?)];
+            vec![Curve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
         for (method, system) in all {
-            curves.push(Curve::new(
-                *method,
-                super::drawing::Style::Line,
-                gain_db(system, (0, input), &drawn)?,
-            ));
+            curves.push(Curve::new(*method, super::drawing::Style::Line, gain_db(system, input, &drawn)?));
         }
         let panel =
-            panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ.1, "judged to here");
+            panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ[1], "judged to here");
         drawings.push(drawing(
             format!("Reduced to order {ORDER}: hub rate for {name}"),
             frequency(),
@@ -191,7 +188,7 @@ pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError
     let lumped = &bench.designed.modelled.linear.system;
     let locked = |l: &Lumped| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
     let first_hz = bench.parameters().lumped.as_ref().map_or(f64::NAN, locked);
-    let (low, high) = ((0.1, 0.5 * first_hz), (first_hz, DRAWN_HZ.1));
+    let (low, high) = ([0.1, 0.5 * first_hz], [first_hz, DRAWN_HZ[1]]);
     let (mut below, mut above) = ([0.0; 3], [0.0; 3]);
     for input in 0..3 {
         below[input] = largest_db(&beam, lumped, input, low)?;
@@ -201,25 +198,22 @@ pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError
     let (why, others, as_elements) = heave_explained(bench, &beam, low)?;
     let at_low = |name: &str, k: usize| {
         let what = format!("largest difference below half the first mode, {name}, dB");
-        Criterion::at_most(
-            (&what, "agree"),
-            below[k],
-            1.0,
-            "1 dB is the width of a line in the thesis' figure",
-        )
+        Criterion::at_most(&what, "agree", below[k], 1.0, "1 dB is the width of a line in the thesis' figure")
     };
     let criteria = vec![
         at_low("control", 0),
         at_low("heave", 1).explained_by(1.0, 3.0),
         at_low("pitch", 2),
         Criterion::at_most(
-            ("the same for heave, with the load where the elements put it, dB", "agree"),
+            "the same for heave, with the load where the elements put it, dB",
+            "agree",
             as_elements,
             0.5,
             "if the load's place is the reason, little may be left with it corrected",
         ),
         Criterion::at_least(
-            ("largest difference above the first mode, dB", "the higher modes are missing"),
+            "largest difference above the first mode, dB",
+            "the higher modes are missing",
             above.iter().copied().fold(0.0, f64::max),
             6.0,
             "a missing mode is a peak of several times",
@@ -232,15 +226,15 @@ pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError
         says: "lumped and finite-element responses agree at low frequency, the higher modes are missing",
         measured: format!(
             "largest difference in dB for control / heave / pitch: to {:.1} Hz (half the first mode with the hub locked) {}; {:.1} to {:.0} Hz {}",
-            low.1,
+            low[1],
             text(&below),
-            high.0,
-            high.1,
+            high[0],
+            high[1],
             text(&above)
         ),
         criteria,
         why,
-        drawings: compared(&beam, lumped, (low.1, &others))?,
+        drawings: compared(&beam, lumped, (low[1], &others))?,
     })
 }
 
@@ -254,7 +248,7 @@ struct Shared {
 fn heave_explained(
     bench: &Bench<'_>,
     beam: &StateSpace,
-    low: (f64, f64),
+    low: [f64; 2],
 ) -> Result<(String, [Shared; 2], f64), PipelineError> {
     let body = bench.designed.modelled.plant.body();
     let (fe, ratios) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
@@ -277,7 +271,7 @@ fn heave_explained(
     let (on_beam, as_fe) = (db(&others[0].system)?, db(&others[1].system)?);
     let why = format!(
         "control and pitch agree to {:.1} Hz. In heave the two-inertia plant puts the whole out-of-balance torque on the hub (as the thesis' equations do), while heave loads every mass along the beam and bends it: {here:.2} dB apart as it is, {on_beam:.2} dB with the torque on the beam's inertia instead, {as_fe:.2} dB with the share of the flexible mode that the elements give. The load's place is the cause",
-        low.1
+        low[1]
     );
     Ok((why, others, as_fe))
 }
@@ -291,13 +285,13 @@ fn compared(
     let drawn = rates(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
-        let mut gains = vec![Curve::line("finite elements", gain_db(beam, (0, input), &drawn)?)];
-        let mut phases = vec![Curve::line("finite elements", phase_deg(beam, (0, input), &drawn)?)];
-        gains.push(Curve::reference("two inertias", gain_db(lumped, (0, input), &drawn)?));
-        phases.push(Curve::reference("two inertias", phase_deg(lumped, (0, input), &drawn)?));
+        let mut gains = vec![Curve::line("finite elements", gain_db(beam, input, &drawn)?)];
+        let mut phases = vec![Curve::line("finite elements", phase_deg(beam, input, &drawn)?)];
+        gains.push(Curve::reference("two inertias", gain_db(lumped, input, &drawn)?));
+        phases.push(Curve::reference("two inertias", phase_deg(lumped, input, &drawn)?));
         let also = others.iter().filter(|_| input == LinearPlant::HEAVE);
         for other in also {
-            gains.push(Curve::line(other.name, gain_db(&other.system, (0, input), &drawn)?));
+            gains.push(Curve::line(other.name, gain_db(&other.system, input, &drawn)?));
         }
         let panels = vec![
             panel(Axis::linear("hub rate", "dB"), gains)
@@ -344,24 +338,19 @@ pub fn condensed_beam(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let points = off.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
     let panel = panel(Axis::linear("frequency off by", "%"), vec![Curve::points("condensed", points)])
         .with_level(0.0, "");
-    let [id, title, source, says] = named;
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "{n} degrees of freedom condensed to {}; flexible modes off in %: {}",
             masters.len(),
             words.join(", ")
         ),
         criteria: condensation_criteria(&off),
-        why: String::new(),
         drawings: vec![drawing(
             "Flexible modes after Guyan's condensation",
             Axis::linear("flexible mode", ""),
             vec![panel],
         )],
+        ..Claim::of(named)
     })
 }
 
@@ -369,13 +358,15 @@ pub fn condensed_beam(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn condensation_criteria(off: &[f64]) -> Vec<Criterion> {
     vec![
         Criterion::at_most(
-            ("largest |off| of the first three modes, %", "kept"),
+            "largest |off| of the first three modes, %",
+            "kept",
             off.iter().take(3).map(|v| v.abs()).fold(0.0, f64::max),
             1.0,
             "the control band ends below the third mode",
         ),
         Criterion::at_least(
-            ("lowest mode off, % (condensation never softens)", "above 0"),
+            "lowest mode off, % (condensation never softens)",
+            "above 0",
             off.first().copied().unwrap_or(f64::NAN),
             -1e-6,
             "a constraint raises frequencies; below 0 only rounding is allowed",

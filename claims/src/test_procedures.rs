@@ -92,7 +92,8 @@ pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             largest_spread(&found)
         ),
         criteria: vec![Criterion::at_least(
-            ("largest spread over the amplitudes, dB", "depends on the amplitude"),
+            "largest spread over the amplitudes, dB",
+            "depends on the amplitude",
             largest_spread(&found),
             3.0,
             "3 dB is far above what the analyser scatters by",
@@ -132,13 +133,15 @@ pub fn closed_loop_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineEr
         ),
         criteria: vec![
             Criterion::at_most(
-                ("largest spread with the observer, dB", "linear in amplitude"),
+                "largest spread with the observer, dB",
+                "linear in amplitude",
                 largest_spread(&with),
                 2.0,
                 "2 dB is the scatter of the thesis' measured curves",
             ),
             Criterion::at_least(
-                ("largest spread without, dB", "not linear"),
+                "largest spread without, dB",
+                "not linear",
                 largest_spread(&without),
                 3.0,
                 "clearly more than with it",
@@ -195,12 +198,7 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         (ends.iter().copied().fold(f64::MAX, f64::min), ends.iter().copied().fold(0.0, f64::max));
     // the split of the rig itself is the last one tried, that of the other rig the third
     let right = 100.0 * own.off[SPLITS.len() - 1].max(half.off[2]);
-    let [id, title, source, says] = named;
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "balanced, backlash of the largest spacer (x{SPACER}); difference of the control in % of what friction does to it, motor:load: from the rig ({}) {}; from a rig of 50:50 {}",
             ratio(motor / total),
@@ -213,6 +211,7 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             ratio(motor / total)
         ),
         drawings: vec![lobes(&own.loops), apart(&own.loops), apart(&half.loops)],
+        ..Claim::of(named)
     })
 }
 
@@ -220,26 +219,24 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn place_criteria(right: f64, least: f64, most: f64) -> Vec<Criterion> {
     vec![
         Criterion::at_least(
-            ("one end alone, the worst of four: off, %", "badly"),
+            "one end alone, the worst of four: off, %",
+            "badly",
             most,
             100.0 * BADLY,
             "a tenth of what friction does can be seen in the loop",
         ),
         Criterion::at_least(
-            ("one end alone, the best of four: off, %", "badly"),
+            "one end alone, the best of four: off, %",
+            "badly",
             least,
             100.0 * BADLY,
             "a tenth of what friction does can be seen in the loop",
         )
         .explained_by(2.0, 100.0 * BADLY),
-        Criterion::at_most(
-            ("the rig's own split: off, %", "fits"),
-            right,
-            2.0,
-            "the simulator repeats itself",
-        ),
+        Criterion::at_most("the rig's own split: off, %", "fits", right, 2.0, "the simulator repeats itself"),
         Criterion::at_least(
-            ("best wrong end over the right split", "the split fits better"),
+            "best wrong end over the right split",
+            "the split fits better",
             least / right.max(0.1),
             2.0,
             "twice as near",

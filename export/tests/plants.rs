@@ -14,8 +14,8 @@ use std::process::{Command, Stdio};
 use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AmplifierDynamics, Axis, Friction, FrictionLaw, MapPoint, Measured, OperatingPoint, Parameters, Plant,
-    Ripple, Sensor, StribeckCurve, reference,
+    AmplifierDynamics, Axis, Friction, FrictionLaw, LearnedElement, LearnedPlace, LearnedQuantity, MapPoint,
+    Measured, OperatingPoint, Parameters, Plant, RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
 use counterpoise_simulate::{PlatformMotion, Playback, Scenario, Signal, Simulator};
@@ -299,6 +299,61 @@ fn motor_amplifier_and_gear() {
         machine("nearly balanced with backlash", |p| {
             p.gearbox.backlash_rad = 6e-3;
             p.lumped.as_mut().unwrap().out_of_balance_kg_m = 8.0;
+        }),
+    ]);
+}
+
+/// A free function with points evenly over a reach to either side, or over a turn.
+fn free(
+    place: LearnedPlace,
+    quantity: LearnedQuantity,
+    variable: RegimeVariable,
+    of: fn(f64) -> f64,
+) -> LearnedElement {
+    let reach = match variable {
+        RegimeVariable::Load => 3000.0,
+        RegimeVariable::Control => 8.0,
+        _ if place == LearnedPlace::Gearbox => 2e-3,
+        _ if place == LearnedPlace::Motor => 20.0,
+        _ => 0.15,
+    };
+    let share = |k: i32| f64::from(k - 10) / 10.0;
+    let points: Vec<f64> = match variable {
+        RegimeVariable::Turn => (0..20).map(|k| 0.1 + 0.3 * f64::from(k)).collect(),
+        _ => (0..21).map(|k| reach * share(k)).collect(),
+    };
+    let values = (0..points.len()).map(|k| of(share(k as i32))).collect();
+    LearnedElement { values, ..LearnedElement::neutral(place, quantity, variable, points) }
+}
+
+#[test]
+fn what_free_functions_add() {
+    use LearnedPlace::{Gearbox, Motor, Pivot};
+    use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
+    use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
+    let bump = |x: f64| 1.0 + 0.4 * (-9.0 * x * x).exp();
+    all_equal(&[
+        machine("free friction and torque at the pivot", |p| {
+            p.learned.push(free(Pivot, FrictionLevel, Angle, bump));
+            p.learned.push(free(Pivot, Torque, Rate, |x| -80.0 * x * x * x));
+            p.learned.push(free(Pivot, Damping, Time, |x| 1.0 + 0.5 * x));
+        }),
+        machine("free functions at the motor", |p| {
+            p.learned.push(free(Motor, FrictionLevel, Load, bump));
+            p.learned.push(free(Motor, Torque, Turn, |x| 0.2 * (6.0 * x).sin()));
+            p.learned.push(free(Motor, TorqueConstant, Control, |x| 1.0 - 0.1 * x * x));
+        }),
+        machine("free functions of the gear", |p| {
+            p.learned.push(free(Gearbox, Stiffness, Load, |x| 1.0 + 0.2 * x));
+            p.learned.push(free(Gearbox, Damping, Rate, |x| 1.0 + x * x));
+        }),
+        machine("a constant free torque behind a rigid gear", |p| {
+            (p.gearbox.stiffness_nm_rad, p.gearbox.backlash_rad) = (f64::INFINITY, 0.0);
+            let one = LearnedElement {
+                values: vec![40.0],
+                ..LearnedElement::neutral(Pivot, Torque, Angle, vec![0.0])
+            };
+            p.learned.push(one);
         }),
     ]);
 }

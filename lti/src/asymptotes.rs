@@ -1,14 +1,9 @@
 //! A loop's response far from all its roots, where a state-space evaluation loses what cancels: from zeros, poles and gain.
 
-use crate::scan::{PER_DECADE, Point};
+use crate::scan::Point;
+use crate::tolerance::{ASYMPTOTE_AT_END, ASYMPTOTE_MARGIN, SCAN_PER_DECADE};
 use crate::zpk::Zpk;
 use crate::{C64, Error, StateSpace, Timebase};
-
-/// The grid ends this factor beyond the frequency at which the asymptote crosses one.
-const MARGIN: f64 = 30.0;
-
-/// A crossing this near to an end of the grid, as a ratio, may be missed by the grid itself.
-const AT_END: f64 = 0.99;
 
 /// Zeros, poles and gain of a loop with one input and one output.
 pub(crate) struct Asymptotes {
@@ -51,15 +46,17 @@ impl Asymptotes {
     pub(crate) fn beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
         let mut rates = Vec::new();
         if let Some(crossing) =
-            crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate / AT_END)
+            crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate / ASYMPTOTE_AT_END)
         {
-            rates.extend(between(crossing / MARGIN, first.rate));
+            rates.extend(between(crossing / ASYMPTOTE_MARGIN, first.rate));
         }
         match timebase {
             Timebase::Continuous => {
                 let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
-                if let Some(crossing) = crossing(last, slope).filter(|&rate| rate > AT_END * last.rate) {
-                    rates.extend(between(last.rate, crossing * MARGIN));
+                if let Some(crossing) =
+                    crossing(last, slope).filter(|&rate| rate > ASYMPTOTE_AT_END * last.rate)
+                {
+                    rates.extend(between(last.rate, crossing * ASYMPTOTE_MARGIN));
                 }
             }
             Timebase::Discrete { period_s } => {
@@ -94,6 +91,6 @@ fn crossing(point: Point, slope: f64) -> Option<f64> {
 
 /// A logarithmic grid between two frequencies, without its ends.
 fn between(low: f64, high: f64) -> Vec<f64> {
-    let count = ((high / low).log10() * PER_DECADE as f64).ceil().clamp(1.0, 20_000.0) as usize;
+    let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil().clamp(1.0, 20_000.0) as usize;
     (1..count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect()
 }

@@ -3,11 +3,9 @@
 //! The sign is in the name: [`feedback`] is negative, [`lft`] positive. Every connection is exact in its states: the
 //! states of the result are those of its parts, in the order in which they are named.
 
+use crate::tolerance::LOOP_RCOND;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
-
-/// Smallest reciprocal condition of a loop matrix I - D K that is still inverted.
-pub const LOOP_RCOND: f64 = 1e-14;
 
 /// `y = h (g u)`: h after g, with the states [g; h].
 ///

@@ -4,11 +4,9 @@ use crate::connect::series;
 use crate::delay::delay_samples;
 use crate::discretise::needs_continuous;
 use crate::error::During;
+use crate::tolerance::WHOLE_PERIODS;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
-
-/// A delay within this share of a period of whole periods is one of whole periods: the rounding of their quotient.
-const WHOLE: f64 = 1e-12;
 
 /// Returns the sampled system of `g` whose inputs are held over each period and arrive `delay_s` seconds later.
 ///
@@ -30,7 +28,7 @@ pub fn c2d_delayed(g: &StateSpace, period_s: f64, delay_s: f64) -> Result<StateS
     }
     let periods = delay_s / period_s;
     let nearest = periods.round();
-    let is_whole = (periods - nearest).abs() <= WHOLE * nearest.max(1.0);
+    let is_whole = (periods - nearest).abs() <= WHOLE_PERIODS * nearest.max(1.0);
     let (whole, share) = if is_whole { (nearest, 0.0) } else { (periods.floor(), periods.fract()) };
     let sampled = partly_delayed(g, period_s, share)?;
     let line = delay_samples(whole as usize, period_s)?;

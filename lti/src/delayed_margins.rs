@@ -3,42 +3,22 @@
 use std::f64::consts::PI;
 
 use crate::discretise::needs_continuous;
-use crate::margins::{DiskMargin, GainMargin, PhaseMargin, disk, gain_margins, peak, phase_margins};
-use crate::norms::Peak;
+use crate::margins::{Margins, gain_margins, phase_margins};
 use crate::roots::{poles, poles_on_boundary};
 use crate::scan::{Point, Scan};
+use crate::tolerance::DELAYED_POLE_ON_AXIS;
 use crate::zpk::needs_siso;
 use crate::{C64, Error, StateSpace, response};
 
-/// A pole counts as on the imaginary axis if its real part is below this share of its size: the resolution of the grid, on which the
-/// response jumps there.
-const ON_AXIS: f64 = 1e-9;
-
-/// All margins of the loop L(s) exp(-s delay) under negative unit feedback. They are margins only if the closed loop is stable.
+/// All margins of the loop L(s) exp(-s delay) under negative unit feedback, with its sensitivities. They are margins only if the closed
+/// loop is stable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DelayedMargins {
-    /// Every crossing of the negative real axis at which the gain may not rise by more than 60 dB, by frequency.
-    pub gain: Vec<GainMargin>,
-    /// Every crossing of the unit circle, by frequency.
-    pub phase: Vec<PhaseMargin>,
-    /// Smallest delay in seconds that has to be added until the loop reaches the critical point; infinite without a crossing.
-    pub delay_s: f64,
-    /// Peak of the sensitivity S = 1/(1 + L exp(-s delay)).
-    pub ms: Peak,
-    /// Peak of the complementary sensitivity.
-    pub mt: Peak,
-    /// The disk margin.
-    pub disk: DiskMargin,
+    /// The margins; a crossing of the negative real axis counts if the gain may not rise by more than 60 dB there.
+    pub margins: Margins,
     /// Number of closed-loop poles in the right half plane, by Nyquist's criterion; `None` if there are infinitely many, because the
     /// direct path is one or more.
     pub unstable_poles: Option<usize>,
-}
-
-impl DelayedMargins {
-    /// Whether no closed-loop pole lies in the right half plane.
-    pub fn is_stable(&self) -> bool {
-        self.unstable_poles == Some(0)
-    }
 }
 
 /// Returns the margins of a continuous loop with one input, one output and a delay in seconds.
@@ -62,15 +42,10 @@ pub fn margins_with_delay(loop_gain: &StateSpace, delay_s: f64) -> Result<Delaye
     let phase = phase_margins(&scan);
     let gain = gain_margins(&scan, &ends);
     scan.points.splice(0..0, ends);
-    Ok(DelayedMargins {
-        delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
-        ms: peak(&scan, |L| 1.0 / (L + 1.0).norm()),
-        mt: peak(&scan, |L| L.norm() / (L + 1.0).norm()),
-        disk: disk(&scan),
-        unstable_poles: unstable_poles(loop_gain, &scan.points)?,
-        gain,
-        phase,
-    })
+    let unstable_poles = unstable_poles(loop_gain, &scan.points)?;
+    let margins =
+        Margins { closed_loop_stable: unstable_poles == Some(0), ..Margins::of_scan(&scan, gain, phase) };
+    Ok(DelayedMargins { margins, unstable_poles })
 }
 
 /// Nyquist's criterion on the upper half of the axis, poles on the axis passed on their right:
@@ -82,14 +57,14 @@ fn unstable_poles(g: &StateSpace, points: &[Point]) -> Result<Option<usize>, Err
     let boundary = poles_on_boundary(g)?;
     let on_axis = |pole: &C64| {
         let near = |b: &C64| (pole - b).norm().min((pole.conj() - b).norm()) <= 1e-3 * b.norm();
-        pole.re.abs() <= ON_AXIS * pole.norm() || boundary.iter().any(near)
+        pole.re.abs() <= DELAYED_POLE_ON_AXIS * pole.norm() || boundary.iter().any(near)
     };
     let (border, inside): (Vec<C64>, Vec<C64>) = poles(g)?.into_iter().partition(on_axis);
     let right = inside.iter().filter(|pole| pole.re > 0.0).count();
     let jumps: Vec<f64> = border.iter().filter(|pole| pole.im > 0.0).map(|pole| pole.im).collect();
     let mut turn = 0.0;
     for w in points.windows(2) {
-        let margin = 2.0 * ON_AXIS * w[1].rate;
+        let margin = 2.0 * DELAYED_POLE_ON_AXIS * w[1].rate;
         if !jumps.iter().any(|rate| w[0].rate - margin <= *rate && *rate <= w[1].rate + margin) {
             turn += ((w[1].value + 1.0) / (w[0].value + 1.0)).arg();
         }
@@ -112,7 +87,7 @@ mod tests {
     #[test]
     fn an_integrator_with_delay_has_the_margins_of_the_closed_form() {
         let (k, delay) = (2.0, 0.3);
-        let found = margins_with_delay(&lag(k, &[0.0]), delay).unwrap();
+        let found = margins_with_delay(&lag(k, &[0.0]), delay).unwrap().margins;
         assert!((found.phase[0].rate_rad_s / k - 1.0).abs() < 1e-12);
         assert!((found.phase[0].deg - (90.0 - (k * delay).to_degrees())).abs() < 1e-9);
         assert!((found.delay_s - (PI / 2.0 / k - delay)).abs() < 1e-12);
@@ -122,7 +97,7 @@ mod tests {
             assert!((margin.rate_rad_s / rate - 1.0).abs() < 1e-9, "{margin:?} {rate}");
             assert!((margin.factor / (rate / k) - 1.0).abs() < 1e-9);
         }
-        assert!(found.is_stable());
+        assert!(found.closed_loop_stable);
     }
 
     #[test]
@@ -135,15 +110,15 @@ mod tests {
         // An unstable pole that the loop holds, and one that it does not.
         assert_eq!(margins_with_delay(&lag(3.0, &[1.0]), 0.1).unwrap().unstable_poles, Some(0));
         assert_eq!(margins_with_delay(&lag(0.5, &[1.0]), 0.1).unwrap().unstable_poles, Some(1));
-        assert_eq!(margins_with_delay(&lag(2.0, &[0.0, 0.0]), 0.0).unwrap().gain.len(), 0);
+        assert_eq!(margins_with_delay(&lag(2.0, &[0.0, 0.0]), 0.0).unwrap().margins.gain.len(), 0);
     }
 
     #[test]
     fn without_delay_the_margins_are_the_plain_ones() {
         let g = lag(4.0, &[-1.0, -2.0, -0.5]);
-        let (plain, found) = (margins(&g).unwrap(), margins_with_delay(&g, 0.0).unwrap());
+        let (plain, found) = (margins(&g).unwrap(), margins_with_delay(&g, 0.0).unwrap().margins);
         assert!((plain.ms.value / found.ms.value - 1.0).abs() < 1e-9);
         assert!((plain.gain[0].factor / found.gain[0].factor - 1.0).abs() < 1e-9);
-        assert_eq!(plain.closed_loop_stable, found.is_stable());
+        assert_eq!(plain.closed_loop_stable, found.closed_loop_stable);
     }
 }

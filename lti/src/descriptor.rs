@@ -1,15 +1,10 @@
 //! Descriptor systems, brought to state space: circuits, constrained mechanisms and other models whose E is singular.
 
 use crate::error::During;
+use crate::tolerance::{DESCRIPTOR_SWEEPS, IMPROPER};
 use crate::tracked::{Tracked, eliminate, solve_pivots};
 use crate::{Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
-
-/// Sweeps of the scaling of rows and columns.
-const SWEEPS: usize = 10;
-
-/// Derivatives of the input below this share of the gains that they were summed from are rounding errors.
-pub const IMPROPER: f64 = 1e-9;
 
 /// A system with an E that may be singular,
 ///
@@ -249,7 +244,7 @@ fn equilibrate(mut M: Mat) -> (Vec<f64>, Vec<f64>) {
     let n = M.nrows();
     let (mut r, mut c) = (vec![1.0; n], vec![1.0; n]);
     let factor = |largest: f64| if largest > 0.0 { (-0.5 * largest.log2()).round().exp2() } else { 1.0 };
-    for _ in 0..SWEEPS {
+    for _ in 0..DESCRIPTOR_SWEEPS {
         let rows: Vec<f64> = (0..n).map(|i| factor((0..n).map(|j| M[(i, j)]).fold(0.0, f64::max))).collect();
         let cols: Vec<f64> =
             (0..n).map(|j| factor(M.column(j).iter().copied().fold(0.0, f64::max))).collect();

@@ -3,27 +3,9 @@
 use crate::error::During;
 use crate::norms::{Peak, gains};
 use crate::response::Response;
+use crate::tolerance::{CLIMB_ROUNDS, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM, SUMMITS};
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
-
-/// Eigenvalues this near to the imaginary axis, relative to their size, are taken as frequencies. A false one costs one
-/// evaluation.
-const NEAR_AXIS: f64 = 1e-6;
-
-/// As [`NEAR_AXIS`], relative to the norm of the Hamiltonian.
-const NEAR_AXIS_NORM: f64 = 1e-12;
-
-/// Frequencies closer than this, relative, are one.
-const SAME_RATE: f64 = 1e-9;
-
-/// So many of the highest summits of the response are climbed.
-const SUMMITS: usize = 4;
-
-/// A summit of the sampled response below this share of the peak is not climbed.
-const LOW_SUMMIT: f64 = 0.1;
-
-/// Rounds of a climb: each shrinks the interval at least fourfold, so that the peak is flat to rounding at the end.
-const ROUNDS: usize = 15;
 
 /// The Hamiltonian matrix of a level and its eigenvalues.
 pub(crate) struct Level {
@@ -61,7 +43,7 @@ impl Level {
         let mut rates: Vec<f64> = self.eigenvalues.iter().flat_map(|s| [s.im.abs(), s.norm()]).collect();
         rates.retain(|rate| rate.is_finite());
         rates.sort_by(f64::total_cmp);
-        rates.dedup_by(|b, a| *b - *a <= SAME_RATE * *b);
+        rates.dedup_by(|b, a| *b - *a <= LEVEL_SAME_RATE * *b);
         rates
     }
 }
@@ -115,7 +97,7 @@ fn summits(values: &[f64], limit: f64) -> Vec<usize> {
 
 /// The top of the hill between two frequencies, from a point on it.
 fn climb(response: &Response, (mut low, mut high): (f64, f64), mut top: Peak) -> Result<Peak, Error> {
-    for _ in 0..ROUNDS {
+    for _ in 0..CLIMB_ROUNDS {
         let rates: Vec<f64> = (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
         for (value, &rate_rad_s) in gains(response, &rates)?.into_iter().zip(&rates) {
             top = if value > top.value { Peak { value, rate_rad_s } } else { top };

@@ -11,7 +11,8 @@
 //! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
 //! [`discretise`], [`delayed_hold`], [`sampled`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
-//! [`delayed_margins`], [`multiloop`], [`placement`], [`error`].
+//! [`delayed_margins`], [`multiloop`], [`placement`],
+//! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_lti::{C64, Timebase, Zpk, margins};
@@ -51,6 +52,7 @@ mod scan;
 mod structure;
 pub mod system;
 pub mod time;
+pub mod tolerance;
 mod tracked;
 pub mod transfer;
 pub mod zpk;

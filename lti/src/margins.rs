@@ -6,17 +6,9 @@ use crate::connect::feedback;
 use crate::norms::Peak;
 use crate::roots::{is_stable_pole, poles};
 use crate::scan::{Point, Scan};
+use crate::tolerance::{NEGLIGIBLE_GAIN, REAL_CROSSING, UNIT_CROSSING};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, response};
-
-/// A crossing of the negative real axis is one where the imaginary part is below this share of the real one.
-const REAL: f64 = 1e-6;
-
-/// A crossing of the unit circle is one where the gain is one within this.
-const UNIT: f64 = 1e-6;
-
-/// A direct path, or a gain at the end of the frequency axis, below this share of the loop's largest gain is zero.
-const NEGLIGIBLE: f64 = 1e-12;
 
 /// What a change of gain does at a crossing of the negative real axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,11 +75,26 @@ pub struct Margins {
     pub disk: DiskMargin,
     /// Whether every closed-loop pole is stable.
     pub closed_loop_stable: bool,
-    /// The closed-loop pole that is nearest to, or farthest beyond, the border of stability.
-    pub critical_pole: C64,
+    /// The closed-loop pole that is nearest to, or farthest beyond, the border of stability; `None` for a loop with a delay, which
+    /// has infinitely many.
+    pub critical_pole: Option<C64>,
 }
 
 impl Margins {
+    /// Returns the margins that a response shows; whether the closed loop is stable is not known yet.
+    pub(crate) fn of_scan(scan: &Scan, gain: Vec<GainMargin>, phase: Vec<PhaseMargin>) -> Self {
+        Self {
+            delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
+            ms: peak(scan, |L| 1.0 / (L + 1.0).norm()),
+            mt: peak(scan, |L| L.norm() / (L + 1.0).norm()),
+            disk: disk(scan),
+            closed_loop_stable: false,
+            critical_pole: None,
+            gain,
+            phase,
+        }
+    }
+
     /// The smallest increase of gain, if any reaches the critical point.
     pub fn gain_increase(&self) -> Option<&GainMargin> {
         let upward = self.gain.iter().filter(|margin| margin.change == GainChange::Increase);
@@ -131,14 +138,9 @@ pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
     scan.points.extend(&ends);
     scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
     Ok(Margins {
-        delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
-        ms: peak(&scan, |L| 1.0 / (L + 1.0).norm()),
-        mt: peak(&scan, |L| L.norm() / (L + 1.0).norm()),
-        disk: disk(&scan),
         closed_loop_stable: closed_poles.iter().all(|&pole| is_stable_pole(pole, loop_gain.timebase)),
-        critical_pole: critical(&closed_poles, loop_gain.timebase),
-        gain,
-        phase,
+        critical_pole: Some(critical(&closed_poles, loop_gain.timebase)),
+        ..Margins::of_scan(&scan, gain, phase)
     })
 }
 
@@ -158,8 +160,8 @@ fn ends(g: &StateSpace) -> Vec<Point> {
 pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
     let largest = scan.points.iter().map(|point| point.value.norm()).fold(0.0, f64::max);
     let mut crossings = scan.crossings(|L| L.im);
-    crossings.extend(ends.iter().filter(|end| end.value.norm() > NEGLIGIBLE * largest));
-    crossings.retain(|point| point.value.re < 0.0 && point.value.im.abs() <= REAL * -point.value.re);
+    crossings.extend(ends.iter().filter(|end| end.value.norm() > NEGLIGIBLE_GAIN * largest));
+    crossings.retain(|point| point.value.re < 0.0 && point.value.im.abs() <= REAL_CROSSING * -point.value.re);
     crossings.sort_by(|a, b| a.rate.total_cmp(&b.rate));
     let margin = |point: &Point| {
         let factor = -1.0 / point.value.re;
@@ -171,7 +173,7 @@ pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
 
 pub(crate) fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
     let crossings = scan.crossings(|L| L.norm() - 1.0).into_iter();
-    let real = crossings.filter(|point| (point.value.norm() - 1.0).abs() <= UNIT);
+    let real = crossings.filter(|point| (point.value.norm() - 1.0).abs() <= UNIT_CROSSING);
     let margin = |point: Point| {
         let angle = (-point.value).arg();
         let lag = if angle < 0.0 { angle + 2.0 * PI } else { angle };

@@ -9,26 +9,11 @@ use crate::margins::DiskMargin;
 use crate::norms::{Peak, linfnorm, linfnorm_bounds};
 use crate::response::Response;
 use crate::roots::{is_stable, poles};
+use crate::tolerance::{
+    GOLDEN_STEPS, MULTILOOP_BEYOND, MULTILOOP_NORM, MULTILOOP_PER_DECADE, MULTILOOP_ROUNDS, MULTILOOP_SWEEPS,
+};
 use crate::{CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
-
-/// Relative accuracy of the norms.
-const NORM: f64 = 1e-9;
-
-/// Points a decade of the grid on which the structured singular value is computed; peaks are then closed in on.
-const PER_DECADE: f64 = 40.0;
-
-/// Decades that the grid goes beyond the slowest and the fastest pole.
-const BEYOND: f64 = 100.0;
-
-/// Rounds of closing in on a peak, each by a factor of four.
-const ROUNDS: usize = 14;
-
-/// Sweeps over the scales of the loops; each ends within a thousandth of the smallest norm, and three sweeps settle four loops.
-const SWEEPS: usize = 8;
-
-/// Steps of a golden-section search for one scale: the logarithm is then known to 1e-7.
-const GOLDEN_STEPS: usize = 36;
 
 /// The margins of a loop with several channels under negative unit feedback.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +45,7 @@ pub fn multiloop_margins(loop_gain: &StateSpace) -> Result<MultiloopMargins, Err
     let unit = StateSpace::gain(Mat::eye(m), loop_gain.timebase)?;
     let mut half = feedback(&unit, loop_gain)?;
     half.D -= &Mat::eye(m).scale(0.5);
-    let each = (0..m).map(|k| Ok(DiskMargin::of(linfnorm(&channel(&half, k)?, NORM)?)));
+    let each = (0..m).map(|k| Ok(DiskMargin::of(linfnorm(&channel(&half, k)?, MULTILOOP_NORM)?)));
     let each: Result<Vec<DiskMargin>, Error> = each.collect();
     let full = proved(&half)?;
     let structured = structured(&half)?;
@@ -79,7 +64,7 @@ pub fn multiloop_margins(loop_gain: &StateSpace) -> Result<MultiloopMargins, Err
 
 /// The margin that belongs to an upper bound of the norm.
 fn proved(g: &StateSpace) -> Result<DiskMargin, Error> {
-    let bounds = linfnorm_bounds(g, NORM)?;
+    let bounds = linfnorm_bounds(g, MULTILOOP_NORM)?;
     Ok(DiskMargin::of(Peak { value: bounds.upper, ..bounds.lower }))
 }
 
@@ -137,7 +122,7 @@ fn climb(
     [mut low, mut high]: [f64; 2],
     mut top: Structured,
 ) -> Result<Structured, Error> {
-    for _ in 0..ROUNDS {
+    for _ in 0..MULTILOOP_ROUNDS {
         let rates: Vec<f64> = (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
         for (H, &rate_rad_s) in response.at_all(&rates)?.iter().zip(&rates) {
             let (value, scales) = smallest_norm(H)?;
@@ -163,8 +148,12 @@ fn grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
     let sizes: Vec<f64> = roots.iter().map(|root| root.norm()).filter(|size| size.is_normal()).collect();
     let low = sizes.iter().copied().fold(f64::INFINITY, f64::min).min(highest);
     let high = sizes.iter().copied().fold(0.0, f64::max);
-    let (low, high) = if high > 0.0 { (low / BEYOND, (high * BEYOND).min(highest)) } else { (0.1, 1.0) };
-    let count = ((high / low).log10() * PER_DECADE).ceil().clamp(1.0, 4000.0) as usize;
+    let (low, high) = if high > 0.0 {
+        (low / MULTILOOP_BEYOND, (high * MULTILOOP_BEYOND).min(highest))
+    } else {
+        (0.1, 1.0)
+    };
+    let count = ((high / low).log10() * MULTILOOP_PER_DECADE).ceil().clamp(1.0, 4000.0) as usize;
     let mut rates: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
     for root in roots.iter().filter(|root| root.im > 0.0) {
         rates.extend([root.im, root.norm(), root.im - root.re.abs(), root.im + root.re.abs()]);
@@ -191,12 +180,12 @@ fn smallest_norm(H: &CMat) -> Result<(f64, Vec<f64>), Error> {
         return Ok((best, vec![1.0; m]));
     }
     let mut width = 1.0;
-    for _ in 0..SWEEPS {
+    for _ in 0..MULTILOOP_SWEEPS {
         let before = best;
         for k in 1..m {
             best = golden(&norm, &mut logs, k, width)?.min(best);
         }
-        if m == 2 || before - best <= 1e-3 * NORM * before {
+        if m == 2 || before - best <= 1e-3 * MULTILOOP_NORM * before {
             break;
         }
         width *= 0.5;

@@ -7,17 +7,9 @@ use crate::level::{Level, search_everywhere, with_middles};
 use crate::response::Response;
 use crate::roots::{is_stable, poles, poles_on_boundary};
 use crate::scaling::balance;
+use crate::tolerance::{HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
-
-/// Steps of the Hamiltonian iteration; it converges quadratically, four to six are usual.
-const HAMILTONIAN_STEPS: usize = 40;
-
-/// An upper bound is looked for up to this, relative to the lower one.
-const LARGEST_EXCESS: f64 = 10.0;
-
-/// Poles this near to the border of stability, relative to the largest, are on it.
-const ON_AXIS: f64 = 1e-14;
 
 /// The largest value of a function of frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,8 +122,8 @@ fn pole_on_the_border(g: &StateSpace) -> Result<Option<f64>, Error> {
     let poles = poles(g)?;
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let on_border = |p: &&C64| match g.timebase {
-        Timebase::Continuous => p.re.abs() <= ON_AXIS * largest,
-        Timebase::Discrete { .. } => (p.norm() - 1.0).abs() <= ON_AXIS,
+        Timebase::Continuous => p.re.abs() <= NORM_POLE_ON_AXIS * largest,
+        Timebase::Discrete { .. } => (p.norm() - 1.0).abs() <= NORM_POLE_ON_AXIS,
     };
     let pole = match poles.iter().find(on_border) {
         Some(pole) => Some(*pole),

@@ -4,21 +4,9 @@
 //! method 0: each eigenvector in turn is chosen, within the space that its pole allows, as orthogonal to all others as can be.
 
 use crate::error::During;
+use crate::tolerance::{PLACEMENT_RANK, PLACEMENT_SETTLED, PLACEMENT_SWEEPS, SAME_POLE};
 use crate::{C64, CMat, Error, Mat};
 use counterpoise_linalg as linalg;
-
-/// Sweeps over the eigenvectors; five usually settle them.
-const SWEEPS: usize = 30;
-
-/// The sweeps end if the condition number of the eigenvectors improves by less than this share.
-const SETTLED: f64 = 1e-3;
-
-/// A singular value below this share of the largest counts as zero: an input that is a combination of others, or a mode that
-/// the inputs do not reach.
-const RANK: f64 = 1e-12;
-
-/// Two poles within this of each other, relatively, are one.
-const SAME_POLE: f64 = 1e-9;
 
 /// A feedback u = -F x and what it does.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +101,7 @@ impl Inputs {
         let padded = if m < n { B.hstack(&Mat::zeros(n, n - m)) } else { B.clone() };
         let parts = linalg::svd(&padded).during("pole placement")?;
         let largest = parts.s.first().copied().unwrap_or(0.0);
-        let rank = parts.s.iter().filter(|s| **s > RANK * largest).count();
+        let rank = parts.s.iter().filter(|s| **s > PLACEMENT_RANK * largest).count();
         let inverses: Vec<f64> = parts.s.iter().take(rank).map(|s| 1.0 / s).collect();
         Ok(Self {
             rank,
@@ -133,7 +121,7 @@ impl Inputs {
         });
         let parts = linalg::csvd(&M).during("pole placement")?;
         let size = A.norm_fro().max(pole.norm());
-        if rows > 0 && parts.s[rows - 1] <= RANK * size {
+        if rows > 0 && parts.s[rows - 1] <= PLACEMENT_RANK * size {
             let problem = "was wanted where the inputs do not reach a mode of the same value";
             return Err(Error::Pole { what: "pole placement", re: pole.re, im: pole.im, problem });
         }
@@ -193,7 +181,7 @@ impl Vectors {
     fn improved(mut self) -> Result<Self, Error> {
         let mut best = self.condition()?;
         let mut kept = self.X.clone();
-        for _ in 0..SWEEPS {
+        for _ in 0..PLACEMENT_SWEEPS {
             for k in 0..self.X.ncols() {
                 self.turn(k);
             }
@@ -201,7 +189,7 @@ impl Vectors {
             if now < best {
                 kept = self.X.clone();
             }
-            if now >= best * (1.0 - SETTLED) || now.is_nan() {
+            if now >= best * (1.0 - PLACEMENT_SETTLED) || now.is_nan() {
                 break;
             }
             best = now;

@@ -4,20 +4,9 @@ use crate::components::components;
 use crate::entrywise::entrywise_zeros;
 use crate::error::During;
 use crate::scaling::balance;
+use crate::tolerance::{PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SUSPECT_POLE, ZERO_RANK};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Boundary};
-
-/// Two computed roots are one if they differ by less than this, relatively: a triple root splits by about as much.
-const SAME_ROOT: f64 = 1e-5;
-
-/// Zeros on which two methods agree to this share need no correction in 32 digits.
-const SETTLED_ROOT: f64 = 1e-12;
-
-/// Rows of a system matrix up to which zeros are corrected in 32 digits: a zero of the largest takes some ten milliseconds.
-const PRECISE_SIZE: usize = 32;
-
-/// Rank decisions on the way to the zeros are taken relative to the norm of the scaled system matrix times this.
-pub const ZERO_RANK: f64 = 1e-13;
 
 /// The poles: the eigenvalues of A, sorted by real, then imaginary part.
 ///
@@ -55,9 +44,6 @@ pub fn poles_on_boundary(g: &StateSpace) -> Result<Vec<C64>, Error> {
     examined(g, &poles(g)?)
 }
 
-/// Poles this near to the boundary, relative to the norm of A, are examined.
-const SUSPECT: f64 = 1e-7;
-
 /// The poles on the boundary of a system whose poles are known; a pole that is exactly there needs no examination.
 fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
     let boundary = boundary(g.timebase);
@@ -65,7 +51,7 @@ fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
     let distance = |pole: &C64| boundary.excess(*pole).abs();
     let certain = poles.iter().copied().filter(|pole| pole.im >= 0.0 && distance(pole) == 0.0);
     let mut found: Vec<C64> = certain.collect();
-    if poles.iter().any(|pole| distance(pole) > 0.0 && distance(pole) <= SUSPECT * size.max(1.0)) {
+    if poles.iter().any(|pole| distance(pole) > 0.0 && distance(pole) <= SUSPECT_POLE * size.max(1.0)) {
         found.extend(linalg::boundary_eigenvalues(&balance(g).0.A, boundary).during("poles")?);
     }
     Ok(found)

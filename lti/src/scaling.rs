@@ -2,12 +2,7 @@
 //! physical units.
 
 use crate::StateSpace;
-
-/// A scaling step that does not shrink the norms of a state's row and column by this factor is not taken.
-const WORTH_IT: f64 = 0.95;
-
-/// Sweeps over the states after which scaling stops; three or four are usual.
-const SWEEPS: usize = 60;
+use crate::tolerance::{SCALING_GAIN, SCALING_SWEEPS};
 
 /// The system in the coordinates x = T z, T a diagonal of powers of two, and the diagonal of T.
 ///
@@ -19,7 +14,7 @@ pub fn balance(g: &StateSpace) -> (StateSpace, Vec<f64>) {
     let mut scaled = g.clone();
     let weight = |norm: f64| if norm > 0.0 { g.A.norm_max() / norm } else { 0.0 };
     let weights = (weight(g.B.norm_max()), weight(g.C.norm_max()));
-    for _ in 0..SWEEPS {
+    for _ in 0..SCALING_SWEEPS {
         let step: Vec<f64> = sweep(&mut scaled, weights);
         if step.iter().all(|&f| f == 1.0) {
             break;
@@ -68,7 +63,7 @@ fn factor(column: f64, row: f64, own: f64) -> f64 {
         return 1.0;
     }
     let f = (0.5 * (row / column).log2()).round().exp2();
-    if column * f + row / f < WORTH_IT * (column + row) { f } else { 1.0 }
+    if column * f + row / f < SCALING_GAIN * (column + row) { f } else { 1.0 }
 }
 
 fn scale_one(g: &mut StateSpace, i: usize, f: f64) {

@@ -3,39 +3,11 @@
 use crate::asymptotes::Asymptotes;
 use crate::response::Response;
 use crate::roots::{poles, zeros};
+use crate::tolerance::{
+    DELAY_TURN, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_POINTS,
+    SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
+};
 use crate::{C64, Error, StateSpace, Timebase};
-
-/// Grid points a decade, before refinement.
-pub(crate) const PER_DECADE: usize = 30;
-
-/// Decades that the grid goes beyond the slowest and the fastest root.
-const BEYOND: f64 = 1e3;
-
-/// Neighbouring points may differ by this much of the distance to the critical point, or of their own size.
-const STEP: f64 = 0.25;
-
-/// ... and by this much where the loop gain is near one or the phase near -180 degrees.
-const NEAR_STEP: f64 = 0.03;
-
-/// |ln gain| or phase distance in rad that counts as near.
-const NEAR: f64 = 0.15;
-
-/// Rounds of refinement, and points in all, at most; what is then unresolved is a jump of width 1e-9 or less.
-const ROUNDS: usize = 40;
-const POINTS: usize = 40_000;
-
-/// The gain, -60 dB, from which on a loop with delay is not followed: what it does there changes no margin that a design rests on,
-/// and the delay turns it without end.
-const LEAST_GAIN: f64 = 1e-3;
-
-/// Phase in rad by which a delay may turn the response between two points before refinement.
-const TURN: f64 = 0.5;
-
-/// Frequencies closer than this, relative, are one.
-const RESOLUTION: f64 = 1e-9;
-
-/// Rounds of zooming in on a crossing or extreme by a factor of four or more.
-const ZOOMS: usize = 30;
 
 /// One point of the loop's response.
 #[derive(Debug, Clone, Copy)]
@@ -74,10 +46,11 @@ impl Scan {
         let mut rates: Vec<f64> = self.points.iter().take(1).map(|point| point.rate).collect();
         for w in self.points.windows(2) {
             // Close enough that no turn of the delay hides between two points.
-            let count = ((w[1].rate - w[0].rate) * delay_s / TURN).ceil().clamp(1.0, POINTS as f64);
+            let count =
+                ((w[1].rate - w[0].rate) * delay_s / DELAY_TURN).ceil().clamp(1.0, SCAN_POINTS as f64);
             rates
                 .extend((1..=count as usize).map(|k| w[0].rate + (w[1].rate - w[0].rate) * k as f64 / count));
-            if rates.len() > POINTS {
+            if rates.len() > SCAN_POINTS {
                 break;
             }
         }
@@ -115,10 +88,10 @@ impl Scan {
     /// Adds points until neighbours agree.
     fn refine(&mut self) {
         let scan = self;
-        for _ in 0..ROUNDS {
+        for _ in 0..SCAN_ROUNDS {
             let finer: Vec<f64> =
                 scan.points.windows(2).filter(|w| unresolved(w[0], w[1])).map(middle).collect();
-            if finer.is_empty() || scan.points.len() > POINTS {
+            if finer.is_empty() || scan.points.len() > SCAN_POINTS {
                 break;
             }
             let more = scan.evaluate(&finer);
@@ -177,7 +150,7 @@ impl Scan {
         let values: Vec<f64> = self.points.iter().map(|point| of(point.value)).collect();
         let top = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut best: Option<Point> = None;
-        for (k, &value) in values.iter().enumerate().filter(|(_, value)| **value >= top * (1.0 - STEP)) {
+        for (k, &value) in values.iter().enumerate().filter(|(_, value)| **value >= top * (1.0 - SCAN_STEP)) {
             let (left, right) = (k.saturating_sub(1), (k + 1).min(values.len() - 1));
             if value >= values[left] && value >= values[right] {
                 let peak = self.zoom(self.points[left].rate, self.points[right].rate, self.points[k], &of);
@@ -192,7 +165,7 @@ impl Scan {
     fn zoom(&self, mut low: f64, mut high: f64, mut best: Point, of: &impl Fn(C64) -> f64) -> Point {
         for _ in 0..ZOOMS {
             let rates = between(low, high);
-            if high - low <= RESOLUTION * high {
+            if high - low <= SCAN_RESOLUTION * high {
                 break;
             }
             for point in self.evaluate(&rates) {
@@ -217,15 +190,15 @@ fn middle(w: &[Point]) -> f64 {
 
 /// Whether something may hide between two neighbours.
 fn unresolved(a: Point, b: Point) -> bool {
-    if b.rate - a.rate <= RESOLUTION * b.rate {
+    if b.rate - a.rate <= SCAN_RESOLUTION * b.rate {
         return false;
     }
-    let near = |value: C64| value.norm().ln().abs() < NEAR || (-value).arg().abs() < NEAR;
-    let step = if near(a.value) || near(b.value) { NEAR_STEP } else { STEP };
+    let near = |value: C64| value.norm().ln().abs() < NEAR_CRITICAL || (-value).arg().abs() < NEAR_CRITICAL;
+    let step = if near(a.value) || near(b.value) { NEAR_STEP } else { SCAN_STEP };
     let size = a.value.norm().min(b.value.norm());
     let to_critical = (a.value + 1.0).norm().min((b.value + 1.0).norm());
     let change = (b.value - a.value).norm();
-    change > step * size || change > STEP * to_critical
+    change > step * size || change > SCAN_STEP * to_critical
 }
 
 /// A logarithmic grid over all roots, and close points about each lightly damped one.
@@ -241,21 +214,21 @@ fn starting_grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
     let (low, high) =
         sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), size| (low.min(size), high.max(size)));
     let (low, high) = if high > 0.0 { (low, high) } else { (1.0_f64.min(highest), 1.0) };
-    let (low, high) = (low.min(highest) / BEYOND, (high * BEYOND).min(highest));
-    let count = ((high / low).log10() * PER_DECADE as f64).ceil() as usize + 1;
+    let (low, high) = (low.min(highest) / SCAN_BEYOND, (high * SCAN_BEYOND).min(highest));
+    let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil() as usize + 1;
     let mut rates: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
     for root in roots.iter().filter(|root| root.im > 0.0) {
         rates.extend(about(*root));
     }
     rates.retain(|&rate| rate > 0.0 && rate < highest && rate.is_finite());
     rates.sort_by(f64::total_cmp);
-    rates.dedup_by(|b, a| *b - *a <= RESOLUTION * *b);
+    rates.dedup_by(|b, a| *b - *a <= SCAN_RESOLUTION * *b);
     Ok(rates)
 }
 
 /// Points about a resonance, as close as its half width.
 fn about(root: C64) -> Vec<f64> {
-    let width = root.re.abs().max(RESOLUTION * root.im);
+    let width = root.re.abs().max(SCAN_RESOLUTION * root.im);
     let mut rates = vec![root.im, root.norm()];
     let mut offset = 0.25 * width;
     while offset < root.im {

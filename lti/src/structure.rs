@@ -10,11 +10,9 @@
 //! the modes are computed instead, each frequency from its Rayleigh quotient in twice the working precision.
 
 use crate::error::During;
+use crate::tolerance::UNCOUPLED;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
-
-/// Damping couples no two modes where its entries between them are below this share of its norm.
-const UNCOUPLED: f64 = 1e-12;
 
 /// Structures below this size gain nothing.
 const SMALLEST: usize = 4;

@@ -1,10 +1,8 @@
 //! A matrix whose entries remember how large the numbers were that they were summed from: an entry that cancelled to
 //! rounding error is known to be zero, whatever the scale of its neighbours.
 
+use crate::tolerance::CANCELLED;
 use counterpoise_linalg::{self as linalg, Mat};
-
-/// An entry that is below this share of what was summed to it is a zero.
-pub(crate) const CANCELLED: f64 = 1e-11;
 
 #[derive(Debug, Clone)]
 pub(crate) struct Tracked {

@@ -3,10 +3,8 @@
 use crate::connect::series;
 use crate::response::Response;
 use crate::roots::{poles, sort, zeros};
+use crate::tolerance::CONJUGATE;
 use crate::{C64, Error, Mat, StateSpace, Timebase};
-
-/// Roots within this of their conjugate's place, relative to their size, count as a conjugate pair.
-const CONJUGATE: f64 = 1e-8;
 
 /// gain (s - z1)(s - z2).../((s - p1)(s - p2)...) in s or z. Complex roots come in conjugate pairs.
 #[derive(Debug, Clone, PartialEq)]

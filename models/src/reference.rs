@@ -38,6 +38,7 @@ pub fn rig() -> Parameters {
             missing_codes: 0.0,
         },
         configurations: configurations(),
+        learned: Vec::new(),
     }
 }
 

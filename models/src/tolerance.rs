@@ -36,6 +36,17 @@ pub(crate) const POWER_REVERSAL_RATE: f64 = 0.05;
 /// harmonic drive, so that twenty reach double precision.
 pub(crate) const KINEMATIC_ITERATIONS: usize = 20;
 
+// ---- free functions ----
+
+/// Deviation of a point from even spacing, relative to the spacing, that is rounding: the interval is then found without a search.
+pub(crate) const LEARNED_SPACING: f64 = 1e-9;
+/// Points on either side of a turn with which a repeating function is made a spline: the influence of a point falls by 0.27 with each
+/// point between, so that ten leave a millionth.
+pub(crate) const PERIODIC_COPIES: usize = 10;
+/// Iterations on the equilibrium of a plant with free functions: those of an angle are settled by the first, those of load and
+/// control come nearer with each.
+pub(crate) const LEARNED_ITERATIONS: usize = 20;
+
 // ---- structure ----
 
 /// Gap between sections that still counts as adjoining, relative to the beam's length: rounding of stations in a file.

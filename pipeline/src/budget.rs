@@ -38,8 +38,16 @@ pub(crate) fn affordable(run: Run<'_>) -> Result<(), PipelineError> {
         samples,
         gigabytes: bytes / 1e9,
         minutes: samples / SAMPLES_A_SECOND / 60.0,
-        most_s: MOST_BYTES / BYTES_A_SAMPLE * run.period_s,
+        most_s: rounded_down(MOST_BYTES / BYTES_A_SAMPLE * run.period_s),
     })
+}
+
+/// Returns a positive number rounded down to three digits.
+fn rounded_down(value: f64) -> f64 {
+    let digits = 2 - value.log10().floor() as i32;
+    // a hair more, so that the rounding of a quotient does not cost a digit; division by a power of ten prints as it is written
+    let scaled = (value * 10f64.powi(digits) * (1.0 + 4.0 * f64::EPSILON)).floor();
+    if digits >= 0 { scaled / 10f64.powi(digits) } else { scaled * 10f64.powi(-digits) }
 }
 
 #[cfg(test)]
@@ -56,6 +64,10 @@ mod tests {
             said.contains("verify.duration") && said.contains("40 GB") && said.contains("5000 s"),
             "{said}"
         );
+        let said = run(10.0, 1e-7).unwrap_err().to_string();
+        assert!(said.contains("at most 0.5 s are run"), "{said}");
+        let said = run(1e5, 3.3e-4).unwrap_err().to_string();
+        assert!(said.contains("at most 1650 s are run"), "{said}");
         assert!(
             run(20.0, 1e-7).is_err() && run(f64::INFINITY, 1e-3).is_err() && run(f64::NAN, 1e-3).is_err()
         );

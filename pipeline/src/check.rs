@@ -5,8 +5,9 @@ use counterpoise_project::{
 };
 use serde::Serialize;
 
+use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, assumption_effects};
-use crate::{Modelled, PipelineError, model, reduce, synthesise, with_chosen_weights};
+use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
 
 /// What a project file was understood to say.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,10 +111,14 @@ fn effects(
         return Ok(Vec::new());
     }
     let reduced = reduce(project, modelled)?;
-    let chosen = with_chosen_weights(&project.clone().with_usual_verification())?;
+    let usual = project.clone().with_usual_verification();
+    let chosen = match leaves_weights_open(project) {
+        true => Some(choose_weights(&usual, modelled, &reduced)?),
+        false => None,
+    };
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
-    assumption_effects(project, (modelled, &synthesised), assumptions)
+    assumption_effects(project, modelled, &synthesised, assumptions)
 }
 
 fn overview(modelled: &Modelled) -> PlantOverview {

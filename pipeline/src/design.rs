@@ -137,7 +137,7 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
         studies::certificate::certificate(project, &modelled, &synthesised, &procedure)
     })?;
     let Exported { files, left_out } =
-        watched(world, Step::Export, || export_by(project, &modelled, &verified, (&procedure, world)))?;
+        watched(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
     Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
 }
 
@@ -151,14 +151,13 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
     let tuned = with_tuned_structure(project, world)?;
     let project = tuned.as_ref().map_or(project, |tuned| &tuned.project);
     let stages = run_stages(project, world)?;
-    let plants = (&stages.modelled, &stages.reduced);
-    let comparison = compare_designs(project, plants, &stages.synthesised)?;
+    let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
     Ok(Designed {
         identity: ProjectIdentity::of(project, world),
         weights: project.synth.as_ref().map(weights).unwrap_or_default(),
         certificates: certify(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
-        views: design_views(plants, &stages.synthesised)?,
+        views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         spectra: spectral(stages.verified.verification()),
         targets: study_targets(project, &stages, world)?,
         first_design: chosen.as_ref().map(|chosen| chosen.first.clone()),
@@ -188,8 +187,8 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
         identity: ProjectIdentity::of(project, world),
         weights: project.synth.as_ref().map(weights).unwrap_or_default(),
         certificates: certify(&synthesised, None),
-        comparison: compare_designs(project, (&modelled, &reduced), &synthesised)?,
-        views: design_views((&modelled, &reduced), &synthesised)?,
+        comparison: compare_designs(project, &modelled, &synthesised)?,
+        views: design_views(&modelled, &reduced, &synthesised)?,
         modelled,
         reduced,
         synthesised,

@@ -81,15 +81,19 @@ impl Grid {
 ///
 /// # Errors
 /// A frequency response that does not exist.
-pub fn design_views(plants: (&Modelled, &Reduced), made: &Synthesised) -> Result<DesignViews, PipelineError> {
+pub fn design_views(
+    modelled: &Modelled,
+    reduced: &Reduced,
+    made: &Synthesised,
+) -> Result<DesignViews, PipelineError> {
     Ok(DesignViews {
-        plants: plant_responses(plants)?,
+        plants: plant_responses(modelled, reduced)?,
         weights: weight_responses(&made.design.specification),
         families: controller_families(&made.balance)?,
     })
 }
 
-fn plant_responses((modelled, reduced): (&Modelled, &Reduced)) -> Result<Vec<PlantResponse>, PipelineError> {
+fn plant_responses(modelled: &Modelled, reduced: &Reduced) -> Result<Vec<PlantResponse>, PipelineError> {
     let (full, small) = (&modelled.linear.system, &reduced.system);
     let inputs = [
         (LinearPlant::CONTROL, "control"),

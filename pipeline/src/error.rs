@@ -39,7 +39,7 @@ pub enum PipelineError {
     /// A run that would take more memory than any usual machine has to spare.
     #[error(
         "{key} = {duration_s} s at a sample period of {period_s} s is a run of {samples:.3e} samples, about {gigabytes:.0} GB of memory \
-         and {minutes:.0} min of time: at this period at most {most_s:.0} s are run; shorten it, or raise \
+         and {minutes:.0} min of time: at this period at most {most_s} s are run; shorten it, or raise \
          plant.interface.sample_period"
     )]
     TooLong {

@@ -35,13 +35,17 @@ pub struct Chosen {
 /// # Errors
 /// Those of the plant; [`PipelineError::NoController`] if no bandwidth keeps the margins.
 pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, PipelineError> {
-    let asked = project.synth.clone().unwrap_or_default();
-    if asked.weights == WeightSource::Stated {
+    if !leaves_weights_open(project) {
         return Ok(None);
     }
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
     choose_weights(project, &modelled, &reduced).map(Some)
+}
+
+/// Returns whether the weights of a project are to be chosen, because its file states none.
+pub(crate) fn leaves_weights_open(project: &Project) -> bool {
+    project.synth.as_ref().is_none_or(|asked| asked.weights == WeightSource::Chosen)
 }
 
 /// Returns the project with weights chosen anew, whether it states some or not: where a new machine starts from.

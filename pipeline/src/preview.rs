@@ -7,15 +7,19 @@ use std::sync::Arc;
 
 use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{Margins, margins};
-use counterpoise_models::Parameters;
-use counterpoise_project::{Modelling, Project, Reduction};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::design::Synthesis;
 use counterpoise_verify::linear::closed::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
-use crate::{Modelled, PipelineError, Reduced, Synthesised, model, reduce, synthesise, with_chosen_weights};
+use crate::first_design::leaves_weights_open;
+use crate::{
+    Modelled, PipelineError, Reduced, Synthesised, choose_weights, model, reduce, synthesise,
+    with_chosen_weights,
+};
 
 /// Duration of the responses to heave and pitch, s: long enough for two periods of the slowest usual motion, short enough to drag.
 const MOTION_S: f64 = 2.0;
@@ -98,19 +102,26 @@ impl DesignPreview {
     }
 }
 
-/// The plant of the last request, with what it alone contributes to the responses.
+/// What the last request needed and the next one may need again: its plant, with what that alone contributes to the responses, and
+/// the weights that were chosen.
 #[derive(Default)]
 pub struct PreviewCache {
     kept: Option<CachedPlant>,
+    choice: Option<CachedChoice>,
 }
 
-type PlantKey = (Parameters, Modelling, Reduction, Option<f64>);
-
 struct CachedPlant {
-    key: PlantKey,
+    project: Arc<Project>,
+    out_of_balance_kg_m: Option<f64>,
     modelled: Arc<Modelled>,
     reduced: Arc<Reduced>,
     sampled: Option<SampledViews>,
+}
+
+/// The weights that were chosen for a project that states none.
+struct CachedChoice {
+    project: Arc<Project>,
+    synth: Option<Synthesis>,
 }
 
 /// The sampled plant as the controller sees it, with its own response and the loop without a controller.
@@ -124,21 +135,58 @@ struct SampledViews {
 impl PreviewCache {
     /// Returns the plant of a request; it is made again only if it differs from the last one.
     fn plant(&mut self, request: &PreviewRequest) -> Result<&mut CachedPlant, PipelineError> {
-        let p = &request.project;
-        let key = (p.plant.clone(), p.model.clone(), p.reduce, request.out_of_balance_kg_m);
-        if self.kept.as_ref().is_none_or(|kept| kept.key != key) {
+        let is_kept = |kept: &CachedPlant| {
+            kept.out_of_balance_kg_m == request.out_of_balance_kg_m
+                && has_same_plant(&kept.project, &request.project)
+        };
+        if !self.kept.as_ref().is_some_and(is_kept) {
             self.kept = None;
-            self.kept = Some(CachedPlant::new(request, key)?);
+            self.kept = Some(CachedPlant::new(request)?);
         }
         self.kept.as_mut().ok_or(PipelineError::Missing { section: "plant", needed_by: "the design" })
+    }
+
+    /// Returns the project of a request with its weights; they are chosen again only if something changed that the choice depends on.
+    fn with_weights(&mut self, request: &PreviewRequest) -> Result<Arc<Project>, PipelineError> {
+        let asked = &request.project;
+        if !leaves_weights_open(asked) {
+            return Ok(Arc::clone(asked));
+        }
+        let is_kept = |kept: &CachedChoice| {
+            has_same_plant(&kept.project, asked)
+                && kept.project.synth == asked.synth
+                && kept.project.verify == asked.verify
+        };
+        if !self.choice.as_ref().is_some_and(is_kept) {
+            self.choice = None;
+            let synth = self.choose(request)?;
+            self.choice = Some(CachedChoice { project: Arc::clone(asked), synth });
+        }
+        let synth = self.choice.as_ref().and_then(|kept| kept.synth.clone());
+        Ok(Arc::new(Project { synth, ..Project::clone(asked) }))
+    }
+
+    /// Chooses the weights for the project's own plant, which is the request's if no other moment of mass is tried.
+    fn choose(&mut self, request: &PreviewRequest) -> Result<Option<Synthesis>, PipelineError> {
+        if request.out_of_balance_kg_m.is_some() {
+            return Ok(with_chosen_weights(&request.project)?.and_then(|chosen| chosen.project.synth));
+        }
+        let kept = self.plant(request)?;
+        Ok(choose_weights(&request.project, &kept.modelled, &kept.reduced)?.project.synth)
     }
 }
 
 impl CachedPlant {
-    fn new(request: &PreviewRequest, key: PlantKey) -> Result<Self, PipelineError> {
+    fn new(request: &PreviewRequest) -> Result<Self, PipelineError> {
         let modelled = modelled_for(request)?;
         let reduced = reduce(&request.project, &modelled)?;
-        Ok(Self { key, modelled: Arc::new(modelled), reduced: Arc::new(reduced), sampled: None })
+        Ok(Self {
+            project: Arc::clone(&request.project),
+            out_of_balance_kg_m: request.out_of_balance_kg_m,
+            modelled: Arc::new(modelled),
+            reduced: Arc::new(reduced),
+            sampled: None,
+        })
     }
 
     fn sampled(&mut self, resolver: Resolver) -> Result<&SampledViews, PipelineError> {
@@ -156,6 +204,12 @@ impl SampledViews {
         let uncontrolled = Closed::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
         Ok(Self { resolver, plant, response, uncontrolled })
     }
+}
+
+/// Returns whether the plants of two projects are the same.
+fn has_same_plant(a: &Arc<Project>, b: &Arc<Project>) -> bool {
+    Arc::ptr_eq(a, b)
+        || (a.plant == b.plant && a.import == b.import && a.model == b.model && a.reduce == b.reduce)
 }
 
 /// Returns the full plant, at the first moment of mass that is tried if there is one.
@@ -192,8 +246,7 @@ pub fn preview_design(
     cache: &mut PreviewCache,
     pool: &dyn Pool,
 ) -> Result<DesignPreview, PipelineError> {
-    let chosen = with_chosen_weights(&request.project)?;
-    let project = chosen.map_or_else(|| Arc::clone(&request.project), |chosen| Arc::new(chosen.project));
+    let project = cache.with_weights(request)?;
     let kept = cache.plant(request)?;
     let synthesised = synthesise(&project, &kept.modelled, &kept.reduced)?;
     let (modelled, reduced) = (Arc::clone(&kept.modelled), Arc::clone(&kept.reduced));
@@ -278,7 +331,7 @@ impl Responses<'_> {
             for (arrangement, closed) in self.loops {
                 let motion = |time_s: f64| procedure.motion(source, time_s);
                 let plant = &self.sampled.plant;
-                motions.push(linear::disturbance(plant, closed, (source, *arrangement), MOTION_S, motion)?);
+                motions.push(linear::disturbance(plant, closed, source, *arrangement, MOTION_S, motion)?);
             }
         }
         Ok(Half::Motions(motions))

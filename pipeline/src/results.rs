@@ -331,7 +331,7 @@ impl VerifyResult {
             unit: measured.figure.unit(),
         });
         let verdicts = found.verdicts.iter().map(|(requirement, verdict)| {
-            let procedure = &found.evidence.procedure;
+            let acceptance = Acceptance::of(&requirement.figure, &found.evidence.procedure);
             let (verdict, value, limit, why) = match verdict {
                 Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
                 Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
@@ -344,8 +344,8 @@ impl VerifyResult {
                 limit,
                 why,
                 source: requirement.source.clone(),
-                judged_by: Acceptance::of(&requirement.figure, procedure).judged_by,
-                acceptance_test: Acceptance::of(&requirement.figure, procedure).test,
+                judged_by: acceptance.judged_by,
+                acceptance_test: acceptance.test,
             }
         });
         Self {
@@ -419,7 +419,7 @@ fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
     let hz = stored_frequencies_hz();
     let one = |(input, name): (usize, &str)| {
         let name = format!("{} over {name}", LinearPlant::OUTPUTS[LinearPlant::HUB_RATE]);
-        ResponseResult::of_system(&name, system, (LinearPlant::HUB_RATE, input), &hz)
+        ResponseResult::of_system(&name, system, LinearPlant::HUB_RATE, input, &hz)
     };
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
 }
@@ -467,10 +467,10 @@ fn controller_responses(
     for (result, system) in controllers {
         for (input, signal) in result.inputs.iter().enumerate() {
             let name = format!("{} over {}", result.name, signal.name);
-            all.extend(ResponseResult::of_system(&name, system, (0, input), &hz));
+            all.extend(ResponseResult::of_system(&name, system, 0, input, &hz));
         }
     }
-    all.extend(ResponseResult::of_system("sampled loop", broken, (0, 0), &hz));
+    all.extend(ResponseResult::of_system("sampled loop", broken, 0, 0, &hz));
     all
 }
 

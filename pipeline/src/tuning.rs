@@ -1,4 +1,4 @@
-//! The open parameters of a feedback of fixed structure: tuned for the project's own motion, friction and noise.
+//! The open parameters of a feedback of fixed structure, or the weights of the H2 feedback: tuned for the project's own motion, friction and noise.
 //!
 //! What acts on the loop is estimated: the nonlinear closed loop with the file's H2 feedback and its feedforwards moves as the
 //! project says (its road, or its sines), and the spectrum of the hub rate over |S|^2 of that loop is the disturbance at the output that any
@@ -13,11 +13,12 @@ use counterpoise_models::Sensor;
 use counterpoise_models::plant::Plant;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::Synthesis;
-use counterpoise_project::resolve::fixed_structure::{FurtherPlants, Tuning, TuningObjective};
+use counterpoise_project::resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
 use counterpoise_simulate::Simulator;
+use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
     BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, Tuned,
-    TuningTask, tune,
+    TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
@@ -29,10 +30,10 @@ use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
 use crate::{Modelled, PipelineError, Reduced, Synthesised, World, model, procedure, reduce, synthesise};
 
-/// A project whose blocks were tuned.
+/// A project whose blocks or weights were tuned.
 #[derive(Debug, Clone)]
 pub struct TunedProject {
-    /// The project with a value for every parameter.
+    /// The project with a value for every parameter, or with the tuned weights.
     pub project: Project,
     /// What the tuning found.
     pub tuned: Tuned,
@@ -61,7 +62,8 @@ pub struct TuningGround {
     pub disturbance: Disturbance,
 }
 
-/// Returns the project with the open parameters of its blocks tuned; `None` if it has none.
+/// Returns the project with the open parameters of its blocks tuned, or with its weights if `[synth.tune]` asks for them; `None` if
+/// there is nothing to tune.
 ///
 /// # Errors
 /// Those of the plant, of the H2 design that the disturbance is estimated with, and of the tuning.
@@ -70,28 +72,63 @@ pub fn with_tuned_structure(
     world: &dyn World,
 ) -> Result<Option<TunedProject>, PipelineError> {
     let Some(asked) = &project.synth else { return Ok(None) };
-    let structure = asked.options.structure.clone();
-    if !structure.is_open() {
-        return Ok(None);
-    }
+    let structure = &asked.options.structure;
+    let weights_are_open =
+        asked.options.tuning.as_ref().is_some_and(|tuning| tuning.weights == TunedWeights::ToTune);
+    let subject = match structure.is_open() {
+        true => TuningSubject::Structure(structure),
+        false if weights_are_open => TuningSubject::Weights(&asked.specification),
+        false => return Ok(None),
+    };
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
     let wanted = asked.options.tuning.clone().unwrap_or_default();
     let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
-    let (tuned, plants) = tune_structure(&structure, &ground, &wanted)?;
+    let (tuned, plants) = tune_feedback(subject, &ground, &wanted)?;
     let mut stated = asked.clone();
-    stated.options.structure = rounded(&tuned.structure);
+    put_in_place(&tuned.feedback, &mut stated);
     let project = Project { synth: Some(stated), ..project.clone() };
     Ok(Some(TunedProject { project, tuned, disturbance: ground.disturbance, limits: wanted.limits, plants }))
 }
 
-/// Digits of a tuned value in a project file: its last one moves no figure that is shown.
-fn rounded(structure: &FixedStructure) -> FixedStructure {
-    let mut rounded = structure.clone();
-    for parameter in rounded.blocks.iter_mut().flat_map(|block| &mut block.parameters) {
-        parameter.value = parameter.value.map(|value| format!("{value:.8e}").parse().unwrap_or(value));
+/// Puts a tuned feedback in the place of the one that a synthesis states, with the digits that its project file gets.
+pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut Synthesis) {
+    match tuned {
+        TunedFeedback::Structure(structure) => {
+            let mut structure = structure.clone();
+            for parameter in structure.blocks.iter_mut().flat_map(|block| &mut block.parameters) {
+                parameter.value = parameter.value.map(rounded);
+            }
+            synthesis.options.structure = structure;
+        }
+        TunedFeedback::Weights(weights) => {
+            let mut weights = (**weights).clone();
+            for weight in [&mut weights.error, &mut weights.control] {
+                *weight = rounded_weight(weight);
+            }
+            weights.measurement_noise = rounded(weights.measurement_noise);
+            weights.loop_recovery = rounded(weights.loop_recovery);
+            synthesis.specification.feedback = weights;
+            if let Some(tuning) = &mut synthesis.options.tuning {
+                tuning.weights = TunedWeights::Tuned;
+            }
+        }
     }
-    rounded
+}
+
+/// Digits of a tuned value in a project file: its last one moves no figure that is shown.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
+fn rounded_weight(weight: &Weight) -> Weight {
+    let rational = weight.rational();
+    let root = |root: &C64| C64::new(rounded(root.re), rounded(root.im));
+    Weight::ZeroPoleGain {
+        zeros: rational.zeros.iter().map(root).collect(),
+        poles: rational.poles.iter().map(root).collect(),
+        gain: rounded(rational.gain),
+    }
 }
 
 /// What a project's loops are tuned on and for.
@@ -134,36 +171,48 @@ const STILL_RAD_S: f64 = 1e-9;
 /// Rounds in which the worst mechanism of a sweep is added to the plants that are tuned for.
 const ROUNDS: usize = 5;
 
-/// Tunes a structure on its ground; gives the number of plants on which the limits were checked besides. A mechanism of the sweep on which the answer misses a limit joins
-/// the plants, and the structure is tuned anew from the answer.
+/// Tunes a feedback on its ground; gives the number of plants on which the limits were checked besides. A mechanism of the sweep on which the answer misses a limit joins
+/// the plants, and the feedback is tuned anew.
 ///
 /// # Errors
 /// Those of the tuning.
-pub fn tune_structure(
-    structure: &FixedStructure,
+pub fn tune_feedback(
+    subject: TuningSubject<'_>,
     ground: &TuningGround,
     wanted: &Tuning,
 ) -> Result<(Tuned, usize), PipelineError> {
     let mut plants = ground.plants.clone();
     let checked = plants.len() + ground.mechanisms.len();
-    let mut found = tune(&task(structure, ground, wanted, &plants))?;
+    let task = |plants: &[DesignPlant]| -> Result<Tuned, PipelineError> {
+        Ok(tune(&TuningTask {
+            subject,
+            plants,
+            held: &ground.held,
+            sampling: &ground.sampling,
+            disturbance: &ground.disturbance,
+            limits: wanted.limits,
+            starts: wanted.starts,
+            seed: u64::from(wanted.seed),
+        })?)
+    };
+    let mut found = task(&plants)?;
     for _ in 0..ROUNDS {
         let mut worst: Option<(f64, &DesignPlant)> = None;
         for plant in &ground.mechanisms {
-            let missed = missed_on(&found.structure, plant, ground, &wanted.limits)?;
+            let missed = missed_on(&found, plant, ground, &wanted.limits)?;
             if missed > SLACK && worst.is_none_or(|(most, _)| missed > most) {
                 worst = Some((missed, plant));
             }
         }
         let Some((missed, plant)) = worst else { return Ok((found, checked)) };
         plants.push(plant.clone());
-        found = tune(&task(structure, ground, wanted, &plants))?;
+        found = task(&plants)?;
         found.missed =
             found.missed.max(if plants.len() == ground.plants.len() + ROUNDS { missed } else { 0.0 });
     }
     let mut missed = found.missed;
     for plant in &ground.mechanisms {
-        let most = missed_on(&found.structure, plant, ground, &wanted.limits)?;
+        let most = missed_on(&found, plant, ground, &wanted.limits)?;
         missed = missed.max(if most > SLACK { most } else { 0.0 });
     }
     found.missed = missed;
@@ -173,37 +222,14 @@ pub fn tune_structure(
 /// A limit that a mechanism of the sweep misses by less than this share counts as kept.
 const SLACK: f64 = 1e-3;
 
-fn task<'a>(
-    structure: &'a FixedStructure,
-    ground: &'a TuningGround,
-    wanted: &Tuning,
-    plants: &'a [DesignPlant],
-) -> TuningTask<'a> {
-    TuningTask {
-        structure,
-        plants,
-        held: &ground.held,
-        sampling: &ground.sampling,
-        disturbance: &ground.disturbance,
-        limits: wanted.limits,
-        starts: wanted.starts,
-        seed: u64::from(wanted.seed),
-    }
-}
-
-/// By how much a tuned structure misses the worst limit on a plant; infinite if the loop is not stable there.
+/// By how much a tuned feedback misses the worst limit on a plant; infinite if the loop is not stable there.
 fn missed_on(
-    structure: &FixedStructure,
+    tuned: &Tuned,
     plant: &DesignPlant,
     ground: &TuningGround,
     limits: &LoopLimits,
 ) -> Result<f64, PipelineError> {
-    let found = counterpoise_synth::tuning::measure_structure(
-        structure,
-        plant,
-        &ground.sampling,
-        &ground.disturbance,
-    )?;
+    let found = measure_loop(&sampled_plant(plant, &ground.sampling)?, &tuned.sampled, &ground.disturbance)?;
     Ok(if found.decay_rad_s > 0.0 { limits.missed(&found) } else { f64::INFINITY })
 }
 
@@ -421,6 +447,9 @@ impl From<&BestLoop> for LoopMeasuresResult {
 pub struct TuningResult {
     /// Blocks, each with its parameters.
     pub blocks: Vec<BlockResult>,
+    /// The weights of a tuned H2 feedback.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<WeightsResult>,
     /// Figures on each plant, the nominal one first.
     pub measures: Vec<LoopMeasuresResult>,
     /// Plants on which the limits were checked.
@@ -478,11 +507,36 @@ pub fn block_results(structure: &FixedStructure) -> Vec<BlockResult> {
     structure.blocks.iter().map(of).collect()
 }
 
+/// Tuned weights of the H2 feedback as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WeightsResult {
+    /// Weight on the error, as a function of s.
+    pub error: String,
+    /// Weight on the control, as a function of s.
+    pub control: String,
+    /// Spectral density of the measurement noise, (rad/s)^2 s.
+    pub measurement_noise: f64,
+    /// Loop recovery, V^2 s.
+    pub loop_recovery: f64,
+}
+
+/// Tuned weights as plain data; `None` for a structure.
+pub fn weights_result(tuned: &TunedFeedback) -> Option<WeightsResult> {
+    let TunedFeedback::Weights(weights) = tuned else { return None };
+    Some(WeightsResult {
+        error: weights.error.to_string(),
+        control: weights.control.to_string(),
+        measurement_noise: weights.measurement_noise,
+        loop_recovery: weights.loop_recovery,
+    })
+}
+
 impl From<&TunedProject> for TuningResult {
     fn from(found: &TunedProject) -> Self {
         let tuned = &found.tuned;
         Self {
-            blocks: block_results(&tuned.structure),
+            blocks: block_results(&tuned.structure()),
+            weights: weights_result(&tuned.feedback),
             measures: tuned.measures.iter().map(LoopMeasuresResult::from).collect(),
             plants: found.plants,
             missed: tuned.missed,

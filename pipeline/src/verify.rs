@@ -50,12 +50,13 @@ pub fn verify_watched(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
-    (world, watch): (&dyn World, Onlooker<'_>),
+    world: &dyn World,
+    watch: Onlooker<'_>,
 ) -> Result<Option<VerifiedController>, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
     let controller = &synthesised.sampled.controller;
     let by = procedure(project, world)?;
-    Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, (&by, &asked.requirements), watch)?)
+    Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, &by, &asked.requirements, watch)?)
 }
 
 /// The linear figures alone, on a plant and by a procedure.

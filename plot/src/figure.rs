@@ -194,28 +194,24 @@ impl Axis {
 
 impl Series {
     /// Returns a curve through points (x, y).
-    pub fn new(
-        name: &str,
-        (colour, dash): (Colour, Dash),
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
+    pub fn new(name: &str, colour: Colour, dash: Dash, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let points = rows(points.into_iter().map(|(x, y)| [x, y]));
         Self { name: name.to_owned(), points, colour, dash }
     }
 
     /// Returns an unbroken curve through points (x, y).
     pub fn solid(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self::new(name, (colour, Dash::Solid), points)
+        Self::new(name, colour, Dash::Solid, points)
     }
 
     /// Returns a dashed curve through points (x, y).
     pub fn dashed(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self::new(name, (colour, Dash::Dashed), points)
+        Self::new(name, colour, Dash::Dashed, points)
     }
 
     /// Returns a dotted curve through points (x, y).
     pub fn dotted(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self::new(name, (colour, Dash::Dotted), points)
+        Self::new(name, colour, Dash::Dotted, points)
     }
 
     /// Returns an unbroken curve of one signal over another; the longer one is cut to the length of the shorter.

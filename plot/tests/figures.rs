@@ -274,7 +274,7 @@ fn a_png_decodes_to_the_picture_that_was_drawn() {
 fn a_curve_has_its_colour_in_a_bitmap() {
     let blue = Theme::Light.colour(counterpoise_plot::theme::Role::Curve(Colour::First));
     let figure = |dash| {
-        let series = Series::new("", (Colour::First, dash), [(0.0, 0.0), (1.0, 1.0)]);
+        let series = Series::new("", Colour::First, dash, [(0.0, 0.0), (1.0, 1.0)]);
         Figure::new("line", Axis::linear("x", ""), vec![Panel::new(Axis::linear("y", ""), vec![series])])
     };
     let count = |dash| {

@@ -26,7 +26,7 @@ pub use assumption::{Assumption, Tolerance, ToleranceKind};
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, FORMAT, Setting};
 pub use resolve::design::{Export, Language, Reduction, ReductionMethod, Synthesis};
-pub use resolve::fixed_structure::{FurtherPlants, Tuning, TuningObjective};
+pub use resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
 pub use resolve::import::{ImportedStructure, MatrixFormat};
 pub use resolve::model::{Modelling, StructureChoice};
 pub use resolve::platform::{Motion, MotionKind, PlatformSource, RoadSource};

@@ -4,7 +4,8 @@
 use std::path::PathBuf;
 
 use counterpoise_models::{
-    Clock, Drift, FrictionLaw, Lumped, MapPoint, Parameters, Ripple, Sensor, StribeckCurve, reference,
+    Clock, Drift, FrictionLaw, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Lumped,
+    MapPoint, Parameters, RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Document, PlatformSource, Project, Setting, StructureChoice};
@@ -127,6 +128,28 @@ fn unusual() -> Parameters {
     let lumped: &mut Lumped = plant.lumped.as_mut().unwrap();
     (lumped.position_stiffness_nm_rad, lumped.position_stiffness_centre_rad) = (900.0, -0.04);
     lumped.vertical_offset_kg_m = 3.0;
+    plant.learned = vec![
+        LearnedElement {
+            name: "tight spot".to_owned(),
+            place: LearnedPlace::Pivot,
+            quantity: LearnedQuantity::FrictionLevel,
+            variable: RegimeVariable::Angle,
+            interpolation: Interpolation::Linear,
+            points: vec![-0.1, 0.0, 0.15],
+            values: vec![1.0, 1.4, 1.1],
+            half_width: vec![0.1, 0.02, 0.2],
+            coverage: vec![0.25, 0.5, 0.25],
+        },
+        LearnedElement {
+            values: vec![0.01, -0.01],
+            ..LearnedElement::neutral(
+                LearnedPlace::Motor,
+                LearnedQuantity::Torque,
+                RegimeVariable::Turn,
+                vec![0.0, 3.0],
+            )
+        },
+    ];
     plant
 }
 

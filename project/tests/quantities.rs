@@ -126,59 +126,61 @@ fn decimal_prefixes_are_exact() {
     assert_eq!(rewrite("14 bit", 16.0, "bits").unwrap(), "16 bit");
 }
 
+/// A text, the unit of its key, and what is said of it.
+const WRONG: &[(&str, &str, &str)] = &[
+    ("5 N m", "rad/s", "must be an angular rate, in a unit like rad/s; \"5 N m\" is a torque"),
+    ("5 N m", "N m/rad", "must be an angular stiffness, in a unit like N m/rad; \"5 N m\" is a torque"),
+    (
+        "5 rad/s/s",
+        "rad/s",
+        "must be an angular rate, in a unit like rad/s; \"5 rad/s/s\" is an angular acceleration",
+    ),
+    ("1 m m", "m", "must be a length, in a unit like m; \"1 m m\" is an area"),
+    (
+        "20 V",
+        "V/rad",
+        "must be measured in m^2 kg s^-3 A^-1 rad^-1, in a unit like V/rad; \"20 V\" is a voltage",
+    ),
+    ("5 mm", "", "must be a number without unit; \"5 mm\" is a length"),
+    ("14 bit", "", "must be a number without unit; \"14 bit\" is a number of bits"),
+    ("20 dB", "", "must be a number without unit; \"20 dB\" is a level in decibels"),
+    ("200:1", "m", "must be a length, in a unit like m; \"200:1\" is a ratio"),
+    ("1 kHz", "s", "must be a time, in a unit like s; \"1 kHz\" is a frequency"),
+    ("5", "m", "has no unit: write the number without quotes if it is in m, or add its unit"),
+    ("much", "m", "must be a number in m, or a text with a number and a unit"),
+    ("", "m", "must be a number in m, or a text with a number and a unit"),
+    (
+        "1,5 mm",
+        "m",
+        "must be written with a decimal point and without separators of thousands, as in \"1234.5 mm\"",
+    ),
+    (
+        "3 000 rpm",
+        "rad/s",
+        "must be written with a decimal point and without separators of thousands, as in \"1234.5 mm\"",
+    ),
+    ("NaN rad", "rad", "must be a finite number in rad"),
+    ("-inf m", "m", "must be a finite number in m"),
+    ("1e999999999999999999999 m", "m", "must be a finite number in m"),
+    ("5 furlong", "m", "must be a quantity in a unit like m: there is no unit \"furlong\""),
+    (
+        "5 m^99",
+        "m",
+        "must be a quantity in a unit like m: the power in \"m^99\" must be a whole number from -9 to 9",
+    ),
+    (
+        "5 m^0.5",
+        "m",
+        "must be a quantity in a unit like m: the power in \"m^0.5\" must be a whole number from -9 to 9",
+    ),
+    ("5 (m", "m", "must be a quantity in a unit like m: \"(m\" is no product or quotient of units"),
+    ("5 m/", "m", "must be a quantity in a unit like m: \"m/\" is no product or quotient of units"),
+];
+
 #[test]
 fn what_does_not_fit_is_told_with_both_dimensions() {
-    let cases = [
-        ("5 N m", "rad/s", "must be an angular rate, in a unit like rad/s; \"5 N m\" is a torque"),
-        ("5 N m", "N m/rad", "must be an angular stiffness, in a unit like N m/rad; \"5 N m\" is a torque"),
-        (
-            "5 rad/s/s",
-            "rad/s",
-            "must be an angular rate, in a unit like rad/s; \"5 rad/s/s\" is an angular acceleration",
-        ),
-        ("1 m m", "m", "must be a length, in a unit like m; \"1 m m\" is an area"),
-        (
-            "20 V",
-            "V/rad",
-            "must be measured in m^2 kg s^-3 A^-1 rad^-1, in a unit like V/rad; \"20 V\" is a voltage",
-        ),
-        ("5 mm", "", "must be a number without unit; \"5 mm\" is a length"),
-        ("14 bit", "", "must be a number without unit; \"14 bit\" is a number of bits"),
-        ("20 dB", "", "must be a number without unit; \"20 dB\" is a level in decibels"),
-        ("200:1", "m", "must be a length, in a unit like m; \"200:1\" is a ratio"),
-        ("1 kHz", "s", "must be a time, in a unit like s; \"1 kHz\" is a frequency"),
-        ("5", "m", "has no unit: write the number without quotes if it is in m, or add its unit"),
-        ("much", "m", "must be a number in m, or a text with a number and a unit"),
-        ("", "m", "must be a number in m, or a text with a number and a unit"),
-        (
-            "1,5 mm",
-            "m",
-            "must be written with a decimal point and without separators of thousands, as in \"1234.5 mm\"",
-        ),
-        (
-            "3 000 rpm",
-            "rad/s",
-            "must be written with a decimal point and without separators of thousands, as in \"1234.5 mm\"",
-        ),
-        ("NaN rad", "rad", "must be a finite number in rad"),
-        ("-inf m", "m", "must be a finite number in m"),
-        ("1e999999999999999999999 m", "m", "must be a finite number in m"),
-        ("5 furlong", "m", "must be a quantity in a unit like m: there is no unit \"furlong\""),
-        (
-            "5 m^99",
-            "m",
-            "must be a quantity in a unit like m: the power in \"m^99\" must be a whole number from -9 to 9",
-        ),
-        (
-            "5 m^0.5",
-            "m",
-            "must be a quantity in a unit like m: the power in \"m^0.5\" must be a whole number from -9 to 9",
-        ),
-        ("5 (m", "m", "must be a quantity in a unit like m: \"(m\" is no product or quotient of units"),
-        ("5 m/", "m", "must be a quantity in a unit like m: \"m/\" is no product or quotient of units"),
-    ];
-    for (text, unit, told) in cases {
-        assert_eq!(read(text, unit).unwrap_err().to_string(), told, "{text:?}");
+    for (text, unit, told) in WRONG {
+        assert_eq!(read(text, unit).unwrap_err().to_string(), *told, "{text:?}");
     }
     let two_ways = read("5 N m/rad s", "N m s/rad").unwrap_err().to_string();
     assert!(two_ways.contains("can be read in two ways"), "{two_ways}");

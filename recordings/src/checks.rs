@@ -69,7 +69,7 @@ pub(crate) fn nearly_named(
     table: &Table,
     mapping: &Mapping,
     found: &[Channel],
-    has_time: bool,
+    time_s: Option<&Array1<f64>>,
 ) -> Vec<Remark> {
     let is_unused = |name: &str| {
         let sources = mapping.channels.iter().map(|(_, source)| source).chain(&mapping.time);
@@ -86,7 +86,7 @@ pub(crate) fn nearly_named(
     let remark = |name: &str| {
         let bare = bare(name);
         let channel = lacking.iter().copied().find(|channel| is_near(&bare, channel));
-        let time = (!has_time && TIMES.contains(&bare.as_str())).then_some("time");
+        let time = (time_s.is_none() && TIMES.contains(&bare.as_str())).then_some("time");
         let meant = channel.or(time)?;
         Some(Remark::NearlyNamed { column: name.to_owned(), meant })
     };

@@ -111,7 +111,7 @@ impl Mapping {
             }
         }
         let mut remarks = table.remarks.clone();
-        remarks.extend(nearly_named(table, self, &channels, time_s.is_some()));
+        remarks.extend(nearly_named(table, self, &channels, time_s.as_ref()));
         remarks.extend(odd);
         let Uniform { period_s, start_s, signals, remarks: of_clock } =
             self.clocked(table, time_s, signals)?;

@@ -143,9 +143,10 @@ impl fmt::Display for Remark {
             ),
             Self::Outliers { channel, samples, first_row, value } => write!(
                 f,
-                "{}: {samples} readings are far from both neighbours, the first in row {first_row} ({value} {}): \
+                "{}: {samples} reading{} far from both neighbours, the first in row {first_row} ({value} {}): \
                  check the recorder",
                 channel.name(),
+                if *samples == 1 { " is" } else { "s are" },
                 channel.unit()
             ),
             Self::Resampled { file_s, project_s } if file_s < project_s => {

@@ -87,17 +87,39 @@ fn matlab_says_what_it_does_not_read() {
 #[test]
 fn parquet_reads_by_type_and_says_what_it_does_not_read() {
     let table = read("types.parquet").unwrap();
-    assert_eq!(columns(&table), ["time", "hub_rate", "control", "half", "unsigned", "small", "HubPosition"]);
+    assert_eq!(
+        columns(&table),
+        ["time", "hub_rate", "control", "half", "unsigned", "small", "large", "HubPosition"]
+    );
     let at = |column: &str| table.column(column).unwrap().values[3];
-    assert_eq!((at("unsigned"), at("small")), (4e9, 1.25));
+    assert_eq!((at("unsigned"), at("small"), at("large")), (4e9, 1.25, 1.25));
     assert!((at("half") - at("hub_rate")).abs() < 1e-4);
     let said = said(&Mapping::default().apply(&table).unwrap().remarks);
-    let unread = ["texts", "dates", "lists", "large"];
+    let unread = ["texts", "dates", "lists"];
     for name in unread {
         assert!(said.iter().any(|s| s.starts_with(&format!("column \"{name}\" was not read"))), "{said:#?}");
     }
     assert!(said.iter().any(|s| s.contains("if it is hub_position")), "{said:#?}");
     assert_eq!(said.len(), unread.len() + 1, "{said:#?}");
+}
+
+/// Arrow stores decimal numbers as bytes, the most significant first, whatever their number of digits.
+#[test]
+fn decimal_numbers_are_read_up_to_38_digits() {
+    let table = read("decimals.parquet").unwrap();
+    assert_eq!(columns(&table), ["time", "control", "hub_rate"]);
+    let values = |column: &str| table.column(column).unwrap().values.to_vec();
+    let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-15;
+    let (times, control, rates) = (values("time"), values("control"), values("hub_rate"));
+    assert!(times[0] == 0.0 && close(times[1], 1e-3) && close(times[2], 2e-3), "{times:?}");
+    assert!(
+        close(control[0], -1.25) && control[1].is_nan() && close(control[2], 123456.789012),
+        "{control:?}"
+    );
+    assert!(close(rates[0], -1e-38) && close(rates[1], 0.5) && close(rates[2], -1.0), "{rates:?}");
+    let said = said(&table.remarks);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].starts_with("column \"demand\" was not read: it holds decimal numbers of more than 38"));
 }
 
 #[test]

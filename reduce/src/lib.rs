@@ -8,7 +8,7 @@
 //! border of stability are never reduced: they are split off first and put back unchanged.
 //!
 //! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced`], [`weighted`], [`modal`], [`second_order`],
-//! [`minimal`](mod@minimal), [`measure`], [`error`].
+//! [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_lti::{C64, Timebase, Zpk};
@@ -31,6 +31,7 @@ pub mod modal;
 pub mod reduction;
 pub mod second_order;
 pub mod split;
+pub mod tolerance;
 pub mod weighted;
 
 pub use balanced::{Balanced, balred};

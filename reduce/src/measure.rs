@@ -2,19 +2,8 @@
 
 use crate::Error;
 use crate::reduction::Warning;
+use crate::tolerance::{EXACT_NORM, EXACT_ORDER, GRID_BEYOND, GRID_POINTS};
 use counterpoise_lti::{C64, Peak, StateSpace, Timebase, linfnorm, parallel, poles, sigma};
-
-/// Order of the error system up to which its norm is computed exactly.
-pub const EXACT_ORDER: usize = 120;
-
-/// Relative tolerance of the exact norm.
-pub const TOLERANCE: f64 = 1e-6;
-
-/// Points of the logarithmic part of the grid.
-const GRID: usize = 300;
-
-/// Decades that the grid goes beyond the poles.
-const BEYOND: f64 = 100.0;
 
 /// The H-infinity norm of `g - reduced` (poles that both share and that cancel do not count), and where it is taken.
 ///
@@ -25,7 +14,7 @@ const BEYOND: f64 = 100.0;
 /// [`Error::System`] where the systems do not fit.
 pub fn error_norm(g: &StateSpace, reduced: &StateSpace) -> Result<(Peak, Option<Warning>), Error> {
     if g.order() + reduced.order() <= EXACT_ORDER {
-        return Ok((linfnorm(&parallel(g, &reduced.negate())?, TOLERANCE)?, None));
+        return Ok((linfnorm(&parallel(g, &reduced.negate())?, EXACT_NORM)?, None));
     }
     let mut roots = poles(g)?;
     roots.extend(poles(reduced)?);
@@ -54,10 +43,10 @@ fn grid(poles: &[C64], timebase: Timebase) -> Vec<f64> {
         Timebase::Discrete { period_s } => std::f64::consts::PI / period_s,
     };
     let roots: Vec<C64> = poles.iter().map(in_s).filter(|root| root.norm().is_normal()).collect();
-    let low = roots.iter().map(|root| root.norm()).fold(f64::INFINITY, f64::min) / BEYOND;
-    let high = (roots.iter().map(|root| root.norm()).fold(0.0, f64::max) * BEYOND).min(highest);
+    let low = roots.iter().map(|root| root.norm()).fold(f64::INFINITY, f64::min) / GRID_BEYOND;
+    let high = (roots.iter().map(|root| root.norm()).fold(0.0, f64::max) * GRID_BEYOND).min(highest);
     let mut rates = vec![low];
-    rates.extend((1..GRID).map(|k| low * (high / low).powf(k as f64 / (GRID - 1) as f64)));
+    rates.extend((1..GRID_POINTS).map(|k| low * (high / low).powf(k as f64 / (GRID_POINTS - 1) as f64)));
     rates.extend(roots.iter().filter(|root| root.im > 0.0).flat_map(|root| [root.im, root.norm()]));
     rates.retain(|rate| rate.is_normal() && *rate <= highest);
     rates.sort_by(f64::total_cmp);

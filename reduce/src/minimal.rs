@@ -1,13 +1,11 @@
 //! Minimal realisation: the states that the input reaches and the output sees, with the gap at which it was cut.
 
 use crate::error::During;
+use crate::tolerance::SAFE_GAP;
 use crate::{Error, Warning};
 use counterpoise_lti::linalg;
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{Mat, StateSpace};
-
-/// A gap smaller than this leaves the order in doubt.
-pub const SAFE_GAP: f64 = 1e3;
 
 /// A minimal realisation and the numbers it rests on.
 #[derive(Debug, Clone, PartialEq)]

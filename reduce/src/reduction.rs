@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::Error;
+use crate::tolerance::PAIRED_VALUES;
 use counterpoise_lti::{Peak, StateSpace};
 
 /// How many states to keep.
@@ -120,9 +121,6 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Values closer than this, relative, are a pair (a mode of damping 0.05 has two values so far apart).
-const PAIR: f64 = 0.1;
-
 /// How many of the ranked values to keep, and what there is to say about it.
 pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(usize, Vec<Warning>), Error> {
     let largest = hankel.first().copied().unwrap_or(0.0);
@@ -153,7 +151,7 @@ pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(
     if kept < asked {
         warnings.push(Warning::FewerThanAsked { asked: asked + untouched, kept: kept + untouched });
     }
-    if kept > 0 && kept < numerical && hankel[kept] > (1.0 - PAIR) * hankel[kept - 1] {
+    if kept > 0 && kept < numerical && hankel[kept] > (1.0 - PAIRED_VALUES) * hankel[kept - 1] {
         warnings.push(Warning::CutsPair { kept: hankel[kept - 1], dropped: hankel[kept] });
     }
     Ok((kept, warnings))

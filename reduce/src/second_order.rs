@@ -2,11 +2,9 @@
 
 use crate::Error;
 use crate::error::During;
+use crate::tolerance::COMPARED_FREQUENCIES;
 use counterpoise_lti::linalg;
 use counterpoise_lti::{Mat, StateSpace, Timebase};
-
-/// Natural frequencies compared to measure an error; as many as the reduced structure has, at most this many.
-const COMPARED: usize = 6;
 
 /// A structure
 ///
@@ -149,7 +147,7 @@ pub fn modal_basis(structure: &SecondOrder, modes: usize) -> Result<SecondOrderR
 
 fn reduction(structure: &SecondOrder, basis: Mat) -> Result<SecondOrderReduction, Error> {
     let reduced = structure.project(&basis);
-    let count = basis.ncols().min(COMPARED);
+    let count = basis.ncols().min(COMPARED_FREQUENCIES);
     let (mut rates_rad_s, mut reduced_rates_rad_s) = (structure.modes()?.0, reduced.modes()?.0);
     rates_rad_s.truncate(count);
     reduced_rates_rad_s.truncate(count);

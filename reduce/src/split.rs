@@ -2,19 +2,11 @@
 
 use crate::Error;
 use crate::error::During;
+use crate::tolerance::{BORDER, BORDER_NORM, CLUSTER_REACH, REORDERING_SHIFT, SUSPECT_POLE};
 use counterpoise_lti::components::components;
 use counterpoise_lti::linalg::{self, Boundary, Schur};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, parallel};
-
-/// A pole counts as on the border of stability within this share of its size.
-pub const BORDER: f64 = 1e-9;
-
-/// ... or within this share of the norm of the scaled A.
-pub const BORDER_NORM: f64 = 1e-13;
-
-/// Reordering moves a pole by less than this share of the norm of A.
-const SNAP: f64 = 1e-14;
 
 /// `g = first + second`, no pole in common; the direct path is with the first.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,13 +26,6 @@ impl Split {
         Ok(parallel(&self.first, &self.second)?)
     }
 }
-
-/// Poles this near to the boundary, relative to the norm of A, are examined one by one: both halves of a double pole there
-/// that rounding has split lie within it.
-const SUSPECT: f64 = 1e-7;
-
-/// A pole belongs to a cluster on the boundary within this many times the distance of its farthest member.
-const CLUSTER: f64 = 2.0;
 
 /// Stable part (with the direct path) and the rest: integrators, poles on the border, unstable poles.
 ///
@@ -75,13 +60,13 @@ fn boundary(timebase: Timebase) -> Boundary {
 
 /// How far poles that belong on the boundary may lie beside it.
 fn cluster_radius(A: &Mat, form: &Schur, boundary: Boundary) -> Result<f64, Error> {
-    let close = SUSPECT * A.norm_fro().max(1.0);
+    let close = SUSPECT_POLE * A.norm_fro().max(1.0);
     let is_suspect = |pole: C64| boundary.excess(pole) != 0.0 && boundary.excess(pole).abs() < close;
     if !form.eigenvalues().into_iter().any(is_suspect) {
         return Ok(0.0);
     }
     let found = linalg::boundary_eigenvalues(A, boundary).during("splitting")?;
-    Ok(CLUSTER * found.into_iter().map(|pole| boundary.excess(pole).abs()).fold(0.0, f64::max))
+    Ok(CLUSTER_REACH * found.into_iter().map(|pole| boundary.excess(pole).abs()).fold(0.0, f64::max))
 }
 
 /// The part with the poles that `wanted` picks (asked about one of each conjugate pair), and the part with the others.
@@ -126,7 +111,7 @@ fn lone_poles(A: &Mat) -> Vec<f64> {
 
 /// Puts poles that can be read off A back to their exact places after reordering has moved them by rounding.
 fn snap(T: &mut Mat, exact: &[f64]) {
-    let near = SNAP * T.norm_max();
+    let near = REORDERING_SHIFT * T.norm_max();
     for &pole in exact {
         let alone =
             |k: usize| (k == 0 || T[(k, k - 1)] == 0.0) && (k + 1 == T.nrows() || T[(k + 1, k)] == 0.0);

@@ -1,9 +1,9 @@
 //! Frequency-weighted balancing (Enns 1984), and the reduction of a controller that keeps its loop.
 
 use crate::balanced::Balanced;
-use crate::measure::TOLERANCE;
 use crate::reduction::choose;
 use crate::split::split;
+use crate::tolerance::EXACT_NORM;
 use crate::{Error, Method, Order, Reduction, Warning};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{
@@ -49,7 +49,7 @@ pub fn weighted_balred(
     let reduced = balanced.reduce(kept, method)?;
     let error = parallel(&stable, &reduced.negate())?;
     let weighted = series(&series(weights.input, &error)?, weights.output)?;
-    let measured_error = linfnorm(&weighted, TOLERANCE)?;
+    let measured_error = linfnorm(&weighted, EXACT_NORM)?;
     let system = parallel(&reduced, &parts.second)?;
     Ok(Reduction { system, bound: None, measured_error, hankel, kept, untouched, warnings })
 }
@@ -91,7 +91,7 @@ pub fn reduce_controller(
     let critical_pole = critical(&after)?;
     let closed_loop_stable = is_stable_pole(critical_pole, G.timebase);
     let closed_loop_error = if closed_loop_stable {
-        linfnorm(&parallel(&before, &after.negate())?, TOLERANCE)?
+        linfnorm(&parallel(&before, &after.negate())?, EXACT_NORM)?
     } else {
         reduction.warnings.push(Warning::LoopUnstable { re: critical_pole.re, im: critical_pole.im });
         Peak { value: f64::INFINITY, rate_rad_s: critical_pole.im.abs() }

@@ -57,7 +57,7 @@ impl BodeCurve {
     }
 
     fn series(&self, points: Vec<(f64, f64)>) -> Series {
-        Series::new(&self.name, (self.colour, self.dash), points)
+        Series::new(&self.name, self.colour, self.dash, points)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable, LimitsResult};
-use counterpoise_pipeline::tuning::BlockResult;
+use counterpoise_pipeline::tuning::{BlockResult, WeightsResult};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -102,6 +102,17 @@ pub fn block_words(block: &BlockResult) -> String {
     format!("{} ({})", block.kind, values.join(", "))
 }
 
+/// Returns tuned weights in words.
+pub fn weight_words(weights: &WeightsResult) -> String {
+    format!(
+        "error weight {}; control weight {}; measurement noise {} (rad/s)^2 s; loop recovery {} V^2 s",
+        weights.error,
+        weights.control,
+        short(weights.measurement_noise),
+        short(weights.loop_recovery)
+    )
+}
+
 /// Returns the remarks on a row: limits, blocks, what is missed, or why there is no controller.
 pub fn remarks(row: &DesignRow) -> Vec<String> {
     let mut all = Vec::new();
@@ -109,6 +120,7 @@ pub fn remarks(row: &DesignRow) -> Vec<String> {
     if !row.blocks.is_empty() {
         all.push(row.blocks.iter().map(block_words).collect::<Vec<_>>().join(" "));
     }
+    all.extend(row.weights.as_ref().map(weight_words));
     if let (Some(bound), Some(linear)) = (&row.bound, &row.linear) {
         let gap = 100.0 * (linear.residual_rad_s / bound.lower_bound - 1.0);
         let half = bound.half_basis.map_or("keeps no such limits".to_owned(), |value| {

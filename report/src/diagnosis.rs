@@ -17,7 +17,8 @@ use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, differen
 pub fn report(
     machine: &str,
     command: &str,
-    (found, answer): (&DiagnosedRecordings, &AnswerText),
+    found: &DiagnosedRecordings,
+    answer: &AnswerText,
     consequence: Option<&Consequence>,
 ) -> Report {
     let tracks = &found.tracks;

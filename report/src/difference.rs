@@ -111,15 +111,19 @@ mod tests {
 
     use super::*;
 
-    fn change(before: f64, after: f64, held: bool, holds: bool) -> Change {
+    fn change(before: f64, after: f64, verdicts: [bool; 2]) -> Change {
         let figure = Figure::from_key("gain_margin_db").unwrap();
-        Change { figure, before: Some(before), after: Some(after), held: Some(held), holds: Some(holds) }
+        let [held, holds] = verdicts.map(Some);
+        Change { figure, before: Some(before), after: Some(after), held, holds }
     }
 
     #[test]
     fn the_headline_counts_verdicts_that_turned_either_way() {
-        let all =
-            [change(14.0, 9.0, true, false), change(8.0, 14.0, false, true), change(8.0, 8.0, true, true)];
+        let all = [
+            change(14.0, 9.0, [true, false]),
+            change(8.0, 14.0, [false, true]),
+            change(8.0, 8.0, [true, true]),
+        ];
         let told = headline("before.toml", &all);
         assert!(told.contains("now holds what did not: 1, no longer holds: 1; 2 of 3 figures"), "{told}");
         assert!(headline("x", &all[2..]).contains("no verdict turned; 0 of 1"), "nothing changed");
@@ -127,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_change_too_small_to_print_is_not_printed_as_minus_nothing() {
-        assert_eq!(size(&change(14.0, 13.999, true, true)), "under 0.01 dB");
-        assert_eq!(size(&change(14.0, 13.5, true, true)), "-0.50 dB");
+        assert_eq!(size(&change(14.0, 13.999, [true, true])), "under 0.01 dB");
+        assert_eq!(size(&change(14.0, 13.5, [true, true])), "-0.50 dB");
     }
 }

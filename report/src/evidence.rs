@@ -154,7 +154,7 @@ pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
             let points = paired(&history.time_s, &history.hub_rate_rad_s);
-            Series::new(name, (colour, dash), points)
+            Series::new(name, colour, dash, points)
         })
         .collect();
     let first = steps(found).next()?.0;
@@ -171,7 +171,7 @@ fn step_column(
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
         let points = paired(&history.time_s, column(history));
-        Series::new(name, (colour, dash), points)
+        Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);
     Some(Figure::new(title, Axis::linear("time", "s"), vec![panel]))

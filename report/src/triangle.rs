@@ -31,7 +31,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn series(&self, points: Vec<(f64, f64)>) -> Series {
-        Series::new(self.name, (self.colour, self.dash), points)
+        Series::new(self.name, self.colour, self.dash, points)
     }
 }
 

@@ -4,7 +4,8 @@
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    Excitation, Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference,
+    Excitation, Friction, FrictionLaw, LearnedElement, LearnedPlace, LearnedQuantity, OperatingPoint,
+    Parameters, Plant, RegimeVariable, Ripple, reference,
 };
 use counterpoise_simulate::tolerance::TOLERANCE;
 use counterpoise_simulate::{
@@ -141,9 +142,31 @@ fn everything(rig: &mut Parameters) {
     lumped.position_stiffness_nm_rad = 900.0;
 }
 
+/// Free functions at every place, curved and of every kind.
+fn free_functions(rig: &mut Parameters) {
+    use LearnedPlace::{Gearbox, Motor, Pivot};
+    use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
+    use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
+    let mut add = |place, quantity, variable, reach: f64, of: fn(f64) -> f64| {
+        let points: Vec<f64> = (0..25).map(|k| reach * f64::from(k - 12) / 12.0).collect();
+        let points = if variable == Turn { points.iter().map(|x| 3.1 + 0.25 * x).collect() } else { points };
+        let values = points.iter().map(|x| of(x / reach)).collect();
+        rig.learned
+            .push(LearnedElement { values, ..LearnedElement::neutral(place, quantity, variable, points) });
+    };
+    add(Pivot, FrictionLevel, Angle, 0.1, |x| 1.0 + 0.4 * (-9.0 * x * x).exp());
+    add(Pivot, Torque, Rate, 0.2, |x| -60.0 * x * x * x);
+    add(Pivot, Torque, Angle, 0.1, |x| 80.0 * (4.0 * x).sin());
+    add(Motor, FrictionLevel, Load, 20.0, |x| 1.0 + 0.2 * x * x);
+    add(Motor, Torque, Turn, 12.0, |x| 0.1 * (std::f64::consts::TAU * 12.0 * x).sin());
+    add(Motor, TorqueConstant, Control, 8.0, |x| 1.0 - 0.1 * x * x);
+    add(Motor, Damping, Time, 1.0, |x| 1.0 + 0.3 * x);
+    add(Gearbox, Stiffness, Load, 4000.0, |x| 1.0 + 0.2 * x);
+}
+
 #[test]
 fn every_friction_agrees_with_small_runge_kutta_steps() {
-    let machines: [(&str, Change, f64); 5] = [
+    let machines: [(&str, Change, f64); 6] = [
         ("Dahl", |_| {}, 1e-7),
         (
             "Dahl with a Stribeck level",
@@ -157,6 +180,7 @@ fn every_friction_agrees_with_small_runge_kutta_steps() {
         // the second method overshoots the bond's limit by up to a step, which costs it an error of first order
         ("reset integrator", reset, 2e-5),
         ("everything", everything, 1e-4),
+        ("free functions", free_functions, 1e-4),
     ];
     for (name, change, allowed) in machines {
         let plant = machine(change);

@@ -7,7 +7,7 @@ use egui::{Key, RichText, Ui};
 use crate::command::{Command, CommandEntry, list_commands};
 use crate::editing::recent_files::RecentList;
 use crate::studio::Studio;
-use crate::theme::{Theme, space};
+use crate::theme::space;
 
 /// Returns the commands and recent projects that contain every typed word.
 pub fn matching_entries(typed: &str, recent: &[PathBuf]) -> Vec<CommandEntry> {
@@ -51,8 +51,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             ui.add_space(space::SMALL);
             egui::ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
                 for (k, entry) in entries.iter().enumerate() {
-                    let row = entry_button(entry, k == state.selected, &theme, ui.available_width());
-                    if ui.add(row).clicked() || (enter && k == state.selected) {
+                    let is_selected = k == state.selected;
+                    let row = egui::Button::selectable(is_selected, entry.name.as_ref())
+                        .truncate()
+                        .right_text(RichText::new(entry.shortcut).small().color(theme.weak))
+                        .min_size(egui::vec2(ui.available_width(), 24.0));
+                    if ui.add(row).clicked() || (enter && is_selected) {
                         chosen = Some(entry.command.clone());
                     }
                 }
@@ -62,16 +66,4 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         studio.view.palette = None;
     }
     queue.extend(chosen.filter(|command| *command != Command::Palette));
-}
-
-fn entry_button<'a>(
-    entry: &'a CommandEntry,
-    is_selected: bool,
-    theme: &Theme,
-    width: f32,
-) -> egui::Button<'a> {
-    egui::Button::selectable(is_selected, entry.name.as_ref())
-        .truncate()
-        .right_text(RichText::new(entry.shortcut).small().color(theme.weak))
-        .min_size(egui::vec2(width, 24.0))
 }

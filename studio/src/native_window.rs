@@ -16,6 +16,14 @@ use crate::settings::UserSettings;
 use crate::studio::{Studio, WindowClosing};
 use crate::view::CloseTarget;
 
+/// What the project's session holds that is not in its file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum UnsavedWork {
+    Nothing,
+    Changed,
+    BeingSaved,
+}
+
 /// Where the studio is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Surface {
@@ -175,29 +183,35 @@ impl NativeWindow {
     /// Closes the window if nothing is unsaved; otherwise asks first, or waits until everything is saved.
     fn handle_close_request(&mut self, ctx: &egui::Context) {
         let studio = &mut self.studio;
-        let is_saving = studio.file_queue.is_saving();
         let is_changed = studio.opened.as_ref().is_some_and(|o| o.session.is_changed() && !o.is_read_only());
-        if ctx.input(|i| i.viewport().close_requested()) && !self.may_close(is_saving, is_changed) {
+        let unsaved = match (studio.file_queue.is_saving(), is_changed) {
+            (true, _) => UnsavedWork::BeingSaved,
+            (false, true) => UnsavedWork::Changed,
+            (false, false) => UnsavedWork::Nothing,
+        };
+        if ctx.input(|i| i.viewport().close_requested()) && unsaved != UnsavedWork::Nothing {
+            self.ask_before_closing(unsaved);
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
         }
         let studio = &mut self.studio;
         let is_project_closed = studio.window_closing == WindowClosing::WhenProjectIsClosed
             && studio.opened.is_none()
             && !studio.file_queue.is_busy();
-        if is_project_closed || (self.closes_after_save && !is_saving && !is_changed) {
+        if is_project_closed || (self.closes_after_save && unsaved == UnsavedWork::Nothing) {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        self.closes_after_save &= is_saving;
+        self.closes_after_save &= unsaved == UnsavedWork::BeingSaved;
     }
 
-    fn may_close(&mut self, is_saving: bool, is_changed: bool) -> bool {
-        if is_saving {
-            self.closes_after_save = true;
-            self.studio.view.show_message("the window closes when the project is saved");
-        } else if is_changed {
-            self.studio.view.close_question = Some(CloseTarget::Window);
+    fn ask_before_closing(&mut self, unsaved: UnsavedWork) {
+        match unsaved {
+            UnsavedWork::BeingSaved => {
+                self.closes_after_save = true;
+                self.studio.view.show_message("the window closes when the project is saved");
+            }
+            UnsavedWork::Changed => self.studio.view.close_question = Some(CloseTarget::Window),
+            UnsavedWork::Nothing => {}
         }
-        !is_saving && !is_changed
     }
 
     /// Remembers zoom and size for the next start.

@@ -32,7 +32,7 @@ pub const STEP_S: f64 = 1.5;
 /// Frequencies in the band.
 pub(crate) const BAND_POINTS: usize = 24;
 
-/// The figures of a sampled feedback loop; rejection over the band (low, high), rad/s.
+/// The figures of a sampled feedback loop; rejection over the band [low, high], rad/s.
 ///
 /// # Errors
 /// [`Error`] where the plant is not one, or a decomposition fails.
@@ -40,7 +40,7 @@ pub fn figures(
     plant: &DesignPlant,
     sampled: &Sampled,
     sampling: &Sampling,
-    band_rad_s: (f64, f64),
+    band_rad_s: [f64; 2],
 ) -> Result<Figures, Error> {
     let margin = margins(&sampled.loop_gain)?;
     let (peak, control) = step(plant, sampled, sampling)?;
@@ -117,14 +117,14 @@ fn noise_gain(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Re
 }
 
 /// Point k of the band, rad/s.
-pub(crate) fn band_rate((low, high): (f64, f64), k: usize) -> f64 {
+pub(crate) fn band_rate([low, high]: [f64; 2], k: usize) -> f64 {
     low * (high / low).powf(k as f64 / (BAND_POINTS - 1) as f64)
 }
 
 /// RMS of |S| over the band, averaged by the given powers.
 pub(crate) fn rejection(
     loop_gain: &StateSpace,
-    band_rad_s: (f64, f64),
+    band_rad_s: [f64; 2],
     powers: &[f64; BAND_POINTS],
 ) -> Result<f64, Error> {
     let response = Response::of(loop_gain)?;

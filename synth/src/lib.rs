@@ -117,7 +117,7 @@ pub use rational::Rational;
 pub use refusal::{Refusal, attempt};
 pub use requirements::{Requirements, Spectrum};
 pub use residual::{Weighed, error_at, stabilisation_error};
-pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop};
+pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop, sampled_plant};
 pub use schedule::{Conditions, Configuration, Entry, Law, schedule};
 pub use scheduled_controller::discretise_schedule;
 pub use search::{Ended, Found, SearchTask, Trial, search, trade_off};
@@ -126,5 +126,8 @@ pub use specification::{
 };
 pub use table::{Fit, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
-pub use tuning::{Disturbance, LoopLimits, LoopMeasures, Tuned, TuningTask, measure_controller, tune};
+pub use tuning::{
+    Disturbance, LoopLimits, LoopMeasures, Tuned, TunedFeedback, TuningSubject, TuningTask,
+    measure_controller, tune,
+};
 pub use weight::Weight;

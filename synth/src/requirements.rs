@@ -25,7 +25,7 @@ pub struct Requirements {
     /// Largest RMS control for measurement noise of unit RMS, V s/rad.
     pub noise_gain: f64,
     /// Band over which rejection is wanted, rad/s.
-    pub band_rad_s: (f64, f64),
+    pub band_rad_s: [f64; 2],
     /// By what the share that is left is averaged over the band.
     pub spectrum: Spectrum,
 }
@@ -52,7 +52,7 @@ impl Requirements {
             crossover_rad_s: 0.0,
             step_control_v: f64::INFINITY,
             noise_gain: f64::INFINITY,
-            band_rad_s: (1.26, 12.6),
+            band_rad_s: [1.26, 12.6],
             spectrum: Spectrum::Flat,
         }
     }
@@ -102,7 +102,7 @@ impl Requirements {
 fn expected(
     plant: &DesignPlant,
     specification: &Specification,
-    band_rad_s: (f64, f64),
+    band_rad_s: [f64; 2],
 ) -> Result<[f64; BAND_POINTS], Error> {
     let mut powers = [0.0; BAND_POINTS];
     for channel in [Channel::Heave, Channel::Pitch] {

@@ -141,7 +141,11 @@ pub fn sampled_loop(
     Ok(series(&seen, &linear.select(&[0], &[hub]).negate())?)
 }
 
-pub(crate) fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
+/// The plant with its sensor and delay under a zero-order hold: from the held control to the reading.
+///
+/// # Errors
+/// [`Error`] of the plant and of the conversion.
+pub fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
     let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
     let seen = undelayed.measured()?.select(&[0], &[plant.control]);
     let held = c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?;

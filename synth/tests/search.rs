@@ -86,7 +86,7 @@ fn more_sensitivity_buys_more_rejection() {
 #[test]
 fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
     let mut start = weights();
-    let band_rad_s = (0.5, 200.0);
+    let band_rad_s = [0.5, 200.0];
     let requirements = Requirements { spectrum: Spectrum::Expected, band_rad_s, ..Requirements::thesis() };
     let both = found(&start, &requirements, 1).best.figures.rejection;
     let flat =

@@ -11,6 +11,7 @@ use counterpoise_pipeline::{World, with_chosen_weights, with_tuned_structure};
 use counterpoise_project::Project;
 
 pub mod certificates;
+pub mod examples;
 pub mod exported_loop;
 pub mod sealed;
 pub mod workspace;

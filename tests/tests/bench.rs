@@ -28,7 +28,7 @@ fn compare(project: &Project) -> Comparison {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
-    compare_designs(project, (&modelled, &reduced), &made).unwrap()
+    compare_designs(project, &modelled, &made).unwrap()
 }
 
 fn runs(example: &str) -> Vec<AdaptRun> {

@@ -56,7 +56,7 @@ fn compare(project: &Project) -> Comparison {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
-    compare_designs(project, (&modelled, &reduced), &made).unwrap()
+    compare_designs(project, &modelled, &made).unwrap()
 }
 
 const CHAPTER_6: &str = "appendix-5/chapter-6.toml";

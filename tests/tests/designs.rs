@@ -67,6 +67,25 @@ fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
     assert_eq!(again.synth.unwrap().options.structure, tuned.project.synth.unwrap().options.structure);
 }
 
+#[test]
+fn tuned_weights_are_verified_and_saved_like_any_weights() {
+    let mut stated = project("tuned-weights.toml");
+    stated.synth.as_mut().unwrap().options.tuning.as_mut().unwrap().starts = 6;
+    let world = Beside(folder());
+    let tuned = with_tuned_structure(&stated, &world).unwrap().expect("weights to tune");
+    assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);
+    let stages = run_stages(&tuned.project, &world).unwrap();
+    let (holds, fails, open) = stages.verified.verification().counts();
+    assert_eq!((fails, open), (0, 0), "{holds} hold: {:?}", stages.verified.verification().verdicts);
+    assert!(with_tuned_structure(&tuned.project, &world).unwrap().is_none(), "they are tuned already");
+    let (document, attachments) = document("tuned-weights.toml");
+    let saved = tuned.project.update(&document.with_parts(&attachments), &stated).unwrap();
+    let again = Project::resolve(&Document::parse(saved.text(), "saved.toml"), &attachments).unwrap().project;
+    let (again, first) = (again.synth.unwrap(), tuned.project.synth.unwrap());
+    assert_eq!(again.specification.feedback, first.specification.feedback);
+    assert_eq!(again.options.tuning, first.options.tuning);
+}
+
 fn motion(row: &DesignRow) -> f64 {
     row.nonlinear.and_then(|run| run.motion_rad_s).expect("a run on the road")
 }
@@ -88,6 +107,12 @@ fn on_the_rig_tuned_structures_beat_the_h2_feedback_within_its_own_limits_and_no
         assert!(found.residual_rad_s > 0.995 * bound, "{row:?} against {bound}");
         assert!(motion(row) < motion(own), "{row:?}");
     }
+    // The H2 feedback does not lose to a tuned PI any more once its weights are tuned for the same motion.
+    let weights = named("weights tuned");
+    assert!(weights.missed == 0.0 && weights.weights.is_some(), "{weights:?}");
+    assert!(weights.linear.unwrap().residual_rad_s < pi.linear.unwrap().residual_rad_s, "{weights:?}");
+    assert!(weights.linear.unwrap().residual_rad_s > 0.995 * bound, "{weights:?} against {bound}");
+    assert!(motion(weights) < motion(pi), "{weights:?}");
     assert!(notches.linear.unwrap().residual_rad_s <= 1.001 * pi.linear.unwrap().residual_rad_s);
     // More blocks are not bought with steps or sines: within 2 % of the PI there.
     let (fewer, more) = (pi.nonlinear.unwrap(), notches.nonlinear.unwrap());

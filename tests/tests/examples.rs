@@ -1,49 +1,14 @@
 //! Every shipped example: its design exists, costs what the equations predict, and meets its requirements.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::path::{Path, PathBuf};
-
 use counterpoise_pipeline::{Synthesised, model, reduce, synthesise, verify};
-use counterpoise_project::{Attachments, Document, Project};
+use counterpoise_project::Purpose;
 use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
-use counterpoise_tests::{Beside, decided};
+use counterpoise_tests::{decided, examples};
 use counterpoise_verify::Verdict;
 
 /// Predicted and achieved H2 norm agree within this.
 const COST: f64 = 1e-6;
-
-fn projects() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
-    let mut files = Vec::new();
-    let mut folders = vec![root];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "toml") {
-                files.push(path);
-            }
-        }
-    }
-    files.sort();
-    files
-}
-
-fn resolved(path: &Path) -> Project {
-    let document = Document::from_bytes(&std::fs::read(path).unwrap(), &path.display().to_string()).unwrap();
-    let folder = path.parent().unwrap();
-    let attachments = document.attachments().into_iter().fold(Attachments::none(), |all, name| {
-        match std::fs::read(folder.join(&name)) {
-            Ok(bytes) => all.with(&name, bytes),
-            Err(_) => all,
-        }
-    });
-    match Project::resolve(&document, &attachments) {
-        Ok(parsed) => parsed.project,
-        Err(errors) => panic!("{errors:?}"),
-    }
-}
 
 /// What is wrong with the costs of the same design made anew in sampled time.
 fn in_sampled_time(made: &Synthesised) -> Option<String> {
@@ -60,13 +25,13 @@ fn in_sampled_time(made: &Synthesised) -> Option<String> {
 #[test]
 fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
     let (mut designs, mut wrong) = (0, Vec::new());
-    for path in projects() {
-        let project = resolved(&path);
+    for path in examples::files() {
+        let project = examples::resolved(&path, Purpose::Export).unwrap();
         if project.synth.is_none() {
             continue;
         }
         designs += 1;
-        let world = Beside(path.parent().unwrap().to_owned());
+        let world = examples::world(&path);
         let project = decided(project, &world);
         let name = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(&path).display().to_string();
         let modelled = model(&project).unwrap();

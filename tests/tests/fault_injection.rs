@@ -3,7 +3,8 @@
 //! programs, to the last bit.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Mutex;
 
 use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
@@ -11,9 +12,9 @@ use counterpoise_export::{FixedRunner, Ranges, plan};
 use counterpoise_models::Axis;
 use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::{model, reduce, synthesise};
-use counterpoise_project::{Attachments, Document, Project, Purpose};
+use counterpoise_project::Purpose;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
-use counterpoise_tests::{Beside, decided};
+use counterpoise_tests::examples;
 
 /// Starts a controller in one kind of numbers.
 type Start<'a> = Box<dyn Fn() -> Box<dyn SampledController> + 'a>;
@@ -27,6 +28,9 @@ const RECOVERY_PER_FAULT: f64 = 2.0;
 const BEGINS_S: f64 = 0.5;
 /// Largest difference of the hub's rate from the run without a fault that counts as recovered, rad/s.
 const RECOVERED_RAD_S: f64 = 2e-3;
+
+/// Examples with a controller, at least.
+const EXAMPLES: usize = 14;
 
 /// What a fault makes of a reading.
 #[derive(Debug, Clone, Copy)]
@@ -91,38 +95,13 @@ fn scenario(duration_s: f64, axis: Axis) -> Scenario {
     Scenario { demand_rad_s: Signal::step(0.02, step), platform, ..Scenario::still(duration_s) }
 }
 
-/// Every project below `examples/` that asks for a controller.
-fn designs() -> Vec<(String, Plant, Controller)> {
-    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples")];
-    let mut files: Vec<PathBuf> = Vec::new();
-    while let Some(folder) = open.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            match path.is_dir() {
-                true => open.push(path),
-                false if path.extension().is_some_and(|ending| ending == "toml") => files.push(path),
-                false => {}
-            }
-        }
-    }
-    files.sort();
-    files.iter().filter_map(|path| design(path)).collect()
-}
-
-fn design(path: &Path) -> Option<(String, Plant, Controller)> {
-    let document = Document::from_bytes(&std::fs::read(path).unwrap(), "project.toml").ok()?;
-    let read = |all: Attachments, name: String| match std::fs::read(path.parent().unwrap().join(&name)) {
-        Ok(bytes) => all.with(&name, bytes),
-        Err(_) => all,
-    };
-    let attached = document.attachments().into_iter().fold(Attachments::none(), read);
-    let project = Project::resolve_for(&document, &attached, Purpose::Synth).ok()?.project;
-    project.synth.as_ref()?;
-    let project = decided(project, &Beside(path.parent().unwrap().to_owned()));
+/// Returns the design of an example; `None` if its machine is not to be controlled.
+fn design(path: &Path) -> Option<(Plant, Controller)> {
+    let project = examples::controlled(path, Purpose::Synth)?;
     let modelled = model(&project).unwrap();
     let reduced = reduce(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
-    Some((path.display().to_string(), modelled.plant, made.sampled.controller))
+    Some((modelled.plant, made.sampled.controller))
 }
 
 fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
@@ -221,29 +200,36 @@ impl<'a> Example<'a> {
     }
 }
 
+/// Tries every fault on an example. Returns the longest recovery as a part of the allowed time, or `None` if the example has no design.
+fn slowest_recovery(path: &Path) -> Option<f64> {
+    let (plant, controller) = design(path)?;
+    let name = examples::name(path);
+    let mut example = Example::new(&name, &plant, &controller);
+    let history = readings(&example.drive(&mut controller.runner()));
+    guard_is_transparent(&controller, &history);
+    let known = Ranges::from_readings(&controller, std::slice::from_ref(&history), 4.0);
+    let fixed = plan(&controller, &known, 1.0, history.len()).ok();
+    let double: Start = Box::new(|| Box::new(controller.runner()));
+    let single: Start = Box::new(|| Box::new(controller.runner_in::<f32>()));
+    let mut slowest = example.slowest_recovery("double", &double);
+    slowest = slowest.max(example.slowest_recovery("single", &single));
+    if let Some(fixed) = &fixed {
+        let start: Start = Box::new(|| Box::new(FixedRunner::new(fixed)));
+        slowest = slowest.max(example.slowest_recovery("fixed", &start));
+    }
+    println!("{name}: fixed point {}, largest part of the allowed time {slowest:.3}", fixed.is_some());
+    Some(slowest)
+}
+
 #[test]
 fn every_fault_of_every_channel_is_survived_by_every_example() {
-    let designs = designs();
-    assert!(designs.len() > 5);
-    let mut slowest = 0.0_f64;
-    for (name, plant, controller) in &designs {
-        let mut example = Example::new(name, plant, controller);
-        let history = readings(&example.drive(&mut controller.runner()));
-        guard_is_transparent(controller, &history);
-        let known = Ranges::from_readings(controller, std::slice::from_ref(&history), 4.0);
-        let fixed = plan(controller, &known, 1.0, history.len()).ok();
-        let double: Start = Box::new(|| Box::new(controller.runner()));
-        let single: Start = Box::new(|| Box::new(controller.runner_in::<f32>()));
-        slowest = slowest.max(example.slowest_recovery("double", &double));
-        slowest = slowest.max(example.slowest_recovery("single", &single));
-        if let Some(fixed) = &fixed {
-            let start: Start = Box::new(|| Box::new(FixedRunner::new(fixed)));
-            slowest = slowest.max(example.slowest_recovery("fixed", &start));
-        }
-        println!(
-            "{name}: fixed point {}, largest part of the allowed time so far {slowest:.3}",
-            fixed.is_some()
-        );
-    }
-    assert!(slowest <= 1.0, "{slowest}");
+    let files = examples::files();
+    let tried = Mutex::new(Vec::new());
+    counterpoise_tests::in_parallel(files.len(), &|k| {
+        let slowest = slowest_recovery(&files[k]);
+        tried.lock().unwrap().extend(slowest);
+    });
+    let tried = tried.into_inner().unwrap();
+    assert!(tried.len() >= EXAMPLES, "{}", tried.len());
+    assert!(tried.iter().all(|part| *part <= 1.0), "{tried:?}");
 }

@@ -19,6 +19,7 @@ use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Purpose, Setting};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
+use counterpoise_tests::examples;
 use support::{STRICT, folder, is_there, provenance, run, write};
 
 /// Two sines that begin without a slope: the unit goes on in the straight line through its last two inputs, and at the
@@ -72,50 +73,14 @@ fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &
     }
 }
 
-/// Writes the loop of an example; false where it asks for no controller.
+/// Writes the loop of an example; false where it has no controller.
 fn written(path: &Path, folder: &Path) -> bool {
-    let Some(project) = resolved(path) else { return false };
-    let project =
-        counterpoise_tests::decided(project, &counterpoise_tests::Beside(path.parent().unwrap().to_owned()));
+    let Some(project) = examples::controlled(path, Purpose::Export) else { return false };
     let modelled = model(&project).unwrap();
     let reduced = reduce(&project, &modelled).unwrap();
     let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;
     write_loop(folder, &modelled.plant, &controller, &scenario());
     true
-}
-
-/// Resolves the project of a file with the files that it names. Returns `None` if it has no design.
-fn resolved(path: &Path) -> Option<Project> {
-    let document = Document::from_bytes(&std::fs::read(path).unwrap(), "project.toml").ok()?;
-    let read = |all: Attachments, name: String| match std::fs::read(path.parent().unwrap().join(&name)) {
-        Ok(bytes) => all.with(&name, bytes),
-        Err(_) => all,
-    };
-    let attached = document.attachments().into_iter().fold(Attachments::none(), read);
-    let model_only = Project::resolve_for(&document, &attached, Purpose::Model).ok()?.project;
-    model_only
-        .synth
-        .is_some()
-        .then(|| Project::resolve_for(&document, &attached, Purpose::Export).unwrap().project)
-}
-
-/// Every project file of the examples, with a name for its folder.
-fn examples() -> Vec<(String, PathBuf)> {
-    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples")];
-    let mut found = Vec::new();
-    while let Some(folder) = open.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "toml") {
-                let parent = path.parent().and_then(Path::file_name).unwrap();
-                let stem = path.file_stem().unwrap();
-                found.push((format!("{}-{}", parent.display(), stem.display()), path));
-            }
-        }
-    }
-    found.sort();
-    found
 }
 
 /// Closes the loops in FMPy; each must be the studio's.
@@ -135,13 +100,13 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
     }
     let all = folder("fmi_loop");
     let mut folders = Vec::new();
-    for (name, path) in examples() {
-        let folder = all.join(&name);
+    for path in examples::files() {
+        let folder = all.join(examples::name(&path));
         if written(&path, &folder) {
             folders.push(folder);
         }
     }
-    assert!(folders.len() >= 8, "{folders:?}");
+    assert!(folders.len() >= 14, "{folders:?}");
     in_fmpy(&folders);
 }
 

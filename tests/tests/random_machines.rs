@@ -1,7 +1,9 @@
 //! A first design for machines at random: every size, resonance, delay, noise and out-of-balance above the pivot.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use std::sync::Mutex;
 
 use counterpoise_models::{Friction, FrictionLaw, Parameters};
 use counterpoise_pipeline::{
@@ -13,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Machines that are tried; `COUNTERPOISE_MACHINES` asks for another number.
-const MACHINES: u64 = 12;
+const MACHINES: usize = 12;
 
 struct Nowhere;
 
@@ -152,44 +154,65 @@ fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> 
     wrong
 }
 
+/// What became of a machine.
+enum Outcome {
+    /// A design that is limited by a kind of limit, and what is wrong with it.
+    Designed { limited_by: String, wrong: Vec<String> },
+    /// No bandwidth keeps the margins, or the drive cannot hold the machine.
+    Refused(String),
+    /// An error that is neither.
+    Failed(String),
+}
+
+fn tried(seed: u64) -> Outcome {
+    let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
+    let chosen = match with_chosen_weights(&project) {
+        Ok(chosen) => chosen.unwrap(),
+        Err(PipelineError::NoController(reasons)) => return Outcome::Refused(reasons[0].to_string()),
+        Err(error @ PipelineError::CannotHold { .. }) => return Outcome::Refused(error.to_string()),
+        Err(other) => return Outcome::Failed(other.to_string()),
+    };
+    let first = FirstDesignResult::from(&chosen.first);
+    let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
+    let modelled = model(&project).unwrap();
+    let reduced = reduce(&project, &modelled).unwrap();
+    let judged = synthesise(&project, &modelled, &reduced)
+        .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
+    match judged {
+        Ok(verified) => {
+            let mut wrong = wrong(&project, &first, verified.verification());
+            if !wrong.is_empty() {
+                wrong.push(format!("{first:?}"));
+            }
+            Outcome::Designed { limited_by: first.limited_by.clone(), wrong }
+        }
+        Err(other) => Outcome::Failed(other.to_string()),
+    }
+}
+
 #[test]
 fn a_first_design_holds_machines_of_every_kind_in_the_nonlinear_simulator() {
     let count = std::env::var("COUNTERPOISE_MACHINES").ok().and_then(|text| text.parse().ok());
-    let (mut failures, mut refused, mut limits) = (Vec::new(), 0, std::collections::BTreeMap::new());
     let all = count.unwrap_or(MACHINES);
-    for seed in 0..all {
-        let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
-        let chosen = match with_chosen_weights(&project) {
-            Ok(chosen) => chosen.unwrap(),
-            Err(PipelineError::NoController(reasons)) => {
-                refused += 1;
-                println!("{seed}: {}", reasons[0]);
-                continue;
-            }
-            Err(PipelineError::CannotHold { .. }) => {
-                refused += 1;
-                continue;
-            }
-            Err(other) => {
-                failures.push(format!("{seed}: {other}"));
-                continue;
-            }
-        };
-        let first = FirstDesignResult::from(&chosen.first);
-        *limits.entry(first.limited_by.clone()).or_insert(0) += 1;
-        let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
-        let modelled = model(&project).unwrap();
-        let reduced = reduce(&project, &modelled).unwrap();
-        let judged = synthesise(&project, &modelled, &reduced)
-            .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
-        match judged {
-            Ok(verified) => {
-                let wrong = wrong(&project, &first, verified.verification());
+    let outcomes = Mutex::new(BTreeMap::new());
+    counterpoise_tests::in_parallel(all, &|k| {
+        let outcome = tried(k as u64);
+        outcomes.lock().unwrap().insert(k, outcome);
+    });
+    let (mut failures, mut refused, mut limits) = (Vec::new(), 0, BTreeMap::new());
+    for (seed, outcome) in outcomes.into_inner().unwrap() {
+        match outcome {
+            Outcome::Designed { limited_by, wrong } => {
+                *limits.entry(limited_by).or_insert(0) += 1;
                 if !wrong.is_empty() {
-                    failures.push(format!("{seed}: {wrong:?} {first:?}"));
+                    failures.push(format!("{seed}: {wrong:?}"));
                 }
             }
-            Err(other) => failures.push(format!("{seed}: {other}")),
+            Outcome::Refused(why) => {
+                refused += 1;
+                println!("{seed}: {why}");
+            }
+            Outcome::Failed(why) => failures.push(format!("{seed}: {why}")),
         }
     }
     println!("{all} machines, {refused} refused, limited by {limits:?}");

@@ -3,20 +3,18 @@
 
 use std::fs;
 
-use counterpoise_tests::workspace::{manifest, members, root, rust_files};
+use counterpoise_tests::workspace::{manifest, members, root, rust_files, sources};
 
 /// Most lines of a function, its signature and braces included.
 const LONGEST_FUNCTION: usize = 60;
 
-/// Returns the indent of a line on which a function with a body begins.
+/// Returns the indent of a line on which a function with a body begins, whatever its visibility.
 fn function_indent<'a>(lines: &[&'a str], start: usize) -> Option<&'a str> {
     let line = lines[start];
     let indent = &line[..line.len() - line.trim_start().len()];
-    let words: Vec<&str> = line.split_whitespace().take_while(|word| !word.contains('(')).collect();
-    let is_function = words.contains(&"fn") || line.trim_start().starts_with("fn ");
-    let is_comment = line.trim_start().starts_with("//");
+    let mut words = line.split_whitespace().take(6).take_while(|word| !word.starts_with("//"));
     let ends_at_once = line.trim_end().ends_with([';', '}']);
-    (is_function && !is_comment && !ends_at_once).then_some(indent)
+    (words.any(|word| word == "fn") && !ends_at_once).then_some(indent)
 }
 
 /// Returns the lines of the function that begins on a line; `None` if it has no body.
@@ -38,7 +36,7 @@ fn function_length(lines: &[&str], start: usize) -> Option<usize> {
 fn functions_are_short() {
     let mut long = Vec::new();
     for folder in members() {
-        for file in rust_files(&root().join(&folder).join("src")) {
+        for file in rust_files(&root().join(&folder)) {
             let text = fs::read_to_string(&file).unwrap();
             let lines: Vec<&str> = text.lines().collect();
             for start in 0..lines.len() {
@@ -49,6 +47,98 @@ fn functions_are_short() {
         }
     }
     assert!(long.is_empty(), "functions over {LONGEST_FUNCTION} lines:\n{}", long.join("\n"));
+}
+
+/// Functions that take a `bool` because a trait of another crate says so.
+const GIVEN: [&str; 5] = ["begin_object_key", "begin_array_value", "draw_rect", "draw_circle", "from"];
+
+/// Returns the declared functions of a source: line number, name, whether it is `pub`, and the types of its arguments.
+fn declared(code: &str) -> Vec<Declared<'_>> {
+    let mut found = Vec::new();
+    let mut offset = 0;
+    for (number, line) in code.lines().enumerate() {
+        let start = offset;
+        offset += line.len() + 1;
+        let words: Vec<&str> = line.split_whitespace().take_while(|word| !word.starts_with("//")).collect();
+        let Some(place) = words.iter().take(5).position(|word| *word == "fn") else { continue };
+        let name = words.get(place + 1).map_or("", |word| word.split(['(', '<']).next().unwrap_or(word));
+        let rest = &code[start + line.find("fn ").unwrap_or(0)..];
+        let is_public = words[0] == "pub";
+        found.push(Declared { line: number + 1, name, is_public, types: argument_types(rest) });
+    }
+    found
+}
+
+/// A function's name and the types of its arguments.
+struct Declared<'a> {
+    line: usize,
+    name: &'a str,
+    is_public: bool,
+    types: Vec<&'a str>,
+}
+
+/// Returns the types of the arguments of a declaration that begins with `fn`.
+fn argument_types(declaration: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut types, mut before) = (0, None, Vec::new(), ' ');
+    for (at, letter) in declaration.char_indices() {
+        match letter {
+            '(' | '[' | '<' => depth += 1,
+            ')' | ']' => depth -= 1,
+            '>' if before != '-' => depth -= 1,
+            _ => {}
+        }
+        before = letter;
+        let is_open = letter == '(' && depth == 1 && start.is_none();
+        let ends = matches!(letter, ',') && depth == 1 || letter == ')' && depth == 0;
+        if let (true, Some(from)) = (ends, start) {
+            types.extend(declaration[from..at].split_once(": ").map(|(_, kind)| kind.trim()));
+            start = Some(at + 1);
+        }
+        if is_open {
+            start = Some(at + 1);
+        }
+        if letter == ')' && depth == 0 {
+            break;
+        }
+    }
+    types
+}
+
+/// Returns whether a type is a tuple, or a reference to one.
+fn is_tuple(kind: &str) -> bool {
+    let kind = kind.trim_start_matches('&').trim_start_matches("mut ");
+    kind.starts_with('(') && !kind.starts_with("(dyn ") && !kind.starts_with("(impl ")
+}
+
+#[test]
+fn arguments_have_names_for_their_values() {
+    let mut wrong = Vec::new();
+    for folder in members() {
+        for (file, code) in sources(&folder) {
+            for found in declared(&code).into_iter().filter(|found| !GIVEN.contains(&found.name)) {
+                let mut place = |what: &str| {
+                    wrong.push(format!("{}:{}: {} takes {what}", file.display(), found.line, found.name));
+                };
+                if found.types.contains(&"bool") {
+                    place("a bare bool: an enum says what it means");
+                }
+                if found.is_public && found.types.iter().any(|kind| is_tuple(kind)) {
+                    place("a tuple: a struct or arguments of their own have names");
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn arguments_are_read_from_declarations() {
+    let code = "pub fn one<T: Fn(f64) -> bool>(\n    a: &(f64, f64),\n    is_b: bool,\n) -> bool {\n}\n    fn two(&self, c: [f64; 2]) {}\n";
+    let found = declared(code);
+    assert_eq!((found[0].name, found[0].line, found[0].is_public), ("one", 1, true));
+    assert_eq!(found[0].types, ["&(f64, f64)", "bool"]);
+    assert_eq!((found[1].name, found[1].line, found[1].is_public), ("two", 6, false));
+    assert_eq!(found[1].types, ["[f64; 2]"]);
 }
 
 #[test]

@@ -183,7 +183,7 @@ pub fn verify(
 ) -> Result<VerifiedController, Error> {
     procedure.check()?;
     let mut found = linear_part(plant, controller, procedure, requirements)?;
-    nonlinear_part(plant, controller, procedure, (&mut found, &mut |_| true))?;
+    nonlinear_part(plant, controller, procedure, &mut found, &mut |_| true)?;
     found.judge(requirements);
     Ok(VerifiedController { controller: controller.clone(), verification: found })
 }
@@ -196,7 +196,8 @@ pub fn verify(
 pub fn verify_watched(
     plant: &Plant,
     controller: &Controller,
-    (procedure, requirements): (&Procedure, &[Requirement]),
+    procedure: &Procedure,
+    requirements: &[Requirement],
     watch: &mut dyn FnMut(&Verification) -> bool,
 ) -> Result<Option<VerifiedController>, Error> {
     procedure.check()?;
@@ -209,7 +210,7 @@ pub fn verify_watched(
         found.judge(requirements);
         watch(found)
     };
-    let whole = nonlinear_part(plant, controller, procedure, (&mut found, &mut judging))?;
+    let whole = nonlinear_part(plant, controller, procedure, &mut found, &mut judging)?;
     Ok(whole.then(|| VerifiedController { controller: controller.clone(), verification: found }))
 }
 
@@ -219,7 +220,8 @@ fn nonlinear_part(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
-    (found, go_on): (&mut Verification, &mut dyn FnMut(&mut Verification) -> bool),
+    found: &mut Verification,
+    go_on: &mut dyn FnMut(&mut Verification) -> bool,
 ) -> Result<bool, Error> {
     let mut simulator = Simulator::new(plant)?;
     for experiment in nonlinear::experiments(procedure) {
@@ -368,7 +370,7 @@ pub(crate) fn linear_history(
         Experiment::Disturbance(source, arrangement) => {
             let motion = |time_s: f64| procedure.motion(source, time_s);
             let duration_s = procedure.duration_of(source);
-            linear::disturbance(sampled, closed, (source, arrangement), duration_s, motion)?
+            linear::disturbance(sampled, closed, source, arrangement, duration_s, motion)?
         }
         Experiment::Step | Experiment::Rest => linear::step(sampled, closed, procedure.step)?,
         Experiment::Triangle => {

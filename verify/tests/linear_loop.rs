@@ -44,7 +44,7 @@ fn the_rejection_ratio_is_what_a_time_history_shows() {
         let expected = rejections(&plant, &closed, arrangement, &[2.0]).unwrap();
         for (source, ratio) in [(Source::Heave, &expected[0]), (Source::Pitch, &expected[1])] {
             let motion = |t: f64| if source == Source::Heave { (sine.at(t), 0.0) } else { (0.0, sine.at(t)) };
-            let run = disturbance(&plant, &closed, (source, arrangement), 40.0, motion).unwrap();
+            let run = disturbance(&plant, &closed, source, arrangement, 40.0, motion).unwrap();
             let driven = if source == Source::Heave { &run.heave_m_s2 } else { &run.pitch_rate_rad_s };
             let found = tone(&run.hub_rate_rad_s, 2.0, 1e-3, 8.0) / tone(driven, 2.0, 1e-3, 8.0);
             let error = (found - ratio.response[0]).norm() / ratio.response[0].norm();

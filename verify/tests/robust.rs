@@ -4,7 +4,7 @@
 mod support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Points, Sense, Variation, Varied, configurations, figures_of, merge,
+    Campaign, Distribution, Layout, Points, Sense, Variation, Varied, configurations, figures_of, merge,
     one_at_a_time, ranking, summary, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
@@ -31,11 +31,12 @@ fn campaign(samples: usize) -> Campaign {
         require("nonlinear_both_compensated_hub_rms_rad_s", Limit::AtMost(0.04)),
     ];
     Campaign::new(
-        (rig(), controller()),
+        rig(),
+        controller(),
         short(),
         variations,
         requirements,
-        (samples, 11, Points::LatinHypercube),
+        Layout { samples, seed: 11, points: Points::LatinHypercube },
     )
     .unwrap()
 }
@@ -107,9 +108,8 @@ fn what_matters_in_either_direction_is_found() {
         },
     ];
     let drr = require("heave_compensated_drr_db at 1 Hz", Limit::AtMost(-40.0));
-    let campaign =
-        Campaign::new((rig(), controller()), short(), variations, vec![drr], (40, 3, Points::LatinHypercube))
-            .unwrap();
+    let layout = Layout { samples: 40, seed: 3, points: Points::LatinHypercube };
+    let campaign = Campaign::new(rig(), controller(), short(), variations, vec![drr], layout).unwrap();
     let samples: Vec<_> = (0..40).map(|index| campaign.run(index).unwrap()).collect();
     let order = ranking(&campaign, &samples, 0);
     assert_eq!((order[0].variation, order[0].sense), (1, Sense::EitherWay), "{order:?}");

@@ -87,8 +87,7 @@ fn two_complex_blocks_leave_no_gap_between_the_bounds() {
         for case in 0..20 {
             let (M, structure) = (source.matrix(n), Structure::of(&vec![Block::Complex; n]));
             let upper = upper_bound(&M, &structure, None).beta;
-            let found =
-                lower_bound(&M, &structure).or_else(|| vertex_bound(&M, &structure, (&[], &[]), upper));
+            let found = lower_bound(&M, &structure).or_else(|| vertex_bound(&M, &structure, &[], &[], upper));
             let lower = found.unwrap().beta;
             assert!(lower < 1.0001 * upper && upper < 1.02 * lower, "n {n} case {case}: {lower} to {upper}");
         }
@@ -103,7 +102,7 @@ fn two_real_parameters_and_a_complex_one_agree_with_brute_force() {
         let exact = brute_force(&M);
         let upper = upper_bound(&M, &structure, None).beta;
         assert!(upper > 0.999 * exact && upper < 1.15 * exact, "case {case}: {upper} {exact}");
-        let lower = vertex_bound(&M, &structure, (&[0.0, 0.0], &[(-1e9, 1e9); 2]), upper).unwrap().beta;
+        let lower = vertex_bound(&M, &structure, &[0.0, 0.0], &[(-1e9, 1e9); 2], upper).unwrap().beta;
         assert!(lower < 1.001 * exact && lower > 0.9 * exact, "case {case}: {lower} {exact}");
         if let Some(iterated) = lower_bound(&M, &structure) {
             assert!(iterated.beta < 1.001 * exact, "case {case}: {} {exact}", iterated.beta);

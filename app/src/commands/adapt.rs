@@ -13,7 +13,7 @@ use counterpoise_report::adaptation::{self, report, returned};
 use counterpoise_report::html;
 
 use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Surroundings};
 
@@ -22,38 +22,35 @@ use counterpoise_host::projects::{self, Surroundings};
 pub struct AdaptOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
+    /// Where report and results go.
     #[command(flatten)]
-    pub results: Results,
+    pub outputs: Outputs,
 }
 
 /// Runs the command.
 pub fn run(options: &AdaptOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Verify)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
     let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
     let runs = adapt(&loaded.project, &modelled, &made)?;
-    let world = Surroundings::of(&loaded, options.results.progress());
+    let world = Surroundings::of(&loaded, options.outputs.results.progress());
     let tried = trials(&loaded.project, &modelled, &made, &pipeline::procedure(&loaded.project, &world)?)?;
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
     }
     let result = AdaptResult { runs, trials: tried };
     let (runs, tried) = (&result.runs, &result.trials);
-    if !output::json(&options.results, &result)? {
+    if !output::json(&options.outputs.results, &result)? {
         print(runs);
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
-        options.report.iter().for_each(|path| say!("report  {}", path.display()));
+        options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
     let refused = own.is_some_and(|own| tried.refuses(own.method));
-    Ok(verdict_code(!refused && runs.iter().flat_map(|run| &run.intervals).all(returned)))
+    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(returned).chain([!refused])))
 }
 
 fn print(runs: &[AdaptRun]) {

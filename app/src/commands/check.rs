@@ -12,7 +12,7 @@ use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
 use counterpoise_report::check::lines;
 use serde::Serialize;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::Results;
 use crate::output::{self, say};
 
@@ -49,7 +49,7 @@ pub fn run(options: &CheckOptions) -> Done {
             if !output::json(&options.results, &found)? {
                 lines(&found).iter().for_each(|line| say!("{line}"));
             }
-            Ok(verdict_code(true))
+            Ok(ExitCode::SUCCESS)
         }
         Err(errors) => {
             let refused = Refused { file: document.name(), errors: &errors };
@@ -68,7 +68,7 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
     }
     if document.format() == Some(FORMAT) {
         say!("{} is of format {FORMAT} already", document.name());
-        return Ok(verdict_code(true));
+        return Ok(ExitCode::SUCCESS);
     }
     let migrated = document.migrated().context("the file cannot be migrated")?;
     let (before, after) = (Project::resolve(document, attachments), Project::resolve(&migrated, attachments));
@@ -78,5 +78,5 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
     }
     projects::write(std::path::Path::new(document.name()), migrated.text().as_bytes())?;
     say!("{} is of format {FORMAT} now", document.name());
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }

@@ -104,7 +104,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
         table.iter().for_each(print);
         say!("report  {}", path.display());
     }
-    Ok(verdict_code(rows.iter().all(|claim| claim.finding() != Finding::Fails)))
+    Ok(verdict_code(rows.iter().map(|claim| claim.finding() != Finding::Fails)))
 }
 
 /// Where the page goes where nobody says: rows alone do not take the place of the whole table.

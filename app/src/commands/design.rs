@@ -71,7 +71,7 @@ pub fn run(options: &DesignOptions) -> Done {
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
     refused.clone().for_each(|why| output::tell(&refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
-    Ok(verdict_code(holds && compiled.differing == 0))
+    Ok(verdict_code([holds, compiled.differing == 0]))
 }
 
 /// What compilers and the compiled code said.

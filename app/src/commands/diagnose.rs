@@ -1,5 +1,7 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
+use std::process::ExitCode;
+
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Verdict};
@@ -13,7 +15,7 @@ use counterpoise_report::wording::recordings::describe_recordings_error;
 use counterpoise_report::{diagnosis, difference, html};
 use counterpoise_verify::Verification;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::DiagnoseOptions;
 use crate::output;
 use counterpoise_host::interrupt;
@@ -24,13 +26,13 @@ use counterpoise_host::workers::Workers;
 /// Runs the command.
 pub fn run(options: &DiagnoseOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Diagnose)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
     super::replay::tell_other_export(&loaded);
     let files = projects::recordings(&options.recordings)?;
-    let workers = Workers::new(options.results.progress());
+    let workers = Workers::new(options.outputs.results.progress());
     let watch = interrupt::watch();
     let diagnosed = diagnose(&loaded.project, &files, &workers);
     drop(watch);
@@ -41,18 +43,18 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
     }
-    let consequence = redesign(&loaded, found, options.results.progress())?;
-    if let Some(path) = &options.report {
+    let consequence = redesign(&loaded, found, options.outputs.results.progress())?;
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let name = &loaded.project.plant.name;
-        let page = diagnosis::report(name, &command, (&diagnosed, &answer), consequence.as_ref());
+        let page = diagnosis::report(name, &command, &diagnosed, &answer, consequence.as_ref());
         projects::write(path, html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &answer)? {
+    if !output::json(&options.outputs.results, &answer)? {
         print(&answer);
         consequence.iter().for_each(print_consequence);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// What the improved model means for the project's design; `None` if nothing was found or the project has no design.

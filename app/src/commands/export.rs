@@ -36,7 +36,7 @@ pub fn run(options: &ExportOptions) -> Done {
         names.iter().for_each(|name| say!("{name}"));
     }
     made.left_out.iter().for_each(|code| output::tell(&format!("left out  {code}")));
-    Ok(verdict_code(made.verified.verification().passes() && made.left_out.is_empty()))
+    Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
 }
 
 /// Writes generated files, and packs FMI units; with a library inside where this machine has a C compiler.
@@ -72,7 +72,7 @@ fn checked(options: &ExportOptions, code: &[File]) -> Done {
     }
     let unread = outcomes.iter().filter(|outcome| outcome.unread).count();
     anyhow::ensure!(unread == 0, "{unread} of {} files could not be read", outcomes.len());
-    Ok(verdict_code(outcomes.iter().all(|outcome| outcome.same)))
+    Ok(verdict_code(outcomes.iter().map(|outcome| outcome.same)))
 }
 
 /// What became of one file; a file that cannot be read does not keep the others from being checked.

@@ -1,6 +1,7 @@
 //! `counterpoise fra`: the frequency response analyser, on the simulated mechanism or on recordings.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
@@ -12,8 +13,8 @@ use counterpoise_report::fra::{Pace, report};
 use counterpoise_report::html;
 use counterpoise_report::wording::recordings::describe_column_remark;
 
-use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::exit::Done;
+use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
@@ -47,12 +48,9 @@ pub struct FraOptions {
     /// Measure the map again on 1, 2, 4, ... threads, and print how the time falls
     #[arg(long, conflicts_with = "recording")]
     pub scaling: bool,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
+    /// Where report and results go.
     #[command(flatten)]
-    pub results: Results,
+    pub outputs: Outputs,
 }
 
 /// The plants by name; the linear one is compared with every map.
@@ -100,25 +98,25 @@ const MOST_FREQUENCIES: usize = 10_000;
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
         simulated(&loaded, &plan, options)?
     } else {
         (recorded(&loaded, &plan, options)?, Vec::new())
     };
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = std::iter::once("counterpoise".to_owned())
             .chain(std::env::args().skip(1))
             .collect::<Vec<_>>()
             .join(" ");
         projects::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
     }
-    if !output::json(&options.results, &maps)? {
+    if !output::json(&options.outputs.results, &maps)? {
         maps.iter().for_each(print);
         tell_speed(&maps, &speed);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for, on fewer.
@@ -135,7 +133,7 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
             analyser.on_structure(project, structure, plan)?
         }
     };
-    let workers = Workers::new(options.results.progress());
+    let workers = Workers::new(options.outputs.results.progress());
     let start = Instant::now();
     let measured = analyser.measure(plan, &workers);
     let seconds = start.elapsed().as_secs_f64();

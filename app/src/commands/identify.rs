@@ -1,5 +1,7 @@
 //! `counterpoise identify`: the triangle-wave method.
 
+use std::process::ExitCode;
+
 use crate::output::say;
 use counterpoise_diagnose::identification::{Estimate, improved};
 use counterpoise_pipeline::recordings::identify;
@@ -11,7 +13,7 @@ use counterpoise_report::wording::identification::{
 };
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::IdentifyOptions;
 use crate::output;
 use counterpoise_host::projects;
@@ -19,7 +21,7 @@ use counterpoise_host::projects;
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     let (first, second) = (projects::recordings(&options.recordings)?, projects::recordings(&options.other)?);
     let identified = identify(&loaded.project, &[&first, &second])
         .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
@@ -27,15 +29,15 @@ pub fn run(options: &IdentifyOptions) -> Done {
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &improved(&loaded.project.plant, &identified.identified), path)?;
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
         let page = html(&report(&loaded.project.plant.name, &command, &found));
         projects::write(path, page.as_bytes())?;
     }
-    if !output::json(&options.results, &found)? {
+    if !output::json(&options.outputs.results, &found)? {
         print(&found);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 fn print(found: &IdentificationText) {

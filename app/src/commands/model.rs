@@ -1,6 +1,7 @@
 //! `counterpoise model`: the plant, its poles, the modes of its structure, and pictures of both and of its friction.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Args;
 use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, view_plant};
@@ -11,7 +12,7 @@ use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::model::report;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::Results;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
@@ -58,7 +59,7 @@ pub fn run(options: &ModelOptions) -> Done {
         modes(&views.modes);
         views.meshes.iter().for_each(meshes);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 fn print(result: &ModelResult, unheld: Option<&PipelineError>) {

@@ -1,6 +1,7 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
 use std::path::Path;
+use std::process::ExitCode;
 
 use anyhow::Error;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
@@ -21,7 +22,7 @@ use counterpoise_simulate::replay::{Loop, RecordedController};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::ReplayOptions;
 use crate::output::{self, say};
 
@@ -29,7 +30,7 @@ use crate::output::{self, say};
 pub fn run(options: &ReplayOptions) -> Done {
     let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
     let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     if !options.open_loop {
         tell_other_export(&loaded);
     }
@@ -45,16 +46,16 @@ pub fn run(options: &ReplayOptions) -> Done {
     for path in &in_parts {
         result.recordings.extend(replay_in_parts(&loaded.project, controller, path, options)?);
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
         let title = format!("Replay of {}", loaded.project.plant.name);
         let page = counterpoise_report::replay::report(&title, &command, &result, &replayed);
         projects::write(path, counterpoise_report::html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &result)? {
+    if !output::json(&options.outputs.results, &result)? {
         print(&result);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Replays a recording that is too large to be read at once: as many parts at a time as there are processors, of which the figures
@@ -65,13 +66,13 @@ fn replay_in_parts(
     path: &Path,
     options: &ReplayOptions,
 ) -> anyhow::Result<Vec<RecordingResult>> {
-    if options.report.is_some() {
+    if options.outputs.report.is_some() {
         let shown = path.display();
         output::tell(&format!(
             "note: {shown} is replayed in parts: its figures are printed, and not drawn in the report"
         ));
     }
-    let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+    let bar = if options.outputs.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
     let parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
         let read = read_table(project, controller, &table).map_err(refused)?;

@@ -1,11 +1,13 @@
 //! Single stages of the pipeline, from the same file.
 
+use std::process::ExitCode;
+
 use crate::output::say;
 use counterpoise_pipeline::results::ReduceResult;
 use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
 use counterpoise_project::Purpose;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::StageOptions;
 use crate::output;
 use counterpoise_host::projects::{self, Loaded};
@@ -30,7 +32,7 @@ pub fn reduce(options: &StageOptions) -> Done {
 }
 
 fn verdict_ok() -> Done {
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<Loaded> {

@@ -1,11 +1,13 @@
 //! `counterpoise diagnose` without recordings: what the structure's model left out, from measured natural frequencies.
 
+use std::process::ExitCode;
+
 use anyhow::bail;
 use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, StructureVerdict, held, structure};
 use counterpoise_report::html;
 use counterpoise_report::structure::report;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::DiagnoseOptions;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
@@ -24,16 +26,16 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
         let document = found.improved.update(&loaded.document, &loaded.project)?;
         projects::write(path, document.text().as_bytes())?;
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let page = report(&loaded.project.plant.name, &command, &found.answer);
         projects::write(path, html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &found.answer)? {
+    if !output::json(&options.outputs.results, &found.answer)? {
         say!("{} natural frequencies, structure {}", measured.modes_hz.len(), held(measured.support));
         print(&found.answer);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 fn print(answer: &StructureAnswer) {

@@ -2,6 +2,7 @@
 
 use crate::output::say;
 use std::path::Path;
+use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -74,7 +75,7 @@ pub fn run(options: &SweepOptions) -> Done {
         let pace = pace(options, named.campaign.shard(shard, of)?.len())?;
         run_shard(&named, &options.output, (shard, of), &pace)?;
         print_cost(options, pace.finish());
-        return Ok(verdict_code(true));
+        return Ok(ExitCode::SUCCESS);
     }
     let cost = if options.merge { None } else { run_all(&named, options)? };
     let code = finish(&named, options)?;
@@ -206,7 +207,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
         print_stability(&found);
         say!("report  {}", options.output.join("report.html").display());
     }
-    Ok(verdict_code(found.passing == found.samples()))
+    Ok(verdict_code([found.passing == found.samples()]))
 }
 
 /// Which samples no shard holds; `None` if all are there.
@@ -339,7 +340,7 @@ fn one_sample(named: &Named, (index, changed): (usize, &[String]), results: &Res
         one.factors.iter().for_each(|(key, factor)| say!("{key} x {factor:.4}"));
         one.figures.iter().for_each(|(key, value)| say!("{key} = {value:.6}"));
     }
-    Ok(verdict_code(named.campaign.passes(&sample)))
+    Ok(verdict_code([named.campaign.passes(&sample)]))
 }
 
 /// Sets the factor of a variation from `key=factor`.

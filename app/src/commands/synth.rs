@@ -1,6 +1,7 @@
 //! `counterpoise synth`: the controller with its certificates, compared with its alternatives; or the search for its weights.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
@@ -16,7 +17,7 @@ use counterpoise_verify::Verdict;
 use serde::Serialize;
 
 use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, Loaded, Surroundings};
@@ -36,12 +37,9 @@ pub struct SynthOptions {
     /// Write the project with its weights, or with the values of its blocks: those that were chosen or tuned if the file states none, or with --search those that were found
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
+    /// Where report and results go.
     #[command(flatten)]
-    pub results: Results,
+    pub outputs: Outputs,
 }
 
 /// The design and its comparison with alternatives, for another program.
@@ -59,15 +57,15 @@ struct Whole<'a> {
 /// Runs the command.
 pub fn run(options: &SynthOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Synth)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     if options.search {
         let modelled = pipeline::model(&loaded.project)?;
         let reduced = pipeline::reduce(&loaded.project, &modelled)?;
-        return search_weights(options, &loaded, (&modelled, &reduced));
+        return search_weights(options, &loaded, &modelled, &reduced);
     }
     let study = study_synthesis(&loaded.project, &loaded.folder())?;
     let result = SynthResult::from(&study.synthesised);
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let origin = origin(&loaded, "");
         projects::write(path, html(&of_synthesis(&study, &result, &origin)).as_bytes())?;
     }
@@ -77,16 +75,16 @@ pub fn run(options: &SynthOptions) -> Done {
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let tuning = loaded.tuned.as_ref().map(TuningResult::from);
     let whole = Whole { synth: &result, beside: &study.comparison, first_design, tuning };
-    if !output::json(&options.results, &whole)? {
+    if !output::json(&options.outputs.results, &whole)? {
         super::first_design::print(&loaded);
         super::tuning::print(&loaded);
         study.weights.iter().for_each(|line| say!("{line}"));
         print_design(&result);
         print_comparison(&study.comparison);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
-        options.report.iter().for_each(|path| say!("report  {}", path.display()));
+        options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Writes the file with the weights of a project; everything else of it stays as it is.
@@ -251,12 +249,12 @@ struct CurvePoint {
     missed: f64,
 }
 
-fn search_weights(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
+fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
     let _watch = interrupt::watch();
-    let mut found = search(&loaded.project, plant, &mut |_: &Trial| !interrupt::asked())?;
+    let mut found = search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::asked())?;
     let world = Surroundings::of(loaded, Progress::Quiet);
     let judged = match loaded.project.verify {
-        Some(_) => judged(&found, plant, &world, &mut || !interrupt::asked())?,
+        Some(_) => judged(&found, modelled, reduced, &world, &mut || !interrupt::asked())?,
         None => Vec::new(),
     };
     let chosen = judged.iter().position(Judged::holds);
@@ -270,18 +268,18 @@ fn search_weights(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &R
     }
     let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
     let result = search_result(&found, points);
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
         let page = trade_off::report(&identity, &found, &result.verified, &origin(loaded, " --search"));
         projects::write(path, html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &result)? {
+    if !output::json(&options.outputs.results, &result)? {
         print_search(&found, &result);
         print_verified(&result.verified, chosen);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
-        options.report.iter().for_each(|path| say!("report  {}", path.display()));
+        options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(verdict_code(holds))
+    Ok(verdict_code([holds]))
 }
 
 fn verified_point(point: &Judged) -> VerifiedPoint {

@@ -1,17 +1,20 @@
-//! What is printed of a feedback of fixed structure that was tuned.
+//! What is printed of a feedback that was tuned.
 
 use counterpoise_host::projects::Loaded;
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_plot::number::short;
-use counterpoise_report::designs::block_words;
+use counterpoise_report::designs::{block_words, weight_words};
 
 use crate::output::say;
 
-/// Prints the tuned blocks with their figures; nothing if the project has no open parameter.
+/// Prints the tuned blocks or weights with their figures; nothing if the project has nothing to tune.
 pub fn print(loaded: &Loaded) {
     let Some(found) = &loaded.tuned else { return };
     let result = TuningResult::from(found);
-    say!("the feedback has a fixed structure, and its open parameters were tuned:");
+    match &result.weights {
+        Some(weights) => say!("the weights of the H2 feedback were tuned: {}", weight_words(weights)),
+        None => say!("the feedback has a fixed structure, and its open parameters were tuned:"),
+    }
     result.blocks.iter().for_each(|block| say!("  {}", block_words(block)));
     let reached = result.starts_rad_s.iter().flatten().count();
     say!(

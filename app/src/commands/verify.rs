@@ -93,7 +93,7 @@ pub fn run(options: &VerifyOptions) -> Done {
         say!("report  {}", path.display());
     }
     let refused = study.adaptation.as_ref().is_some_and(|tried| !tried.refused.is_empty());
-    Ok(verdict_code(found.passes() && !refused))
+    Ok(verdict_code([found.passes(), !refused]))
 }
 
 /// The verdicts and the linear worst case, for another program.
@@ -194,7 +194,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         true => None,
         false => studies::adaptation_trials::own_trials(project, &on, &made, &procedure)?,
     };
-    let advice = studies::advice::advice(project, (&modelled, &reduced), &procedure, &found)?;
+    let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, &found)?;
     Ok(VerificationStudy {
         measured_on,
         identity,

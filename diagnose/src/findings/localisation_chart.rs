@@ -113,16 +113,15 @@ mod tests {
     use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, Serial};
     use counterpoise_models::reference;
 
-    fn balances(motor_rate: bool, hub_position: bool) -> Vec<BalanceVisibility> {
-        list_balances(RedundantSensors { motor_rate, hub_position })
-    }
+    const MOTOR_RATE: RedundantSensors = RedundantSensors { motor_rate: true, hub_position: false };
+    const NO_MORE: RedundantSensors = RedundantSensors { motor_rate: false, hub_position: false };
 
     const SAMPLES: usize = 8000;
     const CONTROL_FLOOR: f64 = 5e-3;
 
     /// A recording at the reference rig's pace whose control departs from the replay by `torque(k)`, N m at the hub, which the motor
     /// makes and the hub takes.
-    fn departing(motor: bool, position: bool, torque: impl Fn(usize, f64) -> f64) -> Vec<MapCell> {
+    fn departing(sensors: RedundantSensors, torque: impl Fn(usize, f64) -> f64) -> Vec<MapCell> {
         let p = reference::rig();
         let t = |k: usize| k as f64 * 1e-3;
         let mut seed = 7u64;
@@ -143,8 +142,8 @@ mod tests {
             hub_rate: series(2e-4, &rate),
             platform_rate: series(2e-4, &|_| 0.0),
             platform_accel: series(5e-3, &|k| 1.5 * (9.0 * t(k)).sin()),
-            motor_rate: motor.then(|| series(2e-2, &|k| 200.0 * rate(k))),
-            hub_position: position.then(|| series(2e-5, &angle)),
+            motor_rate: sensors.motor_rate.then(|| series(2e-2, &|k| 200.0 * rate(k))),
+            hub_position: sensors.hub_position.then(|| series(2e-5, &angle)),
         };
         let apart = |k: usize| -torque(k, angle(k)) / per_volt / CONTROL_FLOOR;
         let mut channels =
@@ -153,7 +152,7 @@ mod tests {
             channels.push(ChannelResidual { channel, residual: series(1.0, &|_| 0.0), floor });
         };
         quiet("hub_rate", 2e-4);
-        if motor {
+        if sensors.motor_rate {
             quiet("motor_rate", 2e-2);
         }
         let judged = Assessment {
@@ -165,7 +164,7 @@ mod tests {
         localise_errors(
             &p,
             &[ReplayedRecording { measured, assessment: judged }],
-            &balances(motor, position),
+            &list_balances(sensors),
             &Serial,
         )
     }
@@ -177,8 +176,8 @@ mod tests {
 
     #[test]
     fn nothing_left_out_leaves_an_empty_chart() {
-        let map = departing(true, false, |_, _| 0.0);
-        let chart = build_chart(&map, &balances(true, false), &[]);
+        let map = departing(MOTOR_RATE, |_, _| 0.0);
+        let chart = build_chart(&map, &list_balances(MOTOR_RATE), &[]);
         assert!(chart.best.is_none() && chart.likeliest.is_empty(), "{map:?}");
         assert_eq!(chart.agreement, SearchAgreement::Agrees);
     }
@@ -196,9 +195,9 @@ mod tests {
 
     #[test]
     fn a_control_that_repeats_with_the_motors_angle_points_there() {
-        let map = departing(true, false, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
+        let map = departing(MOTOR_RATE, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
         assert_eq!(best(&map), (Component::Motor, Regime::MotorAngle), "{map:?}");
-        let sees = balances(true, false);
+        let sees = list_balances(MOTOR_RATE);
         let ringed = |component, effect| {
             let chart = build_chart(&map, &sees, &[found(component, effect)]);
             let cells: Vec<_> =
@@ -219,8 +218,8 @@ mod tests {
 
     #[test]
     fn a_torque_of_time_alone_shows_its_period_and_what_cannot_be_told_from_it() {
-        let map = departing(false, false, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
-        let chart = build_chart(&map, &balances(false, false), &[]);
+        let map = departing(NO_MORE, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
+        let chart = build_chart(&map, &list_balances(NO_MORE), &[]);
         assert_eq!(chart.likeliest[0], Component::Structure);
         assert!(chart.likeliest.contains(&Component::Amplifier), "{:?}", chart.likeliest);
         let Some(Trend::Periodic { repetition: Some(Repetition::InTime { period_s, .. }) }) =

@@ -7,7 +7,7 @@
 
 use crate::tolerance::findings::{UNSCALED_WITHIN, USUAL_INERTIA_AND_RATIO, USUAL_TORQUE_NM};
 use counterpoise_models::friction::Similarity;
-use counterpoise_models::{Parameters, Ripple};
+use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable, Ripple};
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::findings::answer::{Answer, Basis, Channels};
@@ -33,7 +33,11 @@ impl Scale {
     pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
         let by_inertia = USUAL_INERTIA_AND_RATIO.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
-        let ratio = USUAL_INERTIA_AND_RATIO.1 / base.gearbox.ratio;
+        // a free function over a turn of the motor keeps its turn only with its own gear
+        let by_turn =
+            |e: &LearnedElement| e.variable == RegimeVariable::Turn && e.place == LearnedPlace::Motor;
+        let has_turn = base.learned.iter().any(by_turn);
+        let ratio = if has_turn { 1.0 } else { USUAL_INERTIA_AND_RATIO.1 / base.gearbox.ratio };
         let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
         let usual = near(by_inertia, UNSCALED_WITHIN.0) && near(ratio, UNSCALED_WITHIN.1);
         let drive = drive_torque(base, recordings);
@@ -80,6 +84,7 @@ impl Scale {
         p.motor.torque_ripple = ripple(&p.motor.torque_ripple, 1.0, c);
         p.motor_friction = p.motor_friction.similar(Similarity { torque: s / c, angle: c });
         p.pivot_friction = p.pivot_friction.similar(Similarity { torque: s, angle: 1.0 });
+        p.learned.iter_mut().for_each(|element| self.learned(element));
         if let Some(tachometer) = &mut p.sensors.motor_tachometer {
             tachometer.scale_v_unit /= c;
             tachometer.noise_rms *= c;
@@ -87,6 +92,22 @@ impl Scale {
             tachometer.g_sensitivity *= c;
         }
         p
+    }
+
+    /// Scales a free function: its values if they are torques, and its points if they are torques, or angles or rates of the motor.
+    fn learned(self, element: &mut LearnedElement) {
+        let at_motor = element.place == LearnedPlace::Motor;
+        let torque = if at_motor { self.torque / self.ratio } else { self.torque };
+        let turns = if at_motor { self.ratio } else { 1.0 };
+        let along = match element.variable {
+            RegimeVariable::Load => torque,
+            RegimeVariable::Angle | RegimeVariable::Rate => turns,
+            RegimeVariable::Turn | RegimeVariable::Control | RegimeVariable::Time => 1.0,
+        };
+        element.points.iter_mut().for_each(|point| *point *= along);
+        if !element.quantity.is_factor() {
+            element.values.iter_mut().chain(&mut element.half_width).for_each(|value| *value *= torque);
+        }
     }
 
     /// Returns a recording as the scaled machine would have made it.

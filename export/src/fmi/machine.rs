@@ -52,14 +52,14 @@ const BESIDE: usize = 4;
 const FILTERS: usize = 5;
 
 /// A number in C.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     if value.is_infinite() {
         return if value > 0.0 { "HUGE_VAL" } else { "-HUGE_VAL" }.to_owned();
     }
     format!("{value:?}")
 }
 
-fn list(values: &[f64]) -> String {
+pub(super) fn list(values: &[f64]) -> String {
     values.iter().copied().map(number).collect::<Vec<_>>().join(", ")
 }
 

@@ -9,6 +9,7 @@
 
 mod absent;
 mod controller;
+mod learned;
 mod machine;
 mod pack;
 mod plant;

@@ -4,8 +4,8 @@ use counterpoise_models::AccelerometerAxis;
 use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
-use crate::fmi::machine;
 use crate::fmi::{Unit, Variable};
+use crate::fmi::{learned, machine};
 use crate::{Error, File, Provenance, check_name};
 
 /// Most samples by which a signal of the unit may be late: it keeps them all.
@@ -73,6 +73,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         period => format!("{period_s:?}"), parts => machine::shortest_parts(plant),
         bonds => bonds.max(1), past, states => machine::states(plant),
         kind => machine::kind(plant),
+        learned => learned::functions(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),
         ideal_current => machine::ideal_current(plant), modes => machine::modes(plant),

@@ -21,13 +21,11 @@ pub fn tools_are_there() -> bool {
 
 /// Cross-compiles sources in a folder without a warning allowed; gives the objects.
 pub fn compile(core: &Core, folder: &Path, own: &[String]) -> Vec<String> {
-    for source in own {
-        let strict = STRICT.iter().filter(|flag| !flag.starts_with("-O"));
-        let mut command = Command::new(COMPILER);
-        command.current_dir(folder).args(core.flags).args(strict);
-        command.args(["-O2", "-ffp-contract=off", "-fstack-usage", "-c"]).arg(source);
-        assert_eq!(run(&mut command), "");
-    }
+    let strict = STRICT.iter().filter(|flag| !flag.starts_with("-O"));
+    let mut command = Command::new(COMPILER);
+    command.current_dir(folder).args(core.flags).args(strict);
+    command.args(["-O2", "-ffp-contract=off", "-fstack-usage", "-c"]).args(own);
+    assert_eq!(run(&mut command), "");
     own.iter().map(|source| source.replace(".c", ".o")).collect()
 }
 

@@ -8,11 +8,13 @@
 
 mod drive;
 mod friction;
+mod learned;
 mod sensing;
 mod structure;
 
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
+pub use learned::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use sensing::{AccelerometerAxis, Clock, Drift, Interface, Measured, Sensor, Sensors};
 pub use structure::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
@@ -45,6 +47,8 @@ pub struct Parameters {
     pub interface: Interface,
     /// Ways to load the mechanism: which masses are fitted, what is added.
     pub configurations: Vec<Configuration>,
+    /// Free functions beside the laws of the library; empty: none.
+    pub learned: Vec<LearnedElement>,
 }
 
 /// How the hub moves.

@@ -1,8 +1,10 @@
 //! The plant's nonlinear right-hand side.
 
 use super::core::{input, state};
+use super::learned::{JointMotion, LearnedRegime};
 use super::{Core, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
+use crate::parameters::LearnedPlace;
 use crate::tolerance::POWER_REVERSAL_RATE;
 
 /// What acts on the plant at an instant.
@@ -56,8 +58,6 @@ impl Plant {
         let around = |angle_rad: f64, load_nm: f64| Surroundings { angle_rad, load_nm, time_s: at.time_s };
         let motor_around = around(motor_angle, mesh_torque / ratio);
         let pivot_around = around(relative_angle, mesh_torque);
-        let (motor_dry, motor_state) = dry(&self.motor_friction, motor_rate, &motor_around, x[n]);
-        let (pivot_dry, pivot_state) = dry(&self.pivot_friction, relative_rate, &pivot_around, x[n + 1]);
         let (sin, cos) = self.tilt(hub_angle);
         let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
         let mut u = [0.0; input::COUNT];
@@ -68,10 +68,27 @@ impl Plant {
         let error = self.kinematic_error_nm(mesh_torque + hysteresis, motor_angle, motor_rate);
         let current =
             dot(&self.current_row()) + self.direct_current_a(u[input::DRIVE], at.platform_rate_rad_s);
+        let regime = LearnedRegime {
+            time_s: at.time_s,
+            drive_v: u[input::DRIVE],
+            current_a: current,
+            motor: JointMotion { angle_rad: motor_angle, rate_rad_s: motor_rate },
+            hub: JointMotion { angle_rad: relative_angle, rate_rad_s: relative_rate },
+            wind_up_rad: x[state::WINDUP],
+            mesh_torque_nm: mesh_torque,
+        };
+        let added = self.learned_torques(&regime);
+        let level =
+            self.learned_level(LearnedPlace::Motor, &regime) * self.motor_friction.level(&motor_around);
+        let (motor_dry, motor_state) = dry(&self.motor_friction, motor_rate, level, x[n]);
+        let level =
+            self.learned_level(LearnedPlace::Pivot, &regime) * self.pivot_friction.level(&pivot_around);
+        let (pivot_dry, pivot_state) = dry(&self.pivot_friction, relative_rate, level, x[n + 1]);
         u[input::MOTOR_TORQUE] = self.motor_torque_nm(current, motor_angle, motor_rate) + loss.motor_nm
             - motor_dry
             + error.motor_nm
-            - hysteresis / ratio;
+            - hysteresis / ratio
+            + added.motor_nm;
         u[input::HUB_TORQUE] = self.hub_torque_nm(relative_angle, motor_angle, relative_rate) + loss.hub_nm
             - pivot_dry
             - if self.hose.is_some() { x[n + 2] } else { 0.0 }
@@ -79,7 +96,8 @@ impl Plant {
             + hysteresis
             + gravity * self.body.vertical_offset_kg_m * sin
             + at.surge_m_s2 * self.body.vertical_offset_kg_m * cos
-            + self.gyroscopic_torque_nm((sin, cos).into(), at.off_axis_rates_rad_s);
+            + self.gyroscopic_torque_nm((sin, cos).into(), at.off_axis_rates_rad_s)
+            + added.hub_nm;
         u[input::LOAD] = gravity * cos - at.surge_m_s2 * sin;
         u[input::MESH_TORQUE] = offset;
         multiply(&core, x, &u, dx);
@@ -249,8 +267,7 @@ fn multiply(core: &Core, x: &[f64], u: &[f64], dx: &mut [f64]) {
 }
 
 /// Returns the torque of the dry part and derivative of its state.
-fn dry(friction: &FrictionModel, rate: f64, at: &Surroundings, z: f64) -> (f64, f64) {
-    let level = friction.level(at);
+fn dry(friction: &FrictionModel, rate: f64, level: f64, z: f64) -> (f64, f64) {
     if friction.states() > 1 {
         return (friction.law().steady(rate, level), 0.0);
     }

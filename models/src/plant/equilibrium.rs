@@ -1,6 +1,7 @@
 //! The operating point: what the motor must do to hold the out-of-balance.
 
 use super::core::state;
+use super::dynamics::MeshLoss;
 use super::{Mesh, Plant};
 use crate::parameters::AmplifierDynamics;
 use crate::tolerance::KINEMATIC_ITERATIONS;
@@ -45,16 +46,27 @@ impl Plant {
     ///
     /// Wherever the mesh ripple and the cogging depend on the motor angle, the angle at T_2 without ripple is taken.
     pub fn equilibrium(&self, point: &OperatingPoint) -> Equilibrium {
+        let bare = self.equilibrium_under(point, MeshLoss::default());
+        match self.learned() {
+            Some(functions) => self.learned_equilibrium(functions, bare),
+            None => bare,
+        }
+    }
+
+    /// Returns the equilibrium under added torques at the motor and at the hub.
+    pub(super) fn equilibrium_under(&self, point: &OperatingPoint, added: MeshLoss) -> Equilibrium {
         let (gearbox, motor) = (&self.parameters.gearbox, &self.parameters.motor);
         let relative = point.hub_angle_rad - point.platform_angle_rad;
-        let held = self.held_torque_nm(point);
+        let held = self.held_torque_nm(point) - added.hub_nm;
         let wind_up = held / gearbox.stiffness_nm_rad + half_gap(held, gearbox.backlash_rad);
         let motor_angle = gearbox.ratio * (wind_up + relative);
         let mesh_torque = held - gearbox.mesh_ripple.at(motor_angle);
         let error = self.error_at_rest(held, motor_angle);
         let motor_angle = motor_angle - gearbox.ratio * error;
         let turned = gearbox.kinematic_error.slope_at(motor_angle);
-        let shaft = mesh_torque / gearbox.ratio + mesh_torque * turned - motor.cogging.at(motor_angle);
+        let shaft = mesh_torque / gearbox.ratio + mesh_torque * turned
+            - motor.cogging.at(motor_angle)
+            - added.motor_nm;
         let current = shaft / (motor.torque_constant_nm_a * (1.0 + motor.torque_ripple.at(motor_angle)));
         let amplifier = &self.parameters.amplifier;
         let drive = match amplifier.dynamics {
@@ -63,7 +75,7 @@ impl Plant {
             }
             _ => current / amplifier.gain,
         };
-        let mut core_state = self.held_shape(point, held);
+        let mut core_state = self.held_shape(point, held + added.hub_nm);
         core_state[state::VOLTAGE] = match amplifier.dynamics {
             AmplifierDynamics::Modelled if self.has_state(state::VOLTAGE) => motor.resistance_ohm * current,
             _ => 0.0,

@@ -111,6 +111,13 @@ pub struct Impedance {
     pub damping: f64,
 }
 
+impl Impedance {
+    /// Returns the sum with another.
+    fn plus(self, other: Self) -> Self {
+        Self { stiffness: self.stiffness + other.stiffness, damping: self.damping + other.damping }
+    }
+}
+
 impl Plant {
     /// Returns the linearisation about an equilibrium, the teeth touching.
     ///
@@ -122,7 +129,22 @@ impl Plant {
         friction: FrictionLinearisation,
         angles: Angles,
     ) -> Result<LinearPlant, Error> {
+        let Some((local, added)) = self.learned_local(equilibrium) else {
+            return self.linearise_with(equilibrium, friction, angles, [Impedance::default(); 2]);
+        };
+        local.linearise_with(equilibrium, friction, angles, added)
+    }
+
+    /// Returns the linearisation with a stiffness and a damping beside those of friction, at the motor and at the pivot.
+    fn linearise_with(
+        &self,
+        equilibrium: &Equilibrium,
+        friction: FrictionLinearisation,
+        angles: Angles,
+        added: [Impedance; 2],
+    ) -> Result<LinearPlant, Error> {
         let (motor, pivot) = self.dry_impedances(friction)?;
+        let (motor, pivot) = (motor.plus(added[0]), pivot.plus(added[1]));
         let mut core = self.core(Mesh::Touching);
         let relative = self.append_relative_angle(&mut core);
         self.add_motor_impedance(&mut core, relative, motor);

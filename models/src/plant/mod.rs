@@ -11,6 +11,7 @@ mod dry;
 pub mod dynamics;
 pub mod equilibrium;
 pub mod hose;
+pub mod learned;
 pub mod linear;
 mod outputs;
 mod ranges;
@@ -22,6 +23,9 @@ pub use self::core::{Core, Mesh};
 pub use self::dynamics::{Excitation, SinCos};
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
 pub use self::hose::Hose;
+pub use self::learned::{
+    JointMotion, LearnedFunction, LearnedFunctions, LearnedRefusal, LearnedRegime, LearnedTable,
+};
 pub use self::linear::{Angles, FrictionLinearisation, Impedance, LinearPlant, OutputRow, impedance};
 
 use crate::Error;
@@ -40,6 +44,8 @@ pub struct Plant {
     pub(crate) hose: Option<Hose>,
     /// Hysteresis of the transmission's compliance.
     pub(crate) gear_hysteresis: Option<Hose>,
+    /// Free functions.
+    pub(crate) learned: Option<LearnedFunctions>,
     /// Current per drive, A/V, and per platform rate, A s/rad, that needs no state.
     pub(crate) direct_current: [f64; 2],
 }
@@ -90,6 +96,7 @@ impl Plant {
             spring,
             hose: parameters.lumped.as_ref().and_then(Hose::of),
             gear_hysteresis: Hose::of_gearbox(&parameters.gearbox),
+            learned: LearnedFunctions::of(parameters),
             direct_current: [0.0; 2],
         };
         ranges::joints(&plant)?;

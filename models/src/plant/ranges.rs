@@ -13,6 +13,7 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
     finite("gravity_m_s2", parameters.gravity_m_s2)?;
     drive(parameters)?;
     sensors(parameters)?;
+    super::learned::check(parameters)?;
     interface(parameters)
 }
 

@@ -15,6 +15,6 @@ pub use error_budget::{ErrorBudgetResult, SightValues};
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
 pub use verified::{HistoryResult, VerifiedLoop, verified_loop};
 
-/// Name and version of the schema of every result that holds a system. The number rises when a key changes its meaning or goes; new keys
+/// Name and version of the schema of every result. The number rises when a key changes its meaning or goes; new keys
 /// leave it as it is.
 pub const SCHEMA: &str = "counterpoise.results/1";

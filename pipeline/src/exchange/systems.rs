@@ -174,12 +174,13 @@ impl ResponseResult {
     pub fn of_system(
         name: &str,
         system: &StateSpace,
-        element: (usize, usize),
+        output: usize,
+        input: usize,
         frequency_hz: &[f64],
     ) -> Option<Self> {
         let rates: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
         let values = Response::of(system).ok()?.at_all(&rates).ok()?;
-        let values: Vec<C64> = values.iter().map(|h| h[element]).collect();
+        let values: Vec<C64> = values.iter().map(|h| h[(output, input)]).collect();
         Some(Self::new(name, frequency_hz, &values))
     }
 }

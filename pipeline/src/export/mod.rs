@@ -72,7 +72,7 @@ pub fn export(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Exported, PipelineError> {
-    export_by(project, modelled, verified, (&crate::procedure(project, world)?, world))
+    export_by(project, modelled, verified, &crate::procedure(project, world)?, world)
 }
 
 /// The code as [`export`] makes it, with the procedure of the verification at hand.
@@ -83,7 +83,8 @@ pub fn export_by(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
-    (procedure, world): (&Procedure, &dyn World),
+    procedure: &Procedure,
+    world: &dyn World,
 ) -> Result<Exported, PipelineError> {
     let feedback_alone = feedback_alone::certificate(project, modelled, verified, procedure);
     let origin = Provenance { feedback_alone, ..provenance(project, verified, world) };

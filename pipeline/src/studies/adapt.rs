@@ -92,8 +92,16 @@ struct Plan {
     parts: Vec<(f64, f64)>,
     /// When adaptation starts, as a share of the run.
     from: Option<f64>,
-    /// Whether the amplifier is the nonlinear one.
-    curved: bool,
+    amplifier: Amplifier,
+}
+
+/// The amplifier of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Amplifier {
+    /// The project's own.
+    Modelled,
+    /// The one whose curve the trial states.
+    Curved,
 }
 
 /// The mechanism and its controller, as every run needs them.
@@ -141,24 +149,25 @@ fn plans(adaptation: &Adaptation) -> Vec<Plan> {
     let many: Vec<(f64, f64)> = changes.iter().enumerate().map(|(k, factor)| (share(k), *factor)).collect();
     let one = vec![(0.0, 1.0), (CHANGE, first)];
     let late = vec![(0.0, 1.0), (CHANGE, first), (LATE, first)];
-    let plan = |letter, says, parts: &[(f64, f64)], from, curved| Plan {
+    let plan = |letter, says, parts: &[(f64, f64)], from, amplifier| Plan {
         letter,
         says,
         parts: parts.to_vec(),
         from,
-        curved,
+        amplifier,
     };
     let mut plans = vec![
-        plan('a', "default out-of-balance, no adaptation", &[(0.0, 1.0)], None, false),
-        plan('b', "one change, no adaptation", &one, None, false),
-        plan('c', "one change, adaptation from 0.7 of the run", &late, Some(LATE), false),
-        plan('d', "one change, adaptation from 0.03 of the run", &one, Some(EARLY), false),
-        plan('e', "several changes, no adaptation", &many, None, false),
-        plan('f', "several changes, adaptation", &many, Some(EARLY), false),
-        plan('g', "one change, adaptation, nonlinear amplifier", &one, Some(EARLY), true),
-        plan('h', "several changes, adaptation, nonlinear amplifier", &many, Some(EARLY), true),
+        plan('a', "default out-of-balance, no adaptation", &[(0.0, 1.0)], None, Amplifier::Modelled),
+        plan('b', "one change, no adaptation", &one, None, Amplifier::Modelled),
+        plan('c', "one change, adaptation from 0.7 of the run", &late, Some(LATE), Amplifier::Modelled),
+        plan('d', "one change, adaptation from 0.03 of the run", &one, Some(EARLY), Amplifier::Modelled),
+        plan('e', "several changes, no adaptation", &many, None, Amplifier::Modelled),
+        plan('f', "several changes, adaptation", &many, Some(EARLY), Amplifier::Modelled),
+        plan('g', "one change, adaptation, nonlinear amplifier", &one, Some(EARLY), Amplifier::Curved),
+        plan('h', "several changes, adaptation, nonlinear amplifier", &many, Some(EARLY), Amplifier::Curved),
     ];
-    plans.retain(|plan| !plan.curved || !adaptation.trial.amplifier_curve.is_empty());
+    plans
+        .retain(|plan| plan.amplifier == Amplifier::Modelled || !adaptation.trial.amplifier_curve.is_empty());
     plans
 }
 
@@ -235,7 +244,7 @@ impl Acting {
 
 impl Stage<'_> {
     fn run(&self, plan: &Plan) -> Result<AdaptRun, PipelineError> {
-        let plant = self.plant(plan.curved)?;
+        let plant = self.plant(plan.amplifier)?;
         let (mut state, mut angle) = (None, self.procedure.operating_point.platform_angle_rad);
         let moment = self.modelled.plant.body().out_of_balance_kg_m;
         let states = &self.controller.programs().states;
@@ -269,12 +278,12 @@ impl Stage<'_> {
     /// The RMS of the default case in the parts of a plan.
     fn default_for(&self, plan: &Plan) -> Result<Vec<f64>, PipelineError> {
         let parts = plan.parts.iter().map(|(start, _)| (*start, 1.0)).collect();
-        let default = Plan { letter: 'a', says: "", parts, from: None, curved: false };
+        let default = Plan { letter: 'a', says: "", parts, from: None, amplifier: Amplifier::Modelled };
         Ok(self.run(&default)?.intervals.iter().map(|interval| interval.hub_rms_rad_s).collect())
     }
 
-    fn plant(&self, curved: bool) -> Result<Plant, PipelineError> {
-        if !curved {
+    fn plant(&self, amplifier: Amplifier) -> Result<Plant, PipelineError> {
+        if amplifier == Amplifier::Modelled {
             return Ok(self.modelled.plant.clone());
         }
         let mut parameters = self.modelled.plant.parameters().clone();
@@ -322,9 +331,10 @@ impl Stage<'_> {
     /// an estimator beside the controller knows it.
     fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
         let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
-        let beside = plan.curved && self.undo == Compensation::Absent && held.is_some();
-        let curve = match (plan.curved, self.undo) {
-            (true, Compensation::Applied) => self.drive_curve(),
+        let beside =
+            plan.amplifier == Amplifier::Curved && self.undo == Compensation::Absent && held.is_some();
+        let curve = match (plan.amplifier, self.undo) {
+            (Amplifier::Curved, Compensation::Applied) => self.drive_curve(),
             _ => Vec::new(),
         };
         let controller = self.controller.with(|parts| {
@@ -335,7 +345,7 @@ impl Stage<'_> {
             }
         });
         let runner = controller.map_err(counterpoise_synth::Error::from)?.runner();
-        match self.estimation(plan.curved)?.filter(|_| beside) {
+        match self.estimation(plan.amplifier)?.filter(|_| beside) {
             None => Ok(Acting::Alone(Box::new(runner))),
             Some(estimation) => {
                 let held = held.unwrap_or(0) as usize;
@@ -345,16 +355,16 @@ impl Stage<'_> {
     }
 
     /// An estimator beside the controller; none for the gradient.
-    fn estimation(&self, curved: bool) -> Result<Option<Estimation>, PipelineError> {
+    fn estimation(&self, amplifier: Amplifier) -> Result<Option<Estimation>, PipelineError> {
         let period_s = self.period_s();
         Ok(match self.adaptation.method {
             AdaptationMethod::Gradient => None,
             AdaptationMethod::WindowedMean => {
                 let window = (self.adaptation.window_s / period_s).round() as usize;
-                Some(Estimation::Mean(WindowedMean::new(self.scale(curved), window)?))
+                Some(Estimation::Mean(WindowedMean::new(self.scale(amplifier), window)?))
             }
             AdaptationMethod::Recursive => {
-                Some(Estimation::Squares(Box::new(Recursive::new(self.settings(curved, period_s))?)))
+                Some(Estimation::Squares(Box::new(Recursive::new(self.settings(amplifier, period_s))?)))
             }
         })
     }
@@ -370,10 +380,10 @@ impl Stage<'_> {
         drive_curve(&map, p.amplifier.stall_gain_a_v(&p.motor))
     }
 
-    fn settings(&self, curved: bool, sample_period_s: f64) -> RecursiveSettings {
+    fn settings(&self, amplifier: Amplifier, sample_period_s: f64) -> RecursiveSettings {
         let start_kg_m = self.modelled.plant.body().out_of_balance_kg_m;
         RecursiveSettings {
-            scale: self.scale(curved),
+            scale: self.scale(amplifier),
             memory_s: self.adaptation.memory_s,
             sample_period_s,
             dead_band_m_s2: self.adaptation.dead_band_m_s2,
@@ -387,11 +397,11 @@ impl Stage<'_> {
     }
 
     /// Volts and gravity, and the amplifier's curve as it was identified, made odd.
-    fn scale(&self, curved: bool) -> Scale {
+    fn scale(&self, amplifier: Amplifier) -> Scale {
         let p = &self.modelled.parameters;
         let gain = p.amplifier.stall_gain_a_v(&p.motor);
         let mut points: Vec<(f64, f64)> = Vec::new();
-        if curved {
+        if amplifier == Amplifier::Curved {
             let curve = &self.adaptation.trial.amplifier_curve;
             let beyond_0 = || curve.iter().filter(|point| point[0] > 0.0);
             points.extend(beyond_0().rev().map(|[v, i]| (-v, -i / gain)));

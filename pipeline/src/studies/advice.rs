@@ -56,7 +56,8 @@ const TRIED: usize = 3;
 /// Those of the plant and the verification; a change that admits no controller is left out.
 pub fn advice(
     project: &Project,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
+    reduced: &Reduced,
     procedure: &Procedure,
     found: &Verification,
 ) -> Result<Vec<Advice>, PipelineError> {

@@ -61,7 +61,8 @@ struct LoopFigures {
 /// Those of the linear verification at the assumed values. A value at which no plant can be built counts as unstable.
 pub fn assumption_effects(
     project: &Project,
-    (modelled, synthesised): (&Modelled, &Synthesised),
+    modelled: &Modelled,
+    synthesised: &Synthesised,
     assumptions: &[Assumption],
 ) -> Result<Vec<AssumptionEffect>, PipelineError> {
     let procedure = Procedure {
@@ -94,7 +95,7 @@ pub fn effects_on_design(
     stages: &Stages,
     assumptions: &[Assumption],
 ) -> Vec<AssumptionEffect> {
-    assumption_effects(project, (&stages.modelled, &stages.synthesised), assumptions).unwrap_or_default()
+    assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions).unwrap_or_default()
 }
 
 fn figures(

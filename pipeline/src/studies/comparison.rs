@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, rows};
-use crate::{Modelled, PipelineError, Reduced, Synthesised, finite_elements_of, model};
+use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
 use counterpoise_project::resolve::design::Synthesis;
@@ -129,7 +129,7 @@ pub struct Spillover {
 }
 
 /// Band over which |S| is averaged, rad/s: 0.2 to 2 Hz.
-const BAND_RAD_S: (f64, f64) = (1.26, 12.6);
+const BAND_RAD_S: [f64; 2] = [1.26, 12.6];
 /// Corner to which poles of an error weight on the axis go in the variant without integral action, rad/s.
 const CORNER_RAD_S: f64 = 0.5;
 /// Flexible modes of the structure on which spillover is looked for, at most: more than a beam of 24 elements has.
@@ -141,12 +141,11 @@ const MODES: usize = 60;
 /// Those of the plant and the design.
 pub fn compare_designs(
     project: &Project,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
     made: &Synthesised,
 ) -> Result<Comparison, PipelineError> {
     let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
     let asked = project.synth.as_ref().ok_or(missing)?;
-    debug_assert_eq!(reduced.system.inputs(), made.design.plant.system.inputs());
     Ok(Comparison {
         methods: methods(asked, made)?,
         lowered: lowered(made)?,

@@ -1,4 +1,4 @@
-//! Designs of one project in one table: its own controller, the joint optimum and tuned fixed structures, all with the same feedforwards
+//! Designs of one project in one table: its own controller, the joint optimum, tuned fixed structures and the H2 feedback with tuned weights, all with the same feedforwards
 //! and friction observers, the tuned ones under the limits that the own controller reaches and under further ones.
 
 use counterpoise_controller::Controller;
@@ -8,15 +8,15 @@ use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::{
     Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Method,
-    Reference, best_loop, measure_controller,
+    Reference, Specification, TuningSubject, best_loop, measure_controller,
 };
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
 use serde::Serialize;
 
 use crate::tuning::{
-    BlockResult, LoopMeasuresResult, TuningGround, block_results, own_procedure, tune_structure,
-    tuning_ground,
+    BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
+    tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
     Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, reduce, synthesise,
@@ -59,6 +59,9 @@ pub struct DesignRow {
     pub nonlinear: Option<RunFigures>,
     /// The blocks of a tuned structure.
     pub blocks: Vec<BlockResult>,
+    /// The weights of a tuned H2 feedback.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<WeightsResult>,
     /// By how much the worst limit is missed, relative to it.
     pub missed: f64,
     /// How good the bound is, for the row of the best linear feedback.
@@ -169,10 +172,16 @@ pub fn design_table(
     let decay_rad_s = limits.first().map_or(0.0, |limits| limits.decay_rad_s);
     limits.extend(asked.options.tuning.iter().map(|tuning| tuning.limits));
     limits.extend(request.further.iter().map(|limits| LoopLimits { decay_rad_s, ..*limits }));
+    let weights = [three_part(&asked)];
     for limits in limits {
         for (name, structure) in structures() {
-            rows.push(bench.tuned(name, &structure, &Tuning { limits, ..wanted.clone() }));
+            let subject = TuningSubject::Structure(&structure);
+            rows.push(bench.tuned(name, subject, &Tuning { limits, ..wanted.clone() }));
         }
+        rows.extend(weights.iter().map(|from| {
+            let subject = TuningSubject::Weights(from);
+            bench.tuned(TUNED_WEIGHTS, subject, &Tuning { limits, ..wanted.clone() })
+        }));
         rows.push(bench.best(limits, &wanted));
     }
     let motion = if bench.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
@@ -188,6 +197,19 @@ pub fn design_table(
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let (name, hash) = (identity.name, identity.hash);
     Ok(DesignTable { name, hash, objective, motion, disturbance, reading_noise_rad_s, rows })
+}
+
+/// Name of the H2 feedback whose weights were tuned.
+const TUNED_WEIGHTS: &str = "H2, weights tuned";
+
+/// The specification from which weights are tuned: the project's, its parts put together by `simple-add`.
+fn three_part(asked: &Synthesis) -> Specification {
+    let mut specification = asked.specification.clone();
+    if specification.assembly == Assembly::Joint {
+        specification.assembly = Assembly::SimpleAdd;
+    }
+    specification.reference = Reference::Error;
+    specification
 }
 
 fn own_name(asked: &Synthesis) -> String {
@@ -260,11 +282,12 @@ impl Bench<'_> {
         self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(why.to_string())))
     }
 
-    fn tuned(&self, name: &str, structure: &FixedStructure, wanted: &Tuning) -> DesignRow {
+    fn tuned(&self, name: &str, subject: TuningSubject<'_>, wanted: &Tuning) -> DesignRow {
         let made = watched(self.world, Step::Synthesise, || {
-            let (tuned, _) = tune_structure(structure, self.ground, wanted)?;
+            let (tuned, _) = tune_feedback(subject, self.ground, wanted)?;
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
-            synthesis.options.structure = tuned.structure.clone();
+            synthesis.options.structure = FixedStructure::default();
+            put_in_place(&tuned.feedback, &mut synthesis);
             synthesis.options.method = Method::ThreePart;
             synthesis.options.controller_order = None;
             if synthesis.specification.assembly == Assembly::Joint {
@@ -276,7 +299,8 @@ impl Bench<'_> {
         });
         let row = made.and_then(|(tuned, made)| {
             let row = self.judged(name, &made)?;
-            Ok(DesignRow { blocks: block_results(&tuned.structure), missed: tuned.missed, ..row })
+            let (blocks, weights) = (block_results(&tuned.structure()), weights_result(&tuned.feedback));
+            Ok(DesignRow { blocks, weights, missed: tuned.missed, ..row })
         });
         let row = row.unwrap_or_else(|why: PipelineError| blank_row(name, Some(why.to_string())));
         DesignRow { limits: Some(LimitsResult::from(&wanted.limits)), ..row }
@@ -372,6 +396,7 @@ fn blank_row(name: &str, why: Option<String>) -> DesignRow {
         rejection: None,
         nonlinear: None,
         blocks: Vec::new(),
+        weights: None,
         missed: 0.0,
         bound: None,
         why,

@@ -38,7 +38,8 @@ pub struct Searched {
 /// A project without requirements, and those of the plant and the design.
 pub fn search(
     project: &Project,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
+    reduced: &Reduced,
     go_on: &mut dyn FnMut(&Trial) -> bool,
 ) -> Result<Searched, PipelineError> {
     let missing = |section| PipelineError::Missing { section, needed_by: "the search for weights" };
@@ -119,7 +120,8 @@ impl Judged {
 /// A project without `[verify]`, and those of the design and the verification.
 pub fn judged(
     searched: &Searched,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
+    reduced: &Reduced,
     world: &dyn World,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Vec<Judged>, PipelineError> {

@@ -2,8 +2,8 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_verify::robust::{
-    Campaign, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations, one_at_a_time,
-    ranking, summary,
+    Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
+    one_at_a_time, ranking, summary,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Requirement, VerifiedController};
@@ -96,11 +96,12 @@ pub fn campaign(
         return Err(PipelineError::Missing { section: "[verify.requirement]", needed_by: "the campaign" });
     }
     Ok(Campaign::new(
-        (modelled.parameters.clone(), verified.controller().clone()),
+        modelled.parameters.clone(),
+        verified.controller().clone(),
         procedure(project, world)?,
         asked.variations.clone(),
         judged.requirements.clone(),
-        (asked.samples, asked.seed, asked.layout),
+        Layout { samples: asked.samples, seed: asked.seed, points: asked.layout },
     )?)
 }
 

@@ -24,7 +24,8 @@ pub struct EffortPoint {
 /// A project without weights, and those of the plant.
 pub fn effort(
     project: &Project,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
+    reduced: &Reduced,
     factors: &[f64],
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<EffortPoint>>, PipelineError> {
@@ -54,7 +55,7 @@ fn loop_figures(
     plant: &DesignPlant,
     wanted: &Specification,
     sampling: &Sampling,
-    band_rad_s: (f64, f64),
+    band_rad_s: [f64; 2],
 ) -> Result<Option<Figures>, PipelineError> {
     let Ok(designed) = attempt(design(plant, wanted))? else { return Ok(None) };
     let Ok(sampled) = attempt(discretise(&designed, sampling))? else { return Ok(None) };

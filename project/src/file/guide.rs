@@ -1,7 +1,7 @@
 //! The reference of all keys, from the same walk that reads them: what is said there cannot differ from what is read.
 
 use super::field::{Fallback, Field, Limit, Need, TableField};
-use super::visit::{Count, Visit};
+use super::visit::{Count, Presence, Visit};
 
 /// A table of the reference.
 #[derive(Debug, Clone, PartialEq)]
@@ -221,7 +221,7 @@ impl Visit for Guide {
         self.row(field, "list of pairs of numbers".to_owned());
     }
 
-    fn enter(&mut self, table: &TableField, _present: bool) -> bool {
+    fn enter(&mut self, table: &TableField, _presence: Presence) -> bool {
         let note = if table.need == Need::Optional { " (may be absent)" } else { "" };
         let title = if table.meaning.is_empty() { "where the channel comes from" } else { table.meaning };
         self.open(self.path(table.key), format!("{title}{note}"));

@@ -2,7 +2,7 @@
 
 use super::field::{Fallback, Field, Form, TableField};
 use super::setting::Setting;
-use super::visit::{Count, Visit};
+use super::visit::{Count, Presence, Visit};
 
 /// One line of the canonical file.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,64 +73,71 @@ pub(crate) struct Lister {
 }
 
 impl Lister {
-    fn value(&mut self, field: &Field, setting: Setting, usual: bool) {
-        let &Field { key, unit, meaning, shown, .. } = field;
-        let usual = usual && !(shown && setting.is_finite());
+    fn value(&mut self, field: &Field, setting: Setting) {
+        let &Field { key, unit, meaning, .. } = field;
         self.lines.push(Line::Value {
             path: self.paths.of(key),
             key: key.to_owned(),
+            usual: is_usual(field, &setting),
             setting,
             unit,
             meaning,
-            usual,
             tolerance: None,
         });
     }
 }
 
+/// Returns whether a value is what the absence of its key means, so that it need not be written.
+fn is_usual(field: &Field, setting: &Setting) -> bool {
+    let is_default = match (setting, &field.default) {
+        (Setting::Number(value), Fallback::Number(default)) if default == value => true,
+        (Setting::Number(value), _) => !value.is_finite(),
+        (Setting::Whole(value), Fallback::Number(default)) => *default == *value as f64,
+        (Setting::Text(value), Fallback::Text(default)) => default == value,
+        (Setting::Numbers(values), default) => *default != Fallback::Required && values.is_empty(),
+        (Setting::Texts(values), default) => *default != Fallback::Required && values.is_empty(),
+        (Setting::Pairs(values), default) => *default != Fallback::Required && values.is_empty(),
+        _ => false,
+    };
+    is_default && !(field.shown && setting.is_finite())
+}
+
 impl Visit for Lister {
     fn number(&mut self, field: &Field, value: &mut f64) {
-        let usual = matches!(field.default, Fallback::Number(d) if d == *value) || !value.is_finite();
-        self.value(field, Setting::Number(*value), usual);
+        self.value(field, Setting::Number(*value));
     }
 
     fn whole(&mut self, field: &Field, value: &mut u32) {
-        let usual = matches!(field.default, Fallback::Number(d) if d == f64::from(*value));
-        self.value(field, Setting::Whole(i64::from(*value)), usual);
+        self.value(field, Setting::Whole(i64::from(*value)));
     }
 
     fn text(&mut self, field: &Field, value: &mut String) {
-        let usual = matches!(field.default, Fallback::Text(d) if d == value);
-        self.value(field, Setting::Text(value.clone()), usual);
+        self.value(field, Setting::Text(value.clone()));
     }
 
     fn choice(&mut self, field: &Field, _allowed: &[&'static str], value: &mut &'static str) {
-        let usual = matches!(field.default, Fallback::Text(d) if d == *value);
-        self.value(field, Setting::Text((*value).to_owned()), usual);
+        self.value(field, Setting::Text((*value).to_owned()));
     }
 
     fn numbers(&mut self, field: &Field, _count: Count, value: &mut Vec<f64>) {
-        let usual = field.default != Fallback::Required && value.is_empty();
-        self.value(field, Setting::Numbers(value.clone()), usual);
+        self.value(field, Setting::Numbers(value.clone()));
     }
 
     fn texts(&mut self, field: &Field, value: &mut Vec<String>) {
-        let usual = field.default != Fallback::Required && value.is_empty();
-        self.value(field, Setting::Texts(value.clone()), usual);
+        self.value(field, Setting::Texts(value.clone()));
     }
 
     fn pairs(&mut self, field: &Field, value: &mut Vec<[f64; 2]>) {
-        let usual = field.default != Fallback::Required && value.is_empty();
-        self.value(field, Setting::Pairs(value.clone()), usual);
+        self.value(field, Setting::Pairs(value.clone()));
     }
 
-    fn enter(&mut self, table: &TableField, present: bool) -> bool {
-        if present {
+    fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
+        if presence == Presence::Present {
             let path = self.paths.of(table.key);
             self.lines.push(Line::Open { path, form: table.form, item: false, meaning: table.meaning });
             self.paths.enter(table.key);
         }
-        present
+        presence == Presence::Present
     }
 
     fn leave(&mut self) {

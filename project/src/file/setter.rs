@@ -2,7 +2,7 @@
 
 use super::field::{Field, TableField};
 use super::lister::Paths;
-use super::visit::{Count, Visit};
+use super::visit::{Count, Presence, Visit};
 
 /// A walk that changes the number at one path.
 #[derive(Debug)]
@@ -43,11 +43,11 @@ impl Visit for Setter<'_> {
 
     fn pairs(&mut self, _field: &Field, _value: &mut Vec<[f64; 2]>) {}
 
-    fn enter(&mut self, table: &TableField, present: bool) -> bool {
-        if present {
+    fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
+        if presence == Presence::Present {
             self.paths.enter(table.key);
         }
-        present
+        presence == Presence::Present
     }
 
     fn leave(&mut self) {

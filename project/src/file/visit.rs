@@ -9,6 +9,19 @@ pub(crate) enum Count {
     Exactly(usize),
 }
 
+/// Whether the structure holds what a table describes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Presence {
+    Present,
+    Absent,
+}
+
+impl From<bool> for Presence {
+    fn from(is_there: bool) -> Self {
+        if is_there { Self::Present } else { Self::Absent }
+    }
+}
+
 /// What is done with each key: read it into the field, or list the field's value.
 pub(crate) trait Visit {
     fn number(&mut self, field: &Field, value: &mut f64);
@@ -19,8 +32,8 @@ pub(crate) trait Visit {
     fn texts(&mut self, field: &Field, value: &mut Vec<String>);
     /// A list of pairs of numbers, or the name of a file handed in that holds them.
     fn pairs(&mut self, field: &Field, value: &mut Vec<[f64; 2]>);
-    /// Steps into a table; false if it is not there (then `leave` must not follow).
-    fn enter(&mut self, table: &TableField, present: bool) -> bool;
+    /// Steps into a table, which the structure may lack; returns false if it is not there (then `leave` must not follow).
+    fn enter(&mut self, table: &TableField, presence: Presence) -> bool;
     fn leave(&mut self);
     /// Steps into a list of tables of which the structure holds `length`; returns how many there are.
     fn enter_list(&mut self, table: &TableField, length: usize) -> usize;
@@ -73,7 +86,7 @@ pub(crate) fn table<T>(
     value: &mut T,
     walk: impl FnOnce(&mut dyn Visit, &mut T),
 ) {
-    if v.enter(field, true) {
+    if v.enter(field, Presence::Present) {
         walk(v, value);
         v.leave();
     }
@@ -87,7 +100,7 @@ pub(crate) fn optional<T>(
     blank: T,
     walk: impl FnOnce(&mut dyn Visit, &mut T),
 ) {
-    if v.enter(field, slot.is_some()) {
+    if v.enter(field, Presence::from(slot.is_some())) {
         let mut value = slot.take().unwrap_or(blank);
         walk(v, &mut value);
         v.leave();

@@ -16,7 +16,9 @@ pub(crate) fn canonical(lines: &[Line]) -> String {
             Line::Open { form: Form::Inline, .. } => inline(lines, at, &mut text),
             Line::Open { path, item, meaning, .. } => {
                 if *item || speaks(lines, at) {
-                    header(path, *item, meaning, &mut text);
+                    let name = without_indices(path);
+                    let line = if *item { format!("[[{name}]]") } else { format!("[{name}]") };
+                    header(&line, meaning, &mut text);
                 }
                 at + 1
             }
@@ -73,13 +75,11 @@ fn close(lines: &[Line], open: usize) -> usize {
     lines.len()
 }
 
-fn header(path: &str, item: bool, meaning: &str, text: &mut String) {
+fn header(line: &str, meaning: &str, text: &mut String) {
     if !text.is_empty() {
         text.push('\n');
     }
-    let name = without_indices(path);
-    let line = if item { format!("[[{name}]]") } else { format!("[{name}]") };
-    commented(&line, "", meaning, text);
+    commented(line, "", meaning, text);
 }
 
 /// `plant.beam.section[1]` as a header has it: `plant.beam.section`.

@@ -3,7 +3,7 @@
 use counterpoise_models::Axis;
 
 use crate::file::field::{Field, TableField};
-use crate::file::visit::{Count, Visit};
+use crate::file::visit::{Count, Presence, Visit};
 
 /// Units of a turning axis with those of a sliding one.
 const UNITS: [(&str, &str); 14] = [
@@ -89,8 +89,8 @@ impl Visit for Words<'_> {
         self.inner.pairs(&self.field(field), value);
     }
 
-    fn enter(&mut self, table: &TableField, present: bool) -> bool {
-        self.inner.enter(table, present)
+    fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
+        self.inner.enter(table, presence)
     }
 
     fn leave(&mut self) {

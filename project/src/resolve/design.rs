@@ -11,6 +11,7 @@ use counterpoise_synth::{
 };
 
 use super::cascade;
+use super::fixed_structure::{TunedWeights, Tuning};
 use super::model::count;
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::{blank_weight, weight};
@@ -265,6 +266,30 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
 pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
     cascade::loop_kind(v, synth, measured);
+    assembly_and_form(v, synth);
+    weights(v, synth);
+    synthesis_options::tables(v, &mut synth.options);
+    let specification = &synth.specification;
+    if specification.assembly != Assembly::SimpleAdd {
+        let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
+        if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
+            let allowed =
+                "must be \"simple-add\" where a feedforward weighs the tip or is designed on the closed loop";
+            v.complain("assembly", allowed, None);
+        }
+    }
+    if synth.discretisation == SamplingMethod::SampledData {
+        sampled_problem_exists(v, &synth.options);
+    }
+    if synth.specification.assembly == Assembly::Joint {
+        joint_problem_exists(v, synth);
+    }
+    cascade::problem_exists(v, synth);
+    fixed_structure_stands_alone(v, synth);
+}
+
+/// Reads or lists how the controller is put together, sampled and run.
+fn assembly_and_form(v: &mut dyn Visit, synth: &mut Synthesis) {
     let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
                  `[synth.feedback]`, which states weights";
     let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));
@@ -301,6 +326,11 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
         .limit(AT_LEAST_0);
     v.number(&transfer.or(0.0), &mut synth.transfer_time_s);
     synthesis_options::keys(v, &mut synth.options);
+}
+
+/// Reads or lists the weights of feedback and feedforward.
+fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
+    let specification = &mut synth.specification;
     let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
     optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
@@ -321,41 +351,48 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
     optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
         feedforward(v, part, "(rad/s)^2 s")
     });
-    synthesis_options::tables(v, &mut synth.options);
-    if specification.assembly != Assembly::SimpleAdd {
-        let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
-        if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
-            let allowed =
-                "must be \"simple-add\" where a feedforward weighs the tip or is designed on the closed loop";
-            v.complain("assembly", allowed, None);
+}
+
+/// Complains where weights are to be tuned of a feedback that has none of its own, and where there is nothing to tune.
+fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
+    let specification = &synth.specification;
+    let problem = match tuning.weights {
+        TunedWeights::Stated => "needs blocks, whose parameters it tunes, or weights = \"tune\"",
+        TunedWeights::Tuned => return,
+        TunedWeights::ToTune if synth.options.method != counterpoise_synth::Method::ThreePart => {
+            "can tune the weights of method = \"three-part\" alone"
         }
-    }
-    if synth.discretisation == SamplingMethod::SampledData {
-        sampled_problem_exists(v, &synth.options);
-    }
-    if synth.specification.assembly == Assembly::Joint {
-        joint_problem_exists(v, synth);
-    }
-    cascade::problem_exists(v, synth);
-    fixed_structure_stands_alone(v, synth);
+        TunedWeights::ToTune if specification.assembly == Assembly::Joint => {
+            "cannot tune the weights of assembly = \"joint\", where one problem holds all parts"
+        }
+        TunedWeights::ToTune if specification.reference != Reference::Error => {
+            "needs reference = \"error\" to tune weights"
+        }
+        TunedWeights::ToTune if specification.position_gain.is_some() => {
+            "cannot tune the weights of a cascade: state them, or leave them out"
+        }
+        TunedWeights::ToTune => return,
+    };
+    v.complain("tune", problem, Some("add [[synth.block]] tables, or remove [synth.tune]".to_owned()));
 }
 
 /// Complains where a feedback of fixed structure is asked for together with what makes or changes another feedback.
 fn fixed_structure_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
     let (options, specification) = (&synth.options, &synth.specification);
     if options.structure.blocks.is_empty() {
-        if options.tuning.is_some() {
-            let hint = "add [[synth.block]] tables, or remove [synth.tune]";
-            v.complain("tune", "needs blocks: it tunes their parameters", Some(hint.to_owned()));
+        if let Some(tuning) = &options.tuning {
+            weights_can_be_tuned(v, synth, tuning);
         }
         return;
     }
     let tustin = matches!(synth.discretisation, SamplingMethod::Emulation(Discretisation::Tustin { .. }));
     let on_closed_loop = |part: &FeedforwardWeights| part.basis == Basis::ClosedLoop;
     let feedforwards = [&specification.heave, &specification.pitch];
+    let tunes_weights = options.tuning.as_ref().is_some_and(|tuning| tuning.weights == TunedWeights::ToTune);
     let apart = [
         (options.method != counterpoise_synth::Method::ThreePart, "method", "must be \"three-part\""),
         (options.controller_order.is_some(), "controller_order", "must be absent"),
+        (tunes_weights, "tune", "must not have weights = \"tune\""),
         (specification.assembly == Assembly::Joint, "assembly", "must not be \"joint\""),
         (specification.reference != Reference::Error, "reference", "must be \"error\""),
         (!tustin, "discretisation", "must be \"tustin\", which keeps the parameters' meaning,"),

@@ -6,7 +6,7 @@
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{Choice, Visit, choose};
+use crate::file::visit::{Choice, Presence, Visit, choose};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -67,7 +67,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     let of_voltage =
         matches!(plant.amplifier.dynamics, AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent);
     let section = TableField::optional("amplifier", "amplifier that drives the motor with a voltage");
-    if v.enter(&section, of_voltage) {
+    if v.enter(&section, Presence::from(of_voltage)) {
         if !of_voltage {
             plant.amplifier = Amplifier { dynamics: AmplifierDynamics::Modelled, ..blank_amplifier() };
         }
@@ -91,7 +91,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     let usual = plant.amplifier.dynamics == AmplifierDynamics::TorqueCommand
         && plant.amplifier.current_limit_a == f64::INFINITY
         && plant.motor.torque_constant_nm_a == 1.0;
-    if !v.enter(&section, !usual) {
+    if !v.enter(&section, Presence::from(!usual)) {
         let takes = if plant.motor.torque_constant_nm_a == 1.0 { Takes::Torque } else { Takes::Current };
         return set(v, plant, takes, &Stated::NONE);
     }

@@ -6,9 +6,11 @@ use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Visit, choose, list, maybe_number, pair};
 
-/// What the open parameters of a structure are tuned for.
+/// What the open parameters of a structure, or the weights, are tuned for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuning {
+    /// Whether the weights of the H2 feedback are tuned.
+    pub weights: TunedWeights,
     /// What is made least.
     pub objective: TuningObjective,
     /// The band of [`TuningObjective::Band`], rad/s.
@@ -21,6 +23,17 @@ pub struct Tuning {
     pub starts: usize,
     /// Seed of the starts.
     pub seed: u32,
+}
+
+/// Whether the weights of the H2 feedback are those of the file, or tuned from there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TunedWeights {
+    /// As the file states them.
+    Stated,
+    /// To be tuned from there.
+    ToTune,
+    /// As the file states them, because a tuning wrote them.
+    Tuned,
 }
 
 /// What a tuning makes least.
@@ -55,6 +68,11 @@ impl Choice for BlockKind {
     ];
 }
 
+impl Choice for TunedWeights {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("stated", Self::Stated), ("tune", Self::ToTune), ("tuned", Self::Tuned)];
+}
+
 impl Choice for TuningObjective {
     const NAMES: &'static [(&'static str, Self)] = &[("motion", Self::Motion), ("band", Self::Band)];
 }
@@ -73,6 +91,7 @@ impl Default for Tuning {
         // Ms 1.4 keeps 41 degrees and a gain factor of 3.5 (Astrom and Murray, Feedback Systems, section 12.2).
         let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.4, ..LoopLimits::default() };
         Self {
+            weights: TunedWeights::Stated,
             objective: TuningObjective::Motion,
             band_rad_s: [1.26, 12.6],
             limits,
@@ -158,6 +177,8 @@ fn fields(name: ParameterName) -> (Field, Field) {
 
 /// Reads or lists what the open parameters are tuned for.
 pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut Tuning) {
+    let which = "weights of an H2 feedback: as [synth.feedback] states them, to be tuned from there under the limits, or written by a tuning";
+    choose(v, &Field::new("weights", which).or_text("stated"), &mut tuning.weights);
     let meaning = "what is made least: the hub rate that the project's motion, friction and noise leave, or the RMS of the sensitivity over `band`";
     choose(v, &Field::new("objective", meaning).or_text("motion"), &mut tuning.objective);
     let mut band = tuning.band_rad_s;

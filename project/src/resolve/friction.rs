@@ -4,7 +4,7 @@ use counterpoise_models::friction::ranges;
 use counterpoise_models::{Friction, FrictionLaw, Ripple, StribeckCurve};
 
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose};
+use crate::file::visit::{Choice, Count, Presence, Visit, choose};
 
 /// The name of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,7 +152,7 @@ pub(crate) fn friction(v: &mut dyn Visit, value: &mut Friction) {
 /// Reads or lists a ripple with its amplitude in a unit; without one, the machine has none.
 pub(crate) fn ripple(v: &mut dyn Visit, section: &TableField, value: &mut Ripple, unit: &'static str) {
     let amplitude = Field::new("amplitude", "amplitude of the ripple").unit(unit).or(0.0);
-    if !v.enter(section, true) {
+    if !v.enter(section, Presence::Present) {
         v.assume(&Field { key: section.key, ..amplitude }, value.amplitude);
         return;
     }

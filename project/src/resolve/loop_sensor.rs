@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use super::plant::{IDEAL_SCALE, sensor};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{Choice, Visit, choose};
+use crate::file::visit::{Choice, Presence, Visit, choose};
 
 /// A loop's sensor of which nothing is written: ideal, with a range beyond every motion.
 pub(super) const UNKNOWN: Sensor = Sensor { scale_v_unit: IDEAL_SCALE, ..Sensor::IDEAL };
@@ -35,7 +35,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let digital = plant.sensors.hub_gyro.resolution > 0.0;
     let mut found = 0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
-    if v.enter(&gyro, measured == Measured::HubRate && plant.sensors.hub_gyro != UNKNOWN) {
+    if v.enter(&gyro, Presence::from(measured == Measured::HubRate && plant.sensors.hub_gyro != UNKNOWN)) {
         sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
         found += measures(plant, Measured::HubRate, found);
         v.leave();
@@ -43,7 +43,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let rate = matches!(measured, Measured::RelativeRate | Measured::MotorRate);
     if v.enter(
         &TableField::optional("tachometer", "rate relative to the platform, which the loop controls"),
-        rate,
+        Presence::from(rate),
     ) {
         let mut place = if measured == Measured::MotorRate { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
@@ -57,7 +57,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         ("encoder", "angle relative to the platform in counts, which the loop controls", position && digital),
         ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
     ] {
-        if !v.enter(&TableField::optional(key, meaning), there) {
+        if !v.enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
         }
         let mut place = if measured == Measured::MotorPosition { Place::Motor } else { Place::Load };

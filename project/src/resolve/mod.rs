@@ -15,6 +15,7 @@ pub mod fixed_structure;
 mod format;
 mod friction;
 pub mod import;
+mod learned;
 mod loop_sensor;
 pub mod measured;
 pub mod model;
@@ -42,7 +43,7 @@ use crate::file::guide::{Guide, WALKS};
 use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
 use crate::file::setter::Setter;
-use crate::file::visit::{Visit, optional, table};
+use crate::file::visit::{Presence, Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, FORMAT, writer};
 use controller::RecordingController;
 use design::{Export, Reduction, Synthesis};
@@ -252,7 +253,7 @@ fn unless_usual<T: Default + PartialEq>(
     value: &mut T,
     walk: fn(&mut dyn Visit, &mut T),
 ) {
-    if v.enter(field, *value != T::default()) {
+    if v.enter(field, Presence::from(*value != T::default())) {
         walk(v, value);
         v.leave();
     }

@@ -7,10 +7,11 @@ use counterpoise_models::{
 
 use super::axis_words::Words;
 use super::friction::{friction, ripple};
+use super::learned::learned;
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
 use super::{drive, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{Choice, Visit, choose, list, maybe_number, optional, table};
+use crate::file::visit::{Choice, Presence, Visit, choose, list, maybe_number, optional, table};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -57,6 +58,7 @@ pub(crate) fn blank() -> Parameters {
             missing_codes: 0.0,
         },
         configurations: Vec::new(),
+        learned: Vec::new(),
     }
 }
 
@@ -127,6 +129,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         blank_configuration(),
         configuration,
     );
+    learned(v, plant);
 }
 
 impl Choice for AccelerometerAxis {
@@ -153,7 +156,7 @@ fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<Lumped>) {
 fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
     let short = inertias.as_ref().is_some_and(|l| *l == Lumped::rigid(l.hub_inertia_kg_m2));
     let section = TableField::optional("lumped", "the structure as one inertia or two");
-    if v.enter(&section, inertias.is_some() && !short) {
+    if v.enter(&section, Presence::from(inertias.is_some() && !short)) {
         let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);
         lumped(v, &mut value);
         v.leave();
@@ -163,7 +166,7 @@ fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
 
 fn motor_section(v: &mut dyn Visit, value: &mut Motor) {
     let usual = drive::usual_motor();
-    if v.enter(&TableField::optional("motor", "motor"), *value != usual) {
+    if v.enter(&TableField::optional("motor", "motor"), Presence::from(*value != usual)) {
         motor(v, value);
         v.leave();
     } else {
@@ -230,7 +233,7 @@ fn motor(v: &mut dyn Visit, motor: &mut Motor) {
 fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
     let none = Friction::plain(FrictionLaw::None, 0.0);
     let there = plant.motor_friction != none || plant.pivot_friction != none;
-    if !v.enter(&TableField::optional("friction", "friction at motor and pivot"), there) {
+    if !v.enter(&TableField::optional("friction", "friction at motor and pivot"), Presence::from(there)) {
         (plant.motor_friction, plant.pivot_friction) = (none.clone(), none);
         return;
     }
@@ -244,7 +247,7 @@ fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
 
 fn one_friction(v: &mut dyn Visit, section: &TableField, value: &mut Friction) {
     let none = Friction::plain(FrictionLaw::None, 0.0);
-    if v.enter(section, *value != none) {
+    if v.enter(section, Presence::from(*value != none)) {
         friction(v, value);
         v.leave();
     } else {
@@ -254,7 +257,7 @@ fn one_friction(v: &mut dyn Visit, section: &TableField, value: &mut Friction) {
 
 fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     let there = plant.sensors != blank().sensors;
-    if !v.enter(&TableField::optional("sensors", "sensors"), there) {
+    if !v.enter(&TableField::optional("sensors", "sensors"), Presence::from(there)) {
         plant.sensors = blank().sensors;
         return;
     }
@@ -263,7 +266,7 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     let gyro = TableField::optional("platform_gyro", "rate of the platform");
     fitted(v, &gyro, &mut sensors.platform_gyro, |v, s| sensor(v, s, "rad/s"));
     let section = TableField::optional("platform_accelerometer", "heave, gravity removed");
-    if v.enter(&section, sensors.platform_accelerometer.is_fitted()) {
+    if v.enter(&section, Presence::from(sensors.platform_accelerometer.is_fitted())) {
         sensor(v, &mut sensors.platform_accelerometer, "m/s^2");
         v.number(
             &Field::new("lever_arm", "distance from the pivot").unit("m").or(0.0),
@@ -292,7 +295,7 @@ fn fitted(
     value: &mut Sensor,
     walk: impl FnOnce(&mut dyn Visit, &mut Sensor),
 ) {
-    if v.enter(section, value.is_fitted()) {
+    if v.enter(section, Presence::from(value.is_fitted())) {
         walk(v, value);
         v.leave();
     } else {

@@ -3,7 +3,7 @@
 use counterpoise_recordings::{Channel, ChannelSource, Mapping};
 
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Visit, maybe_number, table};
+use crate::file::visit::{Presence, Visit, maybe_number, table};
 
 /// Reads or lists the mapping.
 pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
@@ -40,7 +40,7 @@ fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSourc
     if v.shorthand(channel, &mut column) {
         return Some(ChannelSource::named(&column));
     }
-    if !v.enter(&TableField::inline(channel, ""), present.is_some()) {
+    if !v.enter(&TableField::inline(channel, ""), Presence::from(present.is_some())) {
         return None;
     }
     let mut source = present.unwrap_or_else(|| ChannelSource::named(""));

@@ -245,7 +245,8 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     let section = TableField::optional("search", "requirements from which weights are searched");
     optional(v, &section, &mut options.search, blank_search(), search);
     blocks(v, &mut options.structure.blocks);
-    let section = TableField::optional("tune", "what the open parameters of the blocks are tuned for");
+    let section =
+        TableField::optional("tune", "what the open parameters of the blocks, or the weights, are tuned for");
     optional(v, &section, &mut options.tuning, Tuning::default(), tuning);
 }
 
@@ -418,13 +419,11 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
     unlimited(v, &control, &mut asked.step_control_v);
     let gain = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
     unlimited(v, &gain, &mut asked.noise_gain);
-    let mut band = [asked.band_rad_s.0, asked.band_rad_s.1];
     let field = Field::new("band", "lower and upper end of the band over which rejection is wanted")
         .unit("rad/s")
         .limit(ABOVE_0);
-    pair(v, &field.or_empty(), &mut band);
-    asked.band_rad_s = (band[0], band[1]);
-    if band[0] >= band[1] {
+    pair(v, &field.or_empty(), &mut asked.band_rad_s);
+    if asked.band_rad_s[0] >= asked.band_rad_s[1] {
         v.complain("band", "must rise", None);
     }
     let spectrum = "weight of the average of the rejection: the same over the band, or the rate that the expected heave and pitch cause";

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use super::friction::ripple;
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::Visit;
+use crate::file::visit::{Presence, Visit};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -31,7 +31,7 @@ const RATIO: Field = Field::new("ratio", "motor turns per hub turn").limit(ABOVE
 pub(super) fn gearbox_section(v: &mut dyn Visit, gearbox: &mut Gearbox) {
     let there = gearbox.kind == Transmission::Gearbox;
     let section = TableField::optional("gearbox", "gearbox between motor and hub");
-    if !v.enter(&section, there) {
+    if !v.enter(&section, Presence::from(there)) {
         if there {
             *gearbox = Gearbox::DIRECT;
         }
@@ -62,7 +62,7 @@ pub(super) fn other_sections(v: &mut dyn Visit, plant: &mut Parameters) {
         (Transmission::BallScrew { lead_m: f64::NAN }, "ball_screw", "ball screw between motor and slide"),
     ] {
         let there = std::mem::discriminant(&plant.gearbox.kind) == std::mem::discriminant(&kind);
-        if !v.enter(&TableField::optional(key, meaning), there) {
+        if !v.enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
         }
         if !there && plant.gearbox.kind != Transmission::Direct {

@@ -71,10 +71,14 @@ impl Origin {
 
 /// Returns what a column holds, by its logical type, else by its converted and physical types.
 pub(super) fn holds(column: &ColumnDescriptor) -> Holds {
-    let is_integer = matches!(column.physical_type(), Type::INT32 | Type::INT64);
-    let decimal = |scale: i32| match is_integer {
+    let is_read = match column.physical_type() {
+        Type::INT32 | Type::INT64 => true,
+        Type::FIXED_LEN_BYTE_ARRAY => usize::try_from(column.type_length()).is_ok_and(|n| n <= DECIMAL_BYTES),
+        _ => false,
+    };
+    let decimal = |scale: i32| match is_read {
         true => Holds::Decimal(10_f64.powi(-scale)),
-        false => Holds::Other("decimal numbers of more than 18 digits"),
+        false => Holds::Other("decimal numbers of more than 38 digits, or of any number of them"),
     };
     match column.logical_type_ref() {
         Some(LogicalType::Timestamp(kind)) => Holds::Time(tick(&kind.unit)),
@@ -139,6 +143,10 @@ pub(super) fn column(
             ColumnReader::Int64ColumnReader(r) => numbers(r, rows, present, &mut long)?,
             ColumnReader::BoolColumnReader(r) => numbers(r, rows, present, f64::from)?,
             ColumnReader::FixedLenByteArrayColumnReader(r) => {
+                if let Holds::Decimal(part) = holds {
+                    all.extend(numbers(r, rows, present, |v| whole(v.data()) as f64 * part)?);
+                    continue;
+                }
                 let half =
                     |bytes: &[u8]| bytes.try_into().map_or(f64::NAN, |b| f16::from_le_bytes(b).to_f64());
                 numbers(r, rows, present, |v| half(v.data()))?
@@ -148,6 +156,15 @@ pub(super) fn column(
         all.extend(values);
     }
     Ok(all)
+}
+
+/// Bytes of the longest integer of a decimal number that is read: 38 digits.
+const DECIMAL_BYTES: usize = size_of::<i128>();
+
+/// Returns an integer of at most [`DECIMAL_BYTES`] bytes, two's complement with the most significant byte first.
+fn whole(bytes: &[u8]) -> i128 {
+    let sign = if bytes.first().is_some_and(|first| *first >= 0x80) { -1 } else { 0 };
+    bytes.iter().fold(sign, |number, byte| (number << 8) | i128::from(*byte))
 }
 
 /// Returns the values of a column in one row group, NaN where there is none.

@@ -9,7 +9,8 @@ use crate::Error;
 use crate::tolerance::{MOST_SWITCHES, SECOND_LEVELS, SECOND_RATE_ROUNDING};
 use counterpoise_models::friction::{FrictionModel, Law, Surroundings};
 use counterpoise_models::plant::core::{input, state};
-use counterpoise_models::{Excitation, Friction, FrictionLaw, Mesh, Plant};
+use counterpoise_models::plant::{JointMotion, LearnedRegime};
+use counterpoise_models::{Excitation, Friction, FrictionLaw, LearnedPlace, Mesh, Plant};
 
 /// Number of things that switch.
 const SWITCHES: usize = 6;
@@ -123,13 +124,25 @@ impl<'a> Second<'a> {
 
     fn level(&self, joint: usize, y: &[f64], time_s: f64) -> f64 {
         let model = &self.joints[joint].model;
-        if !model.is_modulated() {
+        if !model.is_modulated() && self.plant.learned().is_none() {
             return 1.0;
         }
         let hub_rate = dot(&self.plant.hub_rate_row(), y);
-        let mesh = self.plant.mesh_torque_nm(y[state::WINDUP], hub_rate, self.rate(0, y), PLATFORM.0).abs();
-        let load_nm = mesh / self.joints[joint].turns;
-        model.level(&Surroundings { angle_rad: self.angle(joint, y, time_s), load_nm, time_s })
+        let mesh = self.plant.mesh_torque_nm(y[state::WINDUP], hub_rate, self.rate(0, y), PLATFORM.0);
+        let load_nm = mesh.abs() / self.joints[joint].turns;
+        let motion = |k| JointMotion { angle_rad: self.angle(k, y, time_s), rate_rad_s: self.rate(k, y) };
+        let regime = LearnedRegime {
+            time_s,
+            drive_v: 0.0,
+            current_a: 0.0,
+            motor: motion(0),
+            hub: motion(1),
+            wind_up_rad: y[state::WINDUP],
+            mesh_torque_nm: mesh,
+        };
+        let place = [LearnedPlace::Motor, LearnedPlace::Pivot][joint];
+        let own = model.level(&Surroundings { angle_rad: self.angle(joint, y, time_s), load_nm, time_s });
+        own * self.plant.learned_level(place, &regime)
     }
 
     /// Returns the derivative of [core, friction at the motor, friction at the pivot].

@@ -5,8 +5,8 @@ use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION};
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
-use counterpoise_models::plant::Hose;
-use counterpoise_models::{Axis, Measured, Parameters, Plant};
+use counterpoise_models::plant::{Hose, JointMotion, LearnedFunctions, LearnedRegime};
+use counterpoise_models::{Axis, LearnedPlace, Measured, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
@@ -184,6 +184,22 @@ struct Motion {
     wind_up: f64,
 }
 
+impl Motion {
+    /// Returns where the plant is, as its free functions see it, but for drive and current.
+    #[inline]
+    fn regime(&self, time_s: f64) -> LearnedRegime {
+        LearnedRegime {
+            time_s,
+            drive_v: 0.0,
+            current_a: 0.0,
+            motor: JointMotion { angle_rad: self.motor_angle, rate_rad_s: self.motor_rate },
+            hub: JointMotion { angle_rad: self.pivot_angle, rate_rad_s: self.pivot_rate },
+            wind_up_rad: self.wind_up,
+            mesh_torque_nm: self.mesh_torque,
+        }
+    }
+}
+
 /// The plant's nonlinear parts, ready for evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct Ports {
@@ -203,6 +219,7 @@ pub(crate) struct Ports {
     measured: Measured,
     lossy: bool,
     needs_mesh_torque: bool,
+    learned: Option<Box<LearnedFunctions>>,
     /// Torques and loads against which an error at a port is small.
     pub scales: [f64; PORTS],
 }
@@ -246,7 +263,9 @@ impl Ports {
             needs_mesh_torque: lossy
                 || wavy
                 || loaded(&parameters.motor_friction)
-                || loaded(&parameters.pivot_friction),
+                || loaded(&parameters.pivot_friction)
+                || plant.learned().is_some_and(LearnedFunctions::needs_mesh_torque),
+            learned: plant.learned().cloned().map(Box::new),
             scales,
         })
     }
@@ -449,19 +468,31 @@ impl Ports {
 
     #[inline]
     fn motor_level(&self, at: &Motion, time_s: f64) -> f64 {
+        let learned = self.learned_level(LearnedPlace::Motor, at, time_s);
         if !self.motor.is_modulated() {
-            return 1.0;
+            return learned;
         }
         let load_nm = at.mesh_torque / self.ratio;
-        self.motor.level(&Surroundings { angle_rad: at.motor_angle, load_nm, time_s })
+        learned * self.motor.level(&Surroundings { angle_rad: at.motor_angle, load_nm, time_s })
     }
 
     #[inline]
     fn pivot_level(&self, at: &Motion, time_s: f64) -> f64 {
+        let learned = self.learned_level(LearnedPlace::Pivot, at, time_s);
         if !self.pivot.is_modulated() {
-            return 1.0;
+            return learned;
         }
-        self.pivot.level(&Surroundings { angle_rad: at.pivot_angle, load_nm: at.mesh_torque, time_s })
+        learned
+            * self.pivot.level(&Surroundings { angle_rad: at.pivot_angle, load_nm: at.mesh_torque, time_s })
+    }
+
+    /// Returns the factor of the free functions on the level of a joint's friction.
+    #[inline]
+    fn learned_level(&self, place: LearnedPlace, at: &Motion, time_s: f64) -> f64 {
+        match &self.learned {
+            Some(functions) => functions.friction_level(place, &at.regime(time_s)),
+            None => 1.0,
+        }
     }
 
     #[inline]
@@ -501,6 +532,13 @@ impl Ports {
             let error = plant.kinematic_error_nm(passed, motion.motor_angle, motion.motor_rate);
             motor += error.motor_nm;
             hub += error.hub_nm;
+        }
+        if let Some(functions) = &self.learned {
+            let current_a = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);
+            let regime = LearnedRegime { current_a, drive_v: at.drive_v, ..motion.regime(at.time_s) };
+            let added = functions.torques(plant, &regime);
+            motor += added.motor_nm;
+            hub += added.hub_nm;
         }
         [motor, hub, load]
     }

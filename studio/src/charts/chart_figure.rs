@@ -56,7 +56,8 @@ fn series(curve: &Curve) -> Series {
         Dash::Dashed => Dashes::Dashed,
         Dash::Dotted => Dashes::Dotted,
     };
-    Series::new(&curve.name, (colour(curve.colour), dash), curve.points.all().iter().map(|p| (p[0], p[1])))
+    let points = curve.points.all().iter().map(|p| (p[0], p[1])).collect::<Vec<_>>();
+    Series::new(&curve.name, colour(curve.colour), dash, points)
 }
 
 /// Returns the colour of the picture for one of the window: curves keep their order, everything else is muted.

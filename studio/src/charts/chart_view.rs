@@ -163,7 +163,7 @@ fn show_plot(
     limits: &mut PlotLimits,
 ) -> (PlotTransform, egui::Response) {
     let area = egui::Rect::from_min_size(ui.cursor().min, size);
-    limits.take_wheel(ui, ui.rect_contains_pointer(area));
+    limits.take_wheel(ui, area);
     let scales = chart.scales;
     let mut plot = Plot::new(("chart", &chart.title))
         .width(size.x)
@@ -215,9 +215,9 @@ fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &Th
     }
     let bounds = plot.plot_bounds();
     let visible = if plot.auto_bounds().x {
-        (f64::NEG_INFINITY, f64::INFINITY)
+        [f64::NEG_INFINITY, f64::INFINITY]
     } else {
-        (chart.value_at(PlotAxis::X, bounds.min()[0]), chart.value_at(PlotAxis::X, bounds.max()[0]))
+        [chart.value_at(PlotAxis::X, bounds.min()[0]), chart.value_at(PlotAxis::X, bounds.max()[0])]
     };
     let pixels_per_unit = [f64::from(size.x) / bounds.width(), f64::from(size.y) / bounds.height()];
     for curve in &chart.curves {

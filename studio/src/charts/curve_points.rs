@@ -25,7 +25,7 @@ impl CurvePoints {
     }
 
     /// Returns what a screen of some pixels shows of a range of x.
-    pub fn visible_points(&self, range: (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
+    pub fn visible_points(&self, range: [f64; 2], pixels: usize) -> Cow<'_, [[f64; 2]]> {
         match self {
             Self::Few(points) => decimate(points, range, pixels),
             Self::Many(pyramid, factor) => multiplied(pyramid.visible_points(range, pixels), *factor),

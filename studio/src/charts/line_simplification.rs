@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use ndarray::aview2;
 
 /// Returns what a screen can show of a long curve: the first, lowest, highest and last point of each pixel.
-pub fn decimate(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
+pub fn decimate(points: &[[f64; 2]], [low, high]: [f64; 2], pixels: usize) -> Cow<'_, [[f64; 2]]> {
     let from = points.partition_point(|p| p[0] < low).saturating_sub(1);
     let to = (points.partition_point(|p| p[0] <= high) + 1).min(points.len());
     let seen = if from < to { &points[from..to] } else { points };
@@ -53,9 +53,9 @@ mod tests {
         let mut points: Vec<[f64; 2]> =
             (0..600_000).map(|k| [f64::from(k) * 1e-3, (f64::from(k) * 0.01).sin()]).collect();
         points[123_456][1] = 9.0;
-        let all = decimate(&points, (0.0, 600.0), 1000);
+        let all = decimate(&points, [0.0, 600.0], 1000);
         assert!(all.len() <= 4000 && all.iter().any(|p| p[1] == 9.0));
-        let part = decimate(&points, (10.0, 11.0), 1000);
+        let part = decimate(&points, [10.0, 11.0], 1000);
         assert!(part.len() <= 1003 && part[0][0] <= 10.0 && part[part.len() - 1][0] >= 11.0);
     }
 

@@ -41,7 +41,7 @@ impl MinMaxPyramid {
     }
 
     /// Returns what a screen of some pixels shows of a range of x: about the lowest and the highest point of each pixel.
-    pub fn visible_points(&self, (low, high): (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
+    pub fn visible_points(&self, [low, high]: [f64; 2], pixels: usize) -> Cow<'_, [[f64; 2]]> {
         let from = self.points.partition_point(|p| p[0] < low).saturating_sub(1);
         let to = (self.points.partition_point(|p| p[0] <= high) + 1).min(self.points.len());
         let seen = if from < to { from..to } else { 0..0 };
@@ -86,7 +86,7 @@ mod tests {
         points[123_456][1] = 9.0;
         let pyramid = MinMaxPyramid::new(points);
         for half_width in [300.0, 100.0, 30.0, 10.0, 3.0, 0.5] {
-            let seen = pyramid.visible_points((123.456 - half_width, 123.456 + half_width), 1000);
+            let seen = pyramid.visible_points([123.456 - half_width, 123.456 + half_width], 1000);
             assert!(seen.iter().any(|p| p[1] == 9.0), "{half_width}");
             assert!(seen.len() <= 8 * 1000, "{half_width}: {}", seen.len());
             assert!(seen.windows(2).all(|w| w[0][0] <= w[1][0]), "{half_width}");

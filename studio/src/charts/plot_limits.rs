@@ -5,7 +5,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use egui::{Id, Ui, Vec2};
+use egui::{Id, Rect, Ui, Vec2};
 use egui_plot::PlotUi;
 
 use super::chart::{Chart, PlotAxis};
@@ -56,9 +56,9 @@ impl PlotLimits {
         }
     }
 
-    /// Takes the wheel for the plot while the pointer is on it, so that a list around the plot does not scroll.
-    pub fn take_wheel(&mut self, ui: &Ui, is_hovered: bool) {
-        if is_hovered {
+    /// Takes the wheel for the plot while the pointer is in its area, so that a list around the plot does not scroll.
+    pub fn take_wheel(&mut self, ui: &Ui, area: Rect) {
+        if ui.rect_contains_pointer(area) {
             self.wheel = ui.input_mut(|input| std::mem::take(&mut input.smooth_scroll_delta).y);
         }
     }

@@ -50,18 +50,24 @@ pub fn verification_worker(wake: &Wake, partial: &PartialVerification) -> Verifi
             }
             !token.is_cancelled()
         };
-        let folder = &request.value.folder as &dyn World;
-        let watched = (folder, &mut observer as &mut dyn FnMut(&Verification) -> bool);
-        pipeline::verify_watched(&design.project, &design.modelled, &design.synthesised, watched)
-            .map_err(|error| error_lines(&error))
+        let folder: &dyn World = &request.value.folder;
+        let found = pipeline::verify_watched(
+            &design.project,
+            &design.modelled,
+            &design.synthesised,
+            folder,
+            &mut observer,
+        );
+        found.map_err(|error| error_lines(&error))
     })
 }
 
 /// Returns a worker that computes error against effort.
 pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
     Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, token: &Token| {
-        let plants = (&*design.modelled, &*design.reduced);
-        effort(&design.project, plants, &error_weight_factors(), &|| !token.is_cancelled()).ok()?
+        let go_on = || !token.is_cancelled();
+        let factors = error_weight_factors();
+        effort(&design.project, &design.modelled, &design.reduced, &factors, &go_on).ok()?
     })
 }
 

@@ -158,8 +158,8 @@ fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignResult) {
             ui.label(RichText::new(head).small().color(theme.weak));
         }
         ui.end_row();
-        for (k, row) in result.rows.iter().enumerate() {
-            if show_row(ui, view, row, view.requirement == k).clicked() {
+        for k in 0..result.rows.len() {
+            if show_row(ui, view, result, k).clicked() {
                 view.requirement = k;
             }
             ui.end_row();
@@ -170,8 +170,9 @@ fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignResult) {
 /// Share above which a requirement counts as held by all mechanisms: rounding of a share of thousands.
 const ALL: f64 = 0.999;
 
-/// Shows one requirement; its name is a button.
-fn show_row(ui: &mut Ui, view: &View, row: &RequirementSpread, is_selected: bool) -> egui::Response {
+/// Shows the requirement of an index; its name is a button.
+fn show_row(ui: &mut Ui, view: &View, result: &CampaignResult, index: usize) -> egui::Response {
+    let (row, is_selected) = (&result.rows[index], view.requirement == index);
     let theme = &view.theme;
     let unit = view.units.display_unit(row.requirement.figure.unit());
     let written = |value: f64| format_short(unit.factor * value);

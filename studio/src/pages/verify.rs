@@ -1,6 +1,6 @@
 //! The page Verify: verdicts on the full plant while the runs come in, and the evidence behind each one; then export.
 
-use counterpoise_verify::{Figure, Limit, Requirement, Verdict, Verification};
+use counterpoise_verify::{Figure, Limit, Verdict, Verification};
 use egui::{RichText, Ui};
 
 use super::measurements::{self, ShownMeasurements};
@@ -115,8 +115,8 @@ fn show_verdicts(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: 
             let text = "The project states no requirements; add [[verify.requirement]] to the file.";
             ui.label(RichText::new(text).color(view.theme.weak));
         }
-        for (k, (requirement, verdict)) in found.verdicts.iter().enumerate() {
-            if show_verdict(ui, view, (requirement, verdict), view.requirement == k).clicked() {
+        for (k, (requirement, _)) in found.verdicts.iter().enumerate() {
+            if show_verdict(ui, view, found, k).clicked() {
                 view.requirement = k;
                 let tab = evidence_tab(requirement.figure);
                 queue.push(Command::ShowVerification { tab });
@@ -125,13 +125,9 @@ fn show_verdicts(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: 
     });
 }
 
-/// Shows one requirement with its verdict as a button.
-fn show_verdict(
-    ui: &mut Ui,
-    view: &View,
-    (requirement, verdict): (&Requirement, &Verdict),
-    is_selected: bool,
-) -> egui::Response {
+/// Shows the requirement of an index with its verdict as a button.
+fn show_verdict(ui: &mut Ui, view: &View, found: &Verification, index: usize) -> egui::Response {
+    let ((requirement, verdict), is_selected) = (&found.verdicts[index], view.requirement == index);
     let theme = &view.theme;
     let unit = view.units.display_unit(requirement.figure.unit());
     let (word, colour, value) = match verdict {

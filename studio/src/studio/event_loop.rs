@@ -100,7 +100,10 @@ impl Studio {
         self.jobs.watcher.set_paths(self.watched_paths());
         let has_changed = self.jobs.watcher.take_change();
         self.is_file_check_due |= has_changed;
-        self.list_folder(has_changed);
+        self.take_listing();
+        if has_changed || self.view.browser.as_ref().is_some_and(|browser| !browser.is_listed()) {
+            self.ask_for_listing();
+        }
         self.take_file_check();
         let is_free = !self.jobs.file_check.is_pending();
         if let Some(opened) = self.opened.as_ref().filter(|_| is_free && self.is_file_check_due) {
@@ -124,14 +127,16 @@ impl Studio {
         }
     }
 
-    fn list_folder(&mut self, has_changed: bool) {
+    fn take_listing(&mut self) {
         let Some(browser) = &mut self.view.browser else { return };
         if let Some((_, listing)) = self.jobs.list.take() {
             browser.listing = Some(listing);
         }
-        if (!browser.is_listed() || has_changed) && !self.jobs.list.is_busy() {
-            self.jobs.list.ask(0, browser.wanted_listing());
-        }
+    }
+
+    fn ask_for_listing(&mut self) {
+        let Some(browser) = self.view.browser.as_ref().filter(|_| !self.jobs.list.is_busy()) else { return };
+        self.jobs.list.ask(0, browser.wanted_listing());
     }
 
     /// Takes over a check of the file, unless a project was opened or saved since it began.

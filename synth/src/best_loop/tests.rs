@@ -33,7 +33,7 @@ fn no_tuned_controller_is_better_than_the_best_feedback_and_its_dual_closes_the_
     let structure = FixedStructure { blocks: kinds.into_iter().map(Block::open).collect() };
     let plants = [plant.clone()];
     let tuned = tune(&TuningTask {
-        structure: &structure,
+        subject: crate::TuningSubject::Structure(&structure),
         plants: &plants,
         held: &[],
         sampling: &sampling,

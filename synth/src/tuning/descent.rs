@@ -1,12 +1,9 @@
 //! The descent from one start: tangent programs in a trust region.
 
-use std::f64::consts::LN_2;
-
 use super::evaluation::Evaluation;
 use super::problem::Problem;
 use super::tangent::{PENALTY, merit, tangent_step};
 use crate::Error;
-use crate::fixed_structure::ParameterName;
 
 /// Where a descent ended.
 #[derive(Debug, Clone)]
@@ -46,11 +43,11 @@ const HALVINGS: usize = 24;
 /// [`Error::System`] if a program cannot be set up.
 pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Descended>, Error> {
     let Some(mut at) = stable_start(problem, start) else { return Ok(None) };
-    let mut found = problem.evaluate(&at)?;
+    let Ok(mut found) = problem.evaluate(&at) else { return Ok(None) };
     let (mut radius, mut evaluations, mut settled) = (FIRST, 1, f64::INFINITY);
     for _ in 0..STEPS {
         let within = |k: usize, sign: f64| {
-            let range = problem.open[k].range;
+            let range = problem.family.ranges()[k];
             let room = if sign > 0.0 { range[1] - at[k] } else { at[k] - range[0] };
             sign * room.clamp(0.0, radius)
         };
@@ -87,30 +84,23 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
     Ok(Some(Descended { at, objective, missed, merit: objective + PENALTY * missed, evaluations }))
 }
 
-/// The loop at a point and by how much its merit is less; `None` if it is not less, or the loop is not stable.
+/// The loop at a point and by how much its merit is less; `None` if it is not less, the loop is not stable, or there is none.
 fn gain(problem: &Problem<'_>, at: &[f64], before: &Evaluation) -> Result<Option<(Evaluation, f64)>, Error> {
-    let found = problem.evaluate(at)?;
+    let Ok(found) = problem.evaluate(at) else { return Ok(None) };
     let gained = merit(before) - merit(&found);
     Ok((gained > 0.0 && problem.is_stable(at)).then_some((found, gained)))
 }
 
 /// The start with its gain lowered until the loop is stable.
 fn stable_start(problem: &Problem<'_>, start: &[f64]) -> Option<Vec<f64>> {
-    let mut at: Vec<f64> = start.to_vec();
-    for (value, open) in at.iter_mut().zip(&problem.open) {
-        *value = value.clamp(open.range[0], open.range[1]);
-    }
+    let ranges = problem.family.ranges();
+    let mut at: Vec<f64> =
+        start.iter().zip(ranges).map(|(value, range)| value.clamp(range[0], range[1])).collect();
     for _ in 0..HALVINGS {
         if problem.is_stable(&at) {
             return Some(at);
         }
-        let gain = problem.open.iter().position(|open| open.name == ParameterName::Gain)?;
-        for (k, open) in problem.open.iter().enumerate() {
-            // With the corner, the gain's crossover stays above what integrates.
-            if k == gain || open.name == ParameterName::Corner {
-                at[k] = (at[k] - LN_2).max(open.range[0]);
-            }
-        }
+        at = problem.family.calmer(&at)?;
     }
     None
 }

@@ -3,7 +3,8 @@
 use counterpoise_lti::C64;
 
 use super::crossings::crossings;
-use super::limits::pole_region;
+use super::family::GridResponse;
+use super::limits::{decays, pole_region};
 use super::problem::{LoopPlant, Problem};
 use crate::Error;
 
@@ -50,21 +51,15 @@ pub(crate) struct LoopResponse<'a> {
 
 /// Peaks lower than this below their limit, as a natural logarithm, have no row: no step of the trust region reaches them.
 const FAR: f64 = -0.7;
+/// Poles with a row of their own: as many as have been seen to share a limit, and one more.
+const SLOWEST: usize = 5;
 /// The trust region's step in the logarithms of the parameters by which the slopes of poles are taken.
-const POLE_STEP: f64 = 1e-5;
+pub(crate) const POLE_STEP: f64 = 1e-5;
 
 impl Problem<'_> {
     /// Evaluates the loop at a point; whether it is stable is another question.
     pub fn evaluate(&self, at: &[f64]) -> Result<Evaluation, Error> {
-        let values = self.values(at);
-        let blocks = &self.task.structure.blocks;
-        let each = |s: &C64| -> (C64, Vec<C64>) {
-            let K = blocks.iter().zip(&values).map(|(block, p)| block.kind.at(p, *s)).product();
-            let slopes: Vec<Vec<C64>> =
-                blocks.iter().zip(&values).map(|(block, p)| block.kind.slopes(p, *s)).collect();
-            (K, self.open.iter().map(|open| slopes[open.block][open.place]).collect())
-        };
-        let (K, slopes): (Vec<C64>, Vec<Vec<C64>>) = self.grid.s.iter().map(each).unzip();
+        let GridResponse { K, slopes } = self.family.response(at, &self.grid)?;
         let (mut objectives, mut limits) = (Vec::new(), Vec::new());
         let mut curvature = (f64::NEG_INFINITY, Vec::new());
         for plant in &self.plants {
@@ -85,7 +80,7 @@ impl Problem<'_> {
     /// ln of the residual rate.
     fn residual(&self, response: &LoopResponse<'_>) -> Row {
         let noise = self.task.disturbance.reading_noise_rad_s.powi(2);
-        let (mut sum, mut slope) = (0.0, vec![0.0; self.open.len()]);
+        let (mut sum, mut slope) = (0.0, vec![0.0; self.family.ranges().len()]);
         for k in 0..response.S.len() {
             let (S, T) = (response.S[k], response.L[k] * response.S[k]);
             let (left, of_noise) =
@@ -101,7 +96,7 @@ impl Problem<'_> {
 
     /// sum power |dS|^2 / sum power |S|^2.
     fn curvature(&self, response: &LoopResponse<'_>) -> Vec<Vec<f64>> {
-        let n = self.open.len();
+        let n = self.family.ranges().len();
         let (mut sum, mut all) = (0.0, vec![vec![0.0; n]; n]);
         for k in 0..response.S.len() {
             let power = self.grid.power[k];
@@ -153,7 +148,7 @@ impl Problem<'_> {
         let pairs = [(self.limits.noise_gain, &self.grid.share), (self.limits.effort_v, &self.grid.power)];
         let mut rows = Vec::new();
         for (limit, weights) in pairs.into_iter().filter(|(limit, _)| limit.is_finite()) {
-            let (mut sum, mut slope) = (0.0, vec![0.0; self.open.len()]);
+            let (mut sum, mut slope) = (0.0, vec![0.0; self.family.ranges().len()]);
             for (k, weight) in weights.iter().enumerate() {
                 let part = weight * response.effort[k].powi(2);
                 sum += part;
@@ -167,21 +162,30 @@ impl Problem<'_> {
         rows
     }
 
-    /// Decay and damping of the closed loop's poles, with slopes from differences: a pole moves smoothly unless two meet.
+    /// Decays of the slowest poles of the closed loop and its damping, with slopes from differences: a pole moves smoothly unless two meet.
+    /// Several poles have a row each, because at the answer they often share the limit.
     fn poles(&self, at: &[f64]) -> Result<Vec<Row>, Error> {
         let asked = [self.limits.decay_rad_s, self.limits.damping];
         if asked.iter().all(|limit| *limit <= 0.0) {
             return Ok(Vec::new());
         }
-        let missing = |at: &[f64]| -> Result<[f64; 2], Error> {
-            let crossover_rad_s = self.crossover(at);
-            let mut worst = [f64::NEG_INFINITY; 2];
+        let missing = |at: &[f64]| -> Result<[f64; SLOWEST + 1], Error> {
+            let crossover_rad_s = if asked[1] > 0.0 { self.crossover(at)? } else { 0.0 };
+            let (mut worst, mut damped) = (Vec::new(), f64::NEG_INFINITY);
             for (poles, plant) in self.closed_poles(at)?.iter().zip(&self.plants) {
-                let (decay, damping) = pole_region(poles, &plant.system, crossover_rad_s);
-                let missed = [1.0 - decay / asked[0], 1.0 - damping / asked[1]];
-                (0..2).filter(|&i| asked[i] > 0.0).for_each(|i| worst[i] = worst[i].max(missed[i]));
+                let (_, damping) = pole_region(poles, &plant.system, crossover_rad_s);
+                damped = damped.max(1.0 - damping / asked[1]);
+                worst.extend(decays(poles, &plant.system).into_iter().map(|decay| 1.0 - decay / asked[0]));
             }
-            Ok(worst)
+            worst.sort_by(|a, b| b.total_cmp(a));
+            let mut all = [f64::NEG_INFINITY; SLOWEST + 1];
+            if asked[0] > 0.0 {
+                all.iter_mut().take(SLOWEST).zip(worst).for_each(|(row, missed)| *row = missed);
+            }
+            if asked[1] > 0.0 {
+                all[SLOWEST] = damped;
+            }
+            Ok(all)
         };
         let here = missing(at)?;
         let mut rows: Vec<Row> = here.map(|value| Row { value, slope: Vec::new() }).into();
@@ -191,19 +195,15 @@ impl Problem<'_> {
             let next = missing(&moved)?;
             rows.iter_mut().zip(next).for_each(|(row, next)| row.slope.push((next - row.value) / POLE_STEP));
         }
-        rows.retain(|row| row.value.is_finite());
+        rows.retain(|row| row.value.is_finite() && row.slope.iter().all(|slope| slope.is_finite()));
         Ok(rows)
     }
 
     /// The highest frequency of the grid at which the nominal loop's gain is above 1, rad/s.
-    fn crossover(&self, at: &[f64]) -> f64 {
-        let values = self.values(at);
-        let gain = |k: usize| {
-            let blocks = self.task.structure.blocks.iter().zip(&values);
-            let K: C64 = blocks.map(|(block, p)| block.kind.at(p, self.grid.s[k])).product();
-            (K * self.plants[0].response[k]).norm()
-        };
-        (0..self.grid.rates.len()).rev().find(|&k| gain(k) > 1.0).map_or(0.0, |k| self.grid.rates[k])
+    fn crossover(&self, at: &[f64]) -> Result<f64, Error> {
+        let K = self.family.gain(at, &self.grid)?;
+        let above = |k: &usize| (K[*k] * self.plants[0].response[*k]).norm() > 1.0;
+        Ok((0..K.len()).rev().find(above).map_or(0.0, |k| self.grid.rates[k]))
     }
 }
 

@@ -207,7 +207,7 @@ pub fn measure_controller(
 }
 
 /// The controller from one reading alone; states that this reading does not drive are at rest and left out.
-fn hub_path(linear: &StateSpace, reading: usize) -> StateSpace {
+pub(crate) fn hub_path(linear: &StateSpace, reading: usize) -> StateSpace {
     let path = linear.select(&[0], &[reading]);
     let driven: Vec<usize> = (0..path.order()).filter(|&i| path.B[(i, 0)] != 0.0).collect();
     let reached = reached(&path.A, driven);
@@ -234,6 +234,15 @@ pub(crate) fn pole_region(poles: &[C64], system: &StateSpace, crossover_rad_s: f
         }
     }
     (decay, damping)
+}
+
+/// Decays of the poles of a sampled loop, rad/s.
+pub(crate) fn decays(poles: &[C64], system: &StateSpace) -> Vec<f64> {
+    let period_s = match system.timebase {
+        Timebase::Discrete { period_s } => period_s,
+        Timebase::Continuous => 1.0,
+    };
+    poles.iter().filter(|pole| pole.norm() > FASTEST).map(|pole| -pole.norm().ln() / period_s).collect()
 }
 
 /// Poles nearer to 0 than this settle within a sample or two: they have no rate that matters.

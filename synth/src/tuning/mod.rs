@@ -1,4 +1,5 @@
-//! Tuning of a feedback of fixed structure: the least residual rate under limits of the loop, on several plants at once.
+//! Tuning of a feedback: the least residual rate under limits of the loop, on several plants at once. What moves is the parameters of a
+//! fixed structure, or the weights of the H2 feedback.
 //!
 //! ```text
 //!     least   max over the plants  ln sqrt( sum power_k |S(jw_k)|^2 + noise^2 mean |T|^2 )
@@ -10,13 +11,15 @@
 //! highest: the extended set of frequencies of Apkarian and Noll, "Nonsmooth H-infinity synthesis", IEEE TAC 51 (2006) 71.
 //! An exact penalty and a trust region decide on the step; several deterministic starts guard against local minima.
 //!
-//! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `problem`, `evaluation`, `crossings`,
-//! `tangent`, `descent`, `starts`.
+//! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `family`, `blocks`, `weights`,
+//! `problem`, `evaluation`, `crossings`, `tangent`, `descent`, `starts`.
 
+mod blocks;
 mod crossings;
 mod descent;
 mod disturbance;
 mod evaluation;
+mod family;
 mod grid;
 mod limits;
 mod problem;
@@ -24,6 +27,7 @@ mod starts;
 mod tangent;
 #[cfg(test)]
 mod tests;
+mod weights;
 
 use counterpoise_lti::{StateSpace, c2d};
 
@@ -32,17 +36,16 @@ pub(crate) use grid::{Clock, Density, LoopGrid};
 pub use limits::{LoopLimits, LoopMeasures, measure_controller, measure_loop};
 
 use crate::fixed_structure::FixedStructure;
-use crate::sampling::sampled_plant;
-use crate::{DesignPlant, Error, Sampling, SamplingMethod};
+use crate::{DesignPlant, Error, FeedbackWeights, Sampling, SamplingMethod, Specification};
 use descent::{Descended, descend};
-use problem::Problem;
-use starts::{near, starting_points};
+use problem::{LoopPlant, Problem};
+use starts::near;
 
 /// What is tuned, on what, for what.
 #[derive(Debug, Clone)]
 pub struct TuningTask<'a> {
-    /// The structure; parameters that are open are tuned.
-    pub structure: &'a FixedStructure,
+    /// What is tuned.
+    pub subject: TuningSubject<'a>,
     /// The plants that one controller must serve, the nominal one first.
     pub plants: &'a [DesignPlant],
     /// Further plants on which the loop must be stable: the machine with what the linear plant leaves out, such as gravity's
@@ -60,11 +63,32 @@ pub struct TuningTask<'a> {
     pub seed: u64,
 }
 
-/// A tuned structure.
+/// What a tuning moves.
+#[derive(Debug, Clone, Copy)]
+pub enum TuningSubject<'a> {
+    /// The open parameters of a fixed structure.
+    Structure(&'a FixedStructure),
+    /// The weights of the H2 feedback on the nominal plant, from those of a specification: gain, corners and damping ratios of error and
+    /// control weight, the noise of the measurement and the loop recovery. The error weight gets two further pairs of a corner and its opposite.
+    Weights(&'a Specification),
+}
+
+/// The feedback that a tuning found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TunedFeedback {
+    /// A structure with a value for every parameter.
+    Structure(FixedStructure),
+    /// Weights of the H2 feedback.
+    Weights(Box<FeedbackWeights>),
+}
+
+/// A tuned feedback.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuned {
-    /// The structure with a value for every parameter.
-    pub structure: FixedStructure,
+    /// The feedback.
+    pub feedback: TunedFeedback,
+    /// It sampled, from the error to the control.
+    pub sampled: StateSpace,
     /// The figures of the loop on each plant, computed from state-space systems and not from the grid of the tuning.
     pub measures: Vec<LoopMeasures>,
     /// By how much the worst limit is missed, relative to it; 0 if all are kept.
@@ -76,6 +100,14 @@ pub struct Tuned {
 }
 
 impl Tuned {
+    /// Returns the tuned structure; one without blocks if weights were tuned.
+    pub fn structure(&self) -> FixedStructure {
+        match &self.feedback {
+            TunedFeedback::Structure(structure) => structure.clone(),
+            TunedFeedback::Weights(_) => FixedStructure::default(),
+        }
+    }
+
     /// Returns the residual rate on the worst plant, rad/s.
     pub fn residual_rad_s(&self) -> f64 {
         self.measures.iter().map(|each| each.residual_rad_s).fold(0.0, f64::max)
@@ -85,7 +117,7 @@ impl Tuned {
 /// Rounds in which the limits on the grid are tightened by what the figures of the state-space systems exceed them.
 const ROUNDS: usize = 6;
 
-/// Tunes the open parameters of a structure.
+/// Tunes the open parameters of a structure, or the weights of the H2 feedback.
 ///
 /// # Errors
 /// [`Error::System`] for a structure without open parameters, without plant, a disturbance without power, or a conversion other than
@@ -94,14 +126,15 @@ pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
     let mut problem = Problem::new(task)?;
     let mut evaluations = 0;
     let mut reached: Vec<Option<Descended>> = Vec::new();
-    for start in starting_points(&problem, task.starts, task.seed) {
+    let starts = task.starts.div_ceil(problem.family.cost());
+    for start in problem.family.starts(&problem, starts, task.seed) {
         let found = descend(&problem, &start)?;
         evaluations += found.as_ref().map_or(0, |found| found.evaluations);
         reached.push(found);
     }
     let starts_rad_s = reached.iter().map(reached_residual).collect();
     let mut best = reached.into_iter().flatten().min_by(|a, b| a.merit.total_cmp(&b.merit));
-    for k in 0..task.starts {
+    for k in 0..starts {
         let Some(before) = &best else { break };
         let start = near(&before.at, task.seed.wrapping_add(k as u64));
         let Some(found) = descend(&problem, &start)? else { continue };
@@ -129,7 +162,8 @@ pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
     }
     let (measures, missed) = answer;
     let missed = if missed <= KEPT { 0.0 } else { missed };
-    Ok(Tuned { structure: problem.structure(&best.at), measures, missed, starts_rad_s, evaluations })
+    let (feedback, sampled) = (problem.family.feedback(&best.at), problem.family.sampled(&best.at)?);
+    Ok(Tuned { feedback, sampled, measures, missed, starts_rad_s, evaluations })
 }
 
 /// A limit that is exceeded by less than this share counts as kept: far below what a plant is known to.
@@ -148,9 +182,9 @@ fn judged(
     problem: &Problem<'_>,
     at: &[f64],
 ) -> Result<(Vec<LoopMeasures>, f64), Error> {
-    let structure = problem.structure(at);
-    let measure = |plant: &DesignPlant| measure_structure(&structure, plant, task.sampling, task.disturbance);
-    let measures: Vec<LoopMeasures> = task.plants.iter().map(measure).collect::<Result<_, Error>>()?;
+    let K = problem.family.sampled(at)?;
+    let measure = |plant: &LoopPlant| measure_loop(&plant.system, &K, task.disturbance);
+    let measures: Vec<LoopMeasures> = problem.plants.iter().map(measure).collect::<Result<_, Error>>()?;
     let missed = measures.iter().map(|each| task.limits.missed(each)).fold(0.0, f64::max);
     Ok((measures, missed))
 }
@@ -162,20 +196,6 @@ fn judged(
 pub fn sampled_structure(structure: &FixedStructure, sampling: &Sampling) -> Result<StateSpace, Error> {
     let continuous = structure.rational()?.realise()?;
     Ok(c2d(&continuous, sampling.period_s, sampling.method.conversion())?)
-}
-
-/// The figures of the sampled loop of a structure on a plant.
-///
-/// # Errors
-/// As [`sampled_structure`], and those of the figures.
-pub fn measure_structure(
-    structure: &FixedStructure,
-    plant: &DesignPlant,
-    sampling: &Sampling,
-    disturbance: &Disturbance,
-) -> Result<LoopMeasures, Error> {
-    let K = sampled_structure(structure, sampling)?;
-    measure_loop(&sampled_plant(plant, sampling)?, &K, disturbance)
 }
 
 /// The factor k of s = k (z - 1)/(z + 1), by which the sampled controller has the continuous one's response.

@@ -3,11 +3,12 @@
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{C64, Mat, StateSpace, feedback, poles, series};
 
+use super::blocks::Blocks;
+use super::family::Family;
 use super::grid::{Clock, Density, LoopGrid};
-use super::starts::usual_range;
-use super::{LoopLimits, TuningTask, bilinear_factor, sampled_structure};
+use super::weights::Weights;
+use super::{LoopLimits, TuningSubject, TuningTask, bilinear_factor};
 use crate::Error;
-use crate::fixed_structure::{FixedStructure, Parameter, ParameterName};
 use crate::sampling::sampled_plant;
 
 /// A plant under a zero-order hold.
@@ -18,23 +19,11 @@ pub(crate) struct LoopPlant {
     pub response: Vec<C64>,
 }
 
-/// A parameter that moves.
-pub(crate) struct OpenParameter {
-    /// Block and place in it.
-    pub block: usize,
-    pub place: usize,
-    /// What it is.
-    pub name: ParameterName,
-    /// Logarithms of its lowest and highest value.
-    pub range: [f64; 2],
-    /// The first value that the file states.
-    pub stated: Option<f64>,
-}
-
 /// The problem; a point is the logarithms of the open parameters.
 pub(crate) struct Problem<'a> {
     pub task: &'a TuningTask<'a>,
-    pub open: Vec<OpenParameter>,
+    /// What moves.
+    pub family: Box<dyn Family + 'a>,
     pub grid: LoopGrid,
     pub plants: Vec<LoopPlant>,
     /// The sampled plants on which the loop must be stable alone.
@@ -47,53 +36,37 @@ impl<'a> Problem<'a> {
     pub fn new(task: &'a TuningTask<'a>) -> Result<Self, Error> {
         let sampled: Vec<StateSpace> =
             task.plants.iter().map(|plant| sampled_plant(plant, task.sampling)).collect::<Result<_, _>>()?;
-        if sampled.is_empty() {
-            return Err(Error::System { what: "tuning", problem: "there is no plant" });
-        }
+        let nominal = task.plants.first();
+        let nominal = nominal.ok_or(Error::System { what: "tuning", problem: "there is no plant" })?;
         let period_s = task.sampling.period_s;
-        let clock = Clock { period_s, factor: bilinear_factor(task.sampling)? };
+        // Designed weights keep their meaning under any conversion: their feedback is taken as sampled.
+        let factor = match task.subject {
+            TuningSubject::Structure(_) => bilinear_factor(task.sampling)?,
+            TuningSubject::Weights(_) => 2.0 / period_s,
+        };
+        let clock = Clock { period_s, factor };
         let grid = LoopGrid::new(&sampled, task.disturbance, clock, Density::OF_BLOCKS)?;
         let mut plants = Vec::new();
         for system in sampled {
             let of = Response::of(&system)?.at_all(&grid.rates)?;
             plants.push(LoopPlant { response: of.iter().map(|H| H[(0, 0)]).collect(), system });
         }
-        let open = open_parameters(task, &grid, &plants[0]);
-        if open.is_empty() {
-            return Err(Error::System {
-                what: "tuning",
-                problem: "every parameter of the structure is fixed",
-            });
-        }
+        let family: Box<dyn Family + 'a> = match task.subject {
+            TuningSubject::Structure(structure) => {
+                Box::new(Blocks::new(structure, task.sampling, &grid, &plants[0])?)
+            }
+            TuningSubject::Weights(specification) => {
+                Box::new(Weights::new(specification, nominal, task.sampling)?)
+            }
+        };
         let held: Vec<StateSpace> =
             task.held.iter().map(|plant| sampled_plant(plant, task.sampling)).collect::<Result<_, _>>()?;
-        Ok(Self { task, open, grid, plants, held, limits: task.limits })
-    }
-
-    /// The values of all parameters at a point.
-    pub fn values(&self, at: &[f64]) -> Vec<Vec<f64>> {
-        let stated = |parameter: &Parameter| parameter.value.unwrap_or(1.0);
-        let blocks = &self.task.structure.blocks;
-        let mut all: Vec<Vec<f64>> =
-            blocks.iter().map(|b| b.parameters.iter().map(stated).collect()).collect();
-        for (parameter, value) in self.open.iter().zip(at) {
-            all[parameter.block][parameter.place] = value.exp();
-        }
-        all
-    }
-
-    /// The structure with every parameter fixed at a point.
-    pub fn structure(&self, at: &[f64]) -> FixedStructure {
-        let mut structure = self.task.structure.clone();
-        for (block, values) in structure.blocks.iter_mut().zip(self.values(at)) {
-            block.parameters = values.into_iter().map(Parameter::fixed).collect();
-        }
-        structure
+        Ok(Self { task, family, grid, plants, held, limits: task.limits })
     }
 
     /// The poles of the closed loop on each plant at a point.
     pub fn closed_poles(&self, at: &[f64]) -> Result<Vec<Vec<C64>>, Error> {
-        let K = sampled_structure(&self.structure(at), self.task.sampling)?;
+        let K = self.family.sampled(at)?;
         self.plants.iter().map(|plant| closed_poles(&plant.system, &K)).collect()
     }
 
@@ -106,7 +79,7 @@ impl<'a> Problem<'a> {
 
     /// Whether the loop holds the machine with what the linear plant leaves out.
     fn holds(&self, at: &[f64]) -> Result<bool, Error> {
-        let K = sampled_structure(&self.structure(at), self.task.sampling)?;
+        let K = self.family.sampled(at)?;
         for plant in &self.held {
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
             if closed_poles(plant, &K)?.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
@@ -123,18 +96,4 @@ const DRIFT: f64 = 1e-6;
 fn closed_poles(plant: &StateSpace, K: &StateSpace) -> Result<Vec<C64>, Error> {
     let unit = StateSpace::gain(Mat::eye(1), K.timebase)?;
     Ok(poles(&feedback(&series(plant, K)?, &unit)?)?)
-}
-
-fn open_parameters(task: &TuningTask<'_>, grid: &LoopGrid, nominal: &LoopPlant) -> Vec<OpenParameter> {
-    let mut open = Vec::new();
-    for (block, each) in task.structure.blocks.iter().enumerate() {
-        for (place, (parameter, name)) in each.parameters.iter().zip(each.kind.parameters()).enumerate() {
-            if !parameter.is_open() {
-                continue;
-            }
-            let range = parameter.range.unwrap_or_else(|| usual_range(*name, grid, nominal)).map(f64::ln);
-            open.push(OpenParameter { block, place, name: *name, range, stated: parameter.value });
-        }
-    }
-    open
 }

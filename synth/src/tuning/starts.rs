@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::blocks::Blocks;
+use super::family::Family;
 use super::grid::LoopGrid;
 use super::problem::{LoopPlant, Problem};
 use crate::fixed_structure::ParameterName;
@@ -37,21 +39,28 @@ pub(crate) fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlan
     }
 }
 
-/// The starts: the values that the file states, then crossovers over a wide range with the other parameters placed about them, every second
-/// one with random factors. The same for the same seed.
-pub(crate) fn starting_points(problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>> {
+/// The starts of a structure: the values that the file states, then crossovers over a wide range with the other parameters placed about them,
+/// every second one with random factors. The same for the same seed.
+pub(crate) fn placed_starts(
+    family: &Blocks<'_>,
+    problem: &Problem<'_>,
+    count: usize,
+    seed: u64,
+) -> Vec<Vec<f64>> {
     let half = PI / problem.task.sampling.period_s;
     let resonances = resonances(problem);
     let mut random = Random(seed);
     let mut all = Vec::new();
-    if problem.open.iter().all(|open| open.stated.is_some()) {
-        all.push(problem.open.iter().map(|open| open.stated.unwrap_or(1.0).ln()).collect());
+    if family.open.iter().all(|open| open.stated.is_some()) {
+        all.push(family.open.iter().map(|open| open.stated.unwrap_or(1.0).ln()).collect());
     }
     for k in 0..count.max(1) {
         let share = if count > 1 { k as f64 / (count - 1) as f64 } else { 0.4 };
         let crossover = half * CROSSOVERS[0] * (CROSSOVERS[1] / CROSSOVERS[0]).powf(share);
         let spread = if k % 2 == 1 { SPREAD } else { 0.0 };
-        all.push(placed(problem, crossover, &resonances, &mut |n| spread * random.symmetric(n)));
+        let mut at = placed(family, crossover, &resonances, &mut |n| spread * random.symmetric(n));
+        balance_gain(family, problem, crossover, &mut at);
+        all.push(at);
     }
     all
 }
@@ -64,7 +73,7 @@ pub(crate) fn near(at: &[f64], seed: u64) -> Vec<f64> {
 
 /// A start at a crossover.
 fn placed(
-    problem: &Problem<'_>,
+    family: &Blocks<'_>,
     crossover: f64,
     resonances: &[f64],
     jitter: &mut dyn FnMut(usize) -> f64,
@@ -72,8 +81,8 @@ fn placed(
     let mut centred = 0;
     let mut block = usize::MAX;
     let mut at: Vec<f64> = Vec::new();
-    for (n, open) in problem.open.iter().enumerate() {
-        let kind = problem.task.structure.blocks[open.block].kind;
+    for (n, (open, range)) in family.open.iter().zip(family.ranges()).enumerate() {
+        let kind = family.structure.blocks[open.block].kind;
         use crate::fixed_structure::BlockKind::{Biquad, Lag, LowPass, Notch, SecondOrderLowPass};
         if matches!(kind, Notch | Biquad) && open.block != block {
             (block, centred) = (open.block, centred + 1);
@@ -94,23 +103,21 @@ fn placed(
             (ParameterName::Damping | ParameterName::PoleDamping, _) => 0.7,
         };
         let moved = if open.name == ParameterName::Gain { 0.0 } else { jitter(n) };
-        at.push((value.ln() + moved).clamp(open.range[0], open.range[1]));
+        at.push((value.ln() + moved).clamp(range[0], range[1]));
     }
-    balance_gain(problem, crossover, &mut at);
     at
 }
 
 /// Sets the first gain so that the nominal loop's gain is 1 at the crossover.
-fn balance_gain(problem: &Problem<'_>, crossover: f64, at: &mut [f64]) {
-    let Some(gain) = problem.open.iter().position(|open| open.name == ParameterName::Gain) else { return };
+fn balance_gain(family: &Blocks<'_>, problem: &Problem<'_>, crossover: f64, at: &mut [f64]) {
+    let Some(gain) = family.open.iter().position(|open| open.name == ParameterName::Gain) else { return };
     let last = problem.grid.rates.len() - 1;
     let k = problem.grid.rates.partition_point(|rate| *rate < crossover).min(last);
-    let values = problem.values(at);
-    let blocks = problem.task.structure.blocks.iter().zip(&values);
-    let size: f64 = blocks.map(|(block, p)| block.kind.at(p, problem.grid.s[k]).norm()).product();
+    let size = family.at(&family.values(at), problem.grid.s[k]).norm();
     let size = size * problem.plants[0].response[k].norm();
     if size > 0.0 {
-        at[gain] = (at[gain] - size.ln()).clamp(problem.open[gain].range[0], problem.open[gain].range[1]);
+        let [low, high] = family.ranges()[gain];
+        at[gain] = (at[gain] - size.ln()).clamp(low, high);
     }
 }
 
@@ -128,11 +135,11 @@ fn resonances(problem: &Problem<'_>) -> Vec<f64> {
 }
 
 /// A small portable generator (SplitMix64, Steele, Lea and Flood 2014).
-struct Random(u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
     /// A number from -1 to 1.
-    fn symmetric(&mut self, salt: usize) -> f64 {
+    pub fn symmetric(&mut self, salt: usize) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_add(salt as u64);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -47,7 +47,7 @@ fn every_row_has_the_slope_of_differences() {
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
     let disturbance = Disturbance { reading_noise_rad_s: 0.3, ..disturbance };
     let task = TuningTask {
-        structure: &structure,
+        subject: TuningSubject::Structure(&structure),
         plants: &plants,
         held: &[],
         sampling: &sampling,
@@ -87,7 +87,7 @@ fn a_tuned_loop_keeps_its_limits_by_figures_of_another_path_and_beats_a_long_ran
     let limits =
         LoopLimits { max_sensitivity: 1.4, max_complementary: 1.2, noise_gain: 3.0, ..LoopLimits::default() };
     let task = TuningTask {
-        structure: &structure,
+        subject: TuningSubject::Structure(&structure),
         plants: &plants,
         held: &[],
         sampling: &sampling,
@@ -128,7 +128,7 @@ fn one_controller_for_two_plants_keeps_the_limits_on_both() {
     let structure = open(&PI_LAG);
     let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.25, ..LoopLimits::default() };
     let task = |plants| TuningTask {
-        structure: &structure,
+        subject: TuningSubject::Structure(&structure),
         plants,
         held: &[],
         sampling: &sampling,
@@ -154,7 +154,7 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([3.0, 10.0]));
     let (structure, plants) = (open(&PI_LAG), [plant]);
     let task = |held| TuningTask {
-        structure: &structure,
+        subject: TuningSubject::Structure(&structure),
         plants: &plants,
         held,
         sampling: &sampling,
@@ -167,7 +167,7 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
     let tuned = tune(&task(&pendulum[..])).unwrap();
     let problem_of_pendulum = task(&pendulum[..]);
     let problem = Problem::new(&problem_of_pendulum).unwrap();
-    let values: Vec<f64> = tuned.structure.values().unwrap().concat().into_iter().map(f64::ln).collect();
+    let values: Vec<f64> = tuned.structure().values().unwrap().concat().into_iter().map(f64::ln).collect();
     assert!(problem.is_stable(&values));
 }
 
@@ -180,7 +180,7 @@ fn fixed_parameters_stay_and_ranges_hold() {
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
     let limits = LoopLimits { max_sensitivity: 1.5, ..LoopLimits::default() };
     let task = TuningTask {
-        structure: &structure,
+        subject: TuningSubject::Structure(&structure),
         plants: &plants,
         held: &[],
         sampling: &sampling,
@@ -189,10 +189,87 @@ fn fixed_parameters_stay_and_ranges_hold() {
         starts: 3,
         seed: 1,
     };
-    let values = tune(&task).unwrap().structure.values().unwrap();
+    let values = tune(&task).unwrap().structure().values().unwrap();
     assert_eq!(values[1][0], 150.0);
     assert!((1.0 - 1e-12..=2.0 + 1e-12).contains(&values[0][1]), "{values:?}");
-    let all_fixed = tune(&task).unwrap().structure;
-    let nothing_open = TuningTask { structure: &all_fixed, ..task };
+    let all_fixed = tune(&task).unwrap().structure();
+    let nothing_open = TuningTask { subject: TuningSubject::Structure(&all_fixed), ..task };
     assert!(matches!(tune(&nothing_open), Err(Error::System { .. })));
+}
+
+/// H2 weights for the servo: an integrating error weight, and white torque at the control.
+fn servo_weights() -> Specification {
+    use crate::{Assembly, Reference, Weight};
+    let feedback = FeedbackWeights {
+        error: Weight::ZeroPoleGain { zeros: vec![C64::new(-3.0, 0.0)], poles: vec![C64::ZERO], gain: 3.0 },
+        control: Weight::Lead { gain: 1.0, time_s: 0.01 },
+        combination: Vec::new(),
+        measurement_noise: 1e-4,
+        disturbances: vec![(0, 1e-2)],
+        loop_recovery: 1e-3,
+    };
+    let (assembly, reference) = (Assembly::SimpleAdd, Reference::Error);
+    Specification { feedback, heave: None, pitch: None, assembly, reference, position_gain: None }
+}
+
+#[test]
+fn tuned_weights_leave_less_than_a_tuned_pi_under_the_same_limits() {
+    let plants = [servo(2.0, 80.0)];
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let limits = LoopLimits {
+        max_sensitivity: 1.4,
+        max_complementary: 1.25,
+        noise_gain: 3.0,
+        control_peak: 12.0,
+        decay_rad_s: 0.5,
+        ..LoopLimits::default()
+    };
+    let (structure, specification) = (open(&PI_LAG), servo_weights());
+    let tuned = |subject| {
+        let task = TuningTask {
+            subject,
+            plants: &plants,
+            held: &[],
+            sampling: &sampling,
+            disturbance: &disturbance,
+            limits,
+            starts: 8,
+            seed: 1,
+        };
+        tune(&task).unwrap()
+    };
+    let pi = tuned(TuningSubject::Structure(&structure));
+    let h2 = tuned(TuningSubject::Weights(&specification));
+    assert_eq!((pi.missed, h2.missed), (0.0, 0.0));
+    let (of_pi, of_h2) = (pi.residual_rad_s(), h2.residual_rad_s());
+    assert!(of_h2 < 0.97 * of_pi, "H2 {of_h2}, PI {of_pi}");
+    // The weights that are returned make the loop that was measured.
+    let TunedFeedback::Weights(weights) = h2.feedback else { panic!("weights were tuned") };
+    let again = Specification { feedback: *weights, ..servo_weights() };
+    let made = crate::discretise(&crate::design(&plants[0], &again).unwrap(), &sampling).unwrap();
+    let found = measure_controller(&plants[0], &made.controller, &sampling, &disturbance).unwrap();
+    assert!((found.residual_rad_s / of_h2 - 1.0).abs() < 1e-9, "{} {of_h2}", found.residual_rad_s);
+}
+
+#[test]
+fn weights_that_have_no_problem_of_their_own_are_refused() {
+    let plants = [servo(2.0, 80.0)];
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let joint = Specification { assembly: crate::Assembly::Joint, ..servo_weights() };
+    let apart = Specification { reference: crate::Reference::WeightOnly, ..servo_weights() };
+    let mut noiseless = servo_weights();
+    noiseless.feedback.measurement_noise = 0.0;
+    for specification in [joint, apart, noiseless] {
+        let task = TuningTask {
+            subject: TuningSubject::Weights(&specification),
+            plants: &plants,
+            held: &[],
+            sampling: &sampling,
+            disturbance: &disturbance,
+            limits: limits(),
+            starts: 1,
+            seed: 1,
+        };
+        assert!(matches!(tune(&task), Err(Error::System { .. })));
+    }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use counterpoise_lti::C64;
+
 use crate::weight::Weight;
 
 impl fmt::Display for Weight {
@@ -18,7 +20,9 @@ impl fmt::Display for Weight {
                 write!(f, "{gain} ({second_s2} s^2 + {first_s} s)")
             }
             Weight::ZeroPoleGain { zeros, poles, gain } => {
-                write!(f, "zero-pole-gain with {} zeros, {} poles, gain {gain}", zeros.len(), poles.len())
+                let (above, below) = (factors(zeros), factors(poles));
+                let below = if below.is_empty() { below } else { format!(" / ({below})") };
+                write!(f, "{} {above}{below}", rounded(*gain))
             }
             Weight::Shelf { low, high, corner_rad_s } => {
                 write!(f, "shelf from {low} to {high} at {corner_rad_s} rad/s")
@@ -36,4 +40,27 @@ impl fmt::Display for Weight {
             }
         }
     }
+}
+
+/// The product of the factors of roots: "s (s + 3) (s^2 + 0.4 s + 4)".
+fn factors(roots: &[C64]) -> String {
+    let of = |root: &C64| {
+        let sign = |value: f64| if value < 0.0 { '-' } else { '+' };
+        let (linear, constant) = (-2.0 * root.re, root.norm_sqr());
+        match (root.norm() == 0.0, root.im == 0.0) {
+            (true, _) => Some("s".to_owned()),
+            (_, true) => Some(format!("(s {} {})", sign(-root.re), rounded(root.re.abs()))),
+            _ if root.im < 0.0 => None,
+            _ => {
+                let (linear_sign, linear) = (sign(linear), rounded(linear.abs()));
+                Some(format!("(s^2 {linear_sign} {linear} s + {})", rounded(constant)))
+            }
+        }
+    };
+    roots.iter().filter_map(of).collect::<Vec<_>>().join(" ")
+}
+
+/// Four digits, as an engineer reads them.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -176,7 +176,7 @@ pub fn record(machine: &Machine, recorder: &Recorder, experiment: &Experiment, d
         integral += recorder.ki * PERIOD * error;
         control
     };
-    record_under(machine, recorder, &mut law, (experiment, dice))
+    record_under(machine, recorder, &mut law, experiment, dice)
 }
 
 /// Runs the machine through an experiment in closed loop and writes it down. The law makes volts of demand, hub rate, platform rate and
@@ -185,7 +185,8 @@ pub fn record_under(
     machine: &Machine,
     recorder: &Recorder,
     law: &mut dyn FnMut(&[f64; 6]) -> f64,
-    (experiment, dice): (&Experiment, &mut Dice),
+    experiment: &Experiment,
+    dice: &mut Dice,
 ) -> Written {
     let mut out = Written::default();
     let mut x = machine.at_rest();

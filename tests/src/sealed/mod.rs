@@ -109,12 +109,7 @@ pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, control
     let one = |machine: &Machine, k: usize| {
         let (experiment, mut dice) = experiment_of(seed, k);
         let mut runner = controller.runner();
-        record_under(
-            machine,
-            &recorder,
-            &mut |readings| runner.step_array(readings),
-            (&experiment, &mut dice),
-        )
+        record_under(machine, &recorder, &mut |readings| runner.step_array(readings), &experiment, &mut dice)
     };
     let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
     Case { recordings: all(&machine), without: without.iter().map(all).collect(), sealed }

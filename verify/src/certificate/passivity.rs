@@ -57,10 +57,10 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<Passivity>, Error> {
     let whole = Factor { centre: 1.0, a: 1.0, b: 0.0 };
     let joint = |place| Uncertain { factor: whole, places: vec![place] };
     let joints = [joint(Place::MotorDry), joint(Place::PivotDry)];
-    let pulled = UncertainLoop::new((&nominal, rates), (&controller, point), &joints, [0.0; 2])?;
+    let pulled = UncertainLoop::new(&nominal, rates, &controller, point, &joints, [0.0; 2])?;
     let exact = GainErrors { at: [counterpoise_lti::C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 };
     let still = Dry { viscous: [0.0; 2], springs: [0.0; 2] };
-    if outermost_pole(&nominal, &still, (&controller, point), &exact)?.norm() >= 1.0 {
+    if outermost_pole(&nominal, &still, &controller, point, &exact)?.norm() >= 1.0 {
         return Ok(None);
     }
     let frequencies = grid_rad_s(pulled.sample_period_s());

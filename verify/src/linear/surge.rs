@@ -29,8 +29,8 @@ pub fn add(
     };
     let Some((_, closed)) = loops.iter().find(|(of, _)| *of == acting) else { return Ok(()) };
     let motion = |time_s: f64| (-tangent * road.surge_at(time_s), 0.0);
-    let which = (Source::Road, arrangement);
-    let surge = super::disturbance(plant, closed, which, procedure.duration_of(Source::Road), motion)?;
+    let duration_s = procedure.duration_of(Source::Road);
+    let surge = super::disturbance(plant, closed, Source::Road, arrangement, duration_s, motion)?;
     let columns = [
         (&mut history.hub_rate_rad_s, &surge.hub_rate_rad_s),
         (&mut history.tip_rate_rad_s, &surge.tip_rate_rad_s),

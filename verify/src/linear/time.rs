@@ -37,7 +37,8 @@ pub fn triangle(
 pub fn disturbance(
     plant: &SampledPlant,
     closed: &Closed,
-    which: (Source, Arrangement),
+    source: Source,
+    arrangement: Arrangement,
     duration_s: f64,
     motion: impl Fn(f64) -> (f64, f64),
 ) -> Result<History, Error> {
@@ -45,7 +46,7 @@ pub fn disturbance(
         let (heave, pitch) = motion(time_s);
         (0.0, heave, pitch)
     };
-    run(plant, closed, Experiment::Disturbance(which.0, which.1), duration_s, inputs)
+    run(plant, closed, Experiment::Disturbance(source, arrangement), duration_s, inputs)
 }
 
 fn run(

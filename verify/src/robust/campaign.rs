@@ -41,28 +41,42 @@ pub struct Sample {
     pub values: Vec<f64>,
 }
 
+/// How the mechanisms of a campaign are laid out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layout {
+    /// Number of mechanisms.
+    pub samples: usize,
+    /// Seed of the layout.
+    pub seed: u64,
+    /// The method.
+    pub points: Points,
+}
+
 impl Campaign {
     /// A campaign of a number of mechanisms, laid out from a seed.
     ///
     /// # Errors
     /// [`Error::Range`] for no samples, no variations or an impossible distribution, and those of [`Procedure::check`].
     pub fn new(
-        (nominal, controller): (Parameters, Controller),
+        nominal: Parameters,
+        controller: Controller,
         procedure: Procedure,
         variations: Vec<Variation>,
         requirements: Vec<Requirement>,
-        (samples, seed, layout): (usize, u64, Points),
+        layout: Layout,
     ) -> Result<Self, Error> {
         procedure.check()?;
-        for (what, count) in
-            [("samples", samples), ("variations", variations.len()), ("requirements", requirements.len())]
-        {
+        for (what, count) in [
+            ("samples", layout.samples),
+            ("variations", variations.len()),
+            ("requirements", requirements.len()),
+        ] {
             if count == 0 {
                 return Err(Error::Range { what, value: 0.0, allowed: "at least 1" });
             }
         }
         variations.iter().try_for_each(|variation| variation.distribution.check())?;
-        let points = layout.lay(samples, variations.len(), seed)?;
+        let points = layout.points.lay(layout.samples, variations.len(), layout.seed)?;
         Ok(Self { nominal, controller, procedure, variations, requirements, points })
     }
 

@@ -11,7 +11,7 @@ pub mod statistics;
 pub mod varied;
 pub mod worst;
 
-pub use campaign::{Campaign, Sample, Variation, merge};
+pub use campaign::{Campaign, Layout, Sample, Variation, merge};
 pub use family::{Member, configurations, one_at_a_time};
 pub use sampling::{Distribution, Points, latin_hypercube};
 pub use selected::figures_of;

@@ -11,7 +11,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::spectrum::{
-    PERIOD_S, Realisation, SINES, Tone, check, frequency, power, range, sum, tones, window,
+    PERIOD_S, Realisation, SINES, Tone, check, frequency, out_of_range, power, sum, tones, window,
 };
 use crate::procedure::FurtherRoad;
 use crate::{Error, Road};
@@ -54,7 +54,9 @@ impl SixAxes {
     /// [`Error::Range`] for a duration, fade, coherence, amplitude, frequency or density out of range.
     pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
         let samples = check(how)?;
-        range("coherence", self.coherence, (0.0..=1.0).contains(&self.coherence), "from 0 to 1")?;
+        if !(0.0..=1.0).contains(&self.coherence) {
+            return Err(out_of_range("coherence", self.coherence, "from 0 to 1"));
+        }
         let mut series = Vec::with_capacity(6);
         for tones in self.all_tones(how.seed)? {
             let at = |k: usize| {
@@ -89,7 +91,9 @@ impl SixAxes {
         for (k, axis) in self.axes.iter().enumerate() {
             let mut tones = Vec::new();
             for [amplitude, hz] in &axis.sines {
-                range("amplitude of a sine", *amplitude, amplitude.is_finite(), "finite")?;
+                if !amplitude.is_finite() {
+                    return Err(out_of_range("amplitude of a sine", *amplitude, "finite"));
+                }
                 frequency(*hz)?;
                 tones.push(Tone { rate_rad_s: TAU * hz, amplitude: *amplitude, phase_rad: 0.0 });
             }

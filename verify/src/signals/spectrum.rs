@@ -78,9 +78,13 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
 /// For a duration, fade, offset, amplitude or frequency out of range.
 pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Result<Road, Error> {
     let samples = check(how)?;
-    range("offset of the pivot in m", offset_m, offset_m.is_finite(), "finite")?;
+    if !offset_m.is_finite() {
+        return Err(out_of_range("offset of the pivot in m", offset_m, "finite"));
+    }
     for tone in angle {
-        range("amplitude of the pitch in rad", tone.amplitude, tone.amplitude.is_finite(), "finite")?;
+        if !tone.amplitude.is_finite() {
+            return Err(out_of_range("amplitude of the pitch in rad", tone.amplitude, "finite"));
+        }
         frequency(tone.rate_rad_s / TAU)?;
     }
     let at = |k: usize| {
@@ -101,13 +105,20 @@ pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Resul
 /// not positive.
 pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, Error> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
-    range("points of a spectrum", points.len() as f64, points.len() > 1, "at least 2")?;
+    if points.len() < 2 {
+        return Err(out_of_range("points of a spectrum", points.len() as f64, "at least 2"));
+    }
     for two in points.windows(2) {
-        range("frequency of a spectrum in Hz", two[1][0], two[1][0] > two[0][0], "above the one before")?;
+        let rises = two[1][0] > two[0][0];
+        if !rises {
+            return Err(out_of_range("frequency of a spectrum in Hz", two[1][0], "above the one before"));
+        }
     }
     for [hz, density] in points {
         frequency(*hz)?;
-        range("density of a spectrum", *density, *density > 0.0 && density.is_finite(), "positive")?;
+        if !(*density > 0.0 && density.is_finite()) {
+            return Err(out_of_range("density of a spectrum", *density, "positive"));
+        }
     }
     let mut source = ChaCha8Rng::seed_from_u64(seed);
     source.set_stream(stream);
@@ -173,19 +184,25 @@ pub(super) fn window(time_s: f64, how: Realisation) -> [f64; 3] {
 }
 
 pub(super) fn check(how: Realisation) -> Result<usize, Error> {
-    let long = how.duration_s > 0.0 && how.duration_s <= 3600.0;
-    range("duration of the motion in s", how.duration_s, long, "positive, at most 3600")?;
-    let fits = how.fade_s >= 0.0 && 2.0 * how.fade_s <= how.duration_s;
-    range("fade of the motion in s", how.fade_s, fits, "at most half the duration")?;
+    if !(how.duration_s > 0.0 && how.duration_s <= 3600.0) {
+        return Err(out_of_range("duration of the motion in s", how.duration_s, "positive, at most 3600"));
+    }
+    if !(how.fade_s >= 0.0 && 2.0 * how.fade_s <= how.duration_s) {
+        return Err(out_of_range("fade of the motion in s", how.fade_s, "at most half the duration"));
+    }
     Ok((how.duration_s / PERIOD_S).round() as usize + 1)
 }
 
 pub(super) fn frequency(hz: f64) -> Result<(), Error> {
-    range("frequency of the platform in Hz", hz, hz > 0.0 && hz <= HIGHEST_HZ, "positive, at most 50")
+    if hz > 0.0 && hz <= HIGHEST_HZ {
+        Ok(())
+    } else {
+        Err(out_of_range("frequency of the platform in Hz", hz, "positive, at most 50"))
+    }
 }
 
-pub(super) fn range(what: &'static str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Error> {
-    if holds { Ok(()) } else { Err(Error::Range { what, value, allowed }) }
+pub(super) fn out_of_range(what: &'static str, value: f64, allowed: &'static str) -> Error {
+    Error::Range { what, value, allowed }
 }
 
 #[cfg(test)]

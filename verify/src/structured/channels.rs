@@ -1,9 +1,9 @@
 //! What a deviation of each place adds to the plant.
 
 use counterpoise_lti::Mat;
-use counterpoise_models::Measured;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{Core, Mesh, Plant};
+use counterpoise_models::{Lumped, Measured};
 
 use super::places::{Dry, Place};
 use crate::linear::plant::Resolver;
@@ -126,15 +126,9 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -
     let torque = Torques::of(plant);
     let (p, motor_rate) = (plant.parameters(), wide(plant.motor_rate_row(), 1.0));
     let (hub, tip) = (plant.hub_rate_row(), plant.tip_rate_row());
-    let Some(lumped) = p.lumped.as_ref() else { return Vec::new() };
-    let is_absent = match place {
-        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => lumped.is_rigid(),
-        Place::GearStiffness => plant.is_rigid(),
-        _ => false,
-    };
-    if is_absent {
+    let Some(lumped) = p.lumped.as_ref().filter(|lumped| has_part(plant, lumped, place)) else {
         return Vec::new();
-    }
+    };
     let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| a - b).collect::<Vec<f64>>();
     let between = less(&torque.hub, &torque.tip);
     let none = || vec![0.0; size];
@@ -176,6 +170,15 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -
     };
     let channel = |(k, (column, row, derivative))| Channel { place: (place, k), column, row, derivative };
     made.into_iter().filter(acts).enumerate().map(channel).collect()
+}
+
+/// Returns whether the plant has the part that a place belongs to.
+fn has_part(plant: &Plant, lumped: &Lumped, place: Place) -> bool {
+    match place {
+        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => !lumped.is_rigid(),
+        Place::GearStiffness => !plant.is_rigid(),
+        _ => true,
+    }
 }
 
 /// Voltage on the armature; nothing with an ideal current source, whose current is what it is told.

@@ -46,7 +46,8 @@ pub(super) fn linearised(body: &Plant, at: &OperatingPoint, dry: &Dry) -> Result
 pub fn outermost_pole(
     parameters: &Parameters,
     dry: &Dry,
-    (controller, at): (&Controller, &OperatingPoint),
+    controller: &Controller,
+    at: &OperatingPoint,
     errors: &GainErrors,
 ) -> Result<C64, Error> {
     let body = Plant::lumped(parameters)?;

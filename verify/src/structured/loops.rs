@@ -62,8 +62,10 @@ impl UncertainLoop {
     /// # Errors
     /// Those of the models, of the sampling and of the connection.
     pub fn new(
-        (nominal, dry): (&Parameters, Dry),
-        (controller, at): (&Controller, &OperatingPoint),
+        nominal: &Parameters,
+        dry: Dry,
+        controller: &Controller,
+        at: &OperatingPoint,
         uncertain: &[Uncertain],
         errors: [f64; 2],
     ) -> Result<Self, Error> {

@@ -113,8 +113,10 @@ impl<'a> Problem<'a> {
             controller,
             procedure,
             pulled: UncertainLoop::new(
-                (&without_dry(parameters, dry), Dry { viscous: dry, springs: [0.0; 2] }),
-                (controller, &procedure.operating_point),
+                &without_dry(parameters, dry),
+                Dry { viscous: dry, springs: [0.0; 2] },
+                controller,
+                &procedure.operating_point,
                 &[],
                 errors,
             )?,
@@ -128,7 +130,7 @@ impl<'a> Problem<'a> {
         let (nominal, dry) = problem.perturbed(&vec![0.0; all.len()], 1.0)?;
         let loop_of = |some: &[(Varied, Factor)]| {
             let uncertain: Vec<Uncertain> = some.iter().map(of).collect();
-            UncertainLoop::new((&nominal, dry), (controller, &procedure.operating_point), &uncertain, errors)
+            UncertainLoop::new(&nominal, dry, controller, &procedure.operating_point, &uncertain, errors)
         };
         let mut entering = Vec::new();
         for one in all.iter().filter(moves) {
@@ -178,8 +180,7 @@ impl<'a> Problem<'a> {
         let (parameters, dry) = self.perturbed(deltas, scale)?;
         let at = [0, 1].map(|k| phases[k] * (scale * self.errors[k]));
         let errors = GainErrors { at, rate_rad_s };
-        let with = (self.controller, &self.procedure.operating_point);
-        outermost_pole(&parameters, &dry, with, &errors)
+        outermost_pole(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
     /// Bounds over a grid that is refined about the peaks of the upper bound.
@@ -218,7 +219,7 @@ impl<'a> Problem<'a> {
                 .lower
                 .as_ref()
                 .map_or(vec![0.0; count], |found| found.delta.iter().take(count).map(|q| q.re).collect());
-            let found = vertex_bound(&M[0], structure, (&start, &reach), all[k].upper.beta);
+            let found = vertex_bound(&M[0], structure, &start, &reach, all[k].upper.beta);
             let lower = all[k].lower.take().into_iter().chain(found);
             all[k].lower = lower.max_by(|a, b| a.beta.total_cmp(&b.beta));
             best = best.max(all[k].bounds().lower);

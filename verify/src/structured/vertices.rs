@@ -24,7 +24,8 @@ use crate::tolerance::{
 pub fn vertex_bound(
     M: &CMat,
     structure: &Structure,
-    (start, reach): (&[f64], &[(f64, f64)]),
+    start: &[f64],
+    reach: &[(f64, f64)],
     upper: f64,
 ) -> Option<Perturbation> {
     let search = Search::new(M, structure, reach)?;

@@ -1,11 +1,11 @@
 //! What the reader does with each key: look it up, judge it, fill the field.
 
-use super::{List, NOTHING, Reader};
+use super::{Frame, List, NOTHING, Reader};
 use crate::diagnostic::{Problem, did_you_mean, is_control};
 use crate::file::field::{Fallback, Field, Need, TableField};
 use crate::file::source::Remark;
 use crate::file::tree::{self, Entry, Found, Node, Value};
-use crate::file::visit::{Count, Visit};
+use crate::file::visit::{Count, Presence, Visit};
 
 const NOT_WHOLE: &str = "must be a whole number, without decimal point";
 const CONTROL: &str = "must not hold control characters";
@@ -155,7 +155,7 @@ impl<'a> Visit for Reader<'a> {
             .collect();
     }
 
-    fn enter(&mut self, table: &TableField, _present: bool) -> bool {
+    fn enter(&mut self, table: &TableField, _presence: Presence) -> bool {
         let path = self.path(table.key);
         let Some(entry) = self.look(table.key) else {
             if table.need == Need::Required {
@@ -170,7 +170,7 @@ impl<'a> Visit for Reader<'a> {
             self.wrong_type(&path, &entry.node, &format!("a table, as in [{path}]"));
             return false;
         };
-        self.push(path, entry.node.span.start, entries, false);
+        self.frames.push(Frame::new(path, entry.node.span.start, entries));
         true
     }
 
@@ -212,12 +212,14 @@ impl<'a> Visit for Reader<'a> {
         let Some(List { path, items }) = self.lists.last() else { return };
         let (path, node) = (format!("{path}[{index}]"), items.get(index));
         match node {
-            Some(Node { span, value: Value::Table(entries) }) => self.push(path, span.start, entries, false),
+            Some(Node { span, value: Value::Table(entries) }) => {
+                self.frames.push(Frame::new(path, span.start, entries));
+            }
             Some(node) => {
                 self.wrong_type(&path, node, "a table");
-                self.push(path, node.span.start, NOTHING, true);
+                self.frames.push(Frame::silent(path, node.span.start));
             }
-            None => self.push(path, 0, NOTHING, true),
+            None => self.frames.push(Frame::silent(path, 0)),
         }
     }
 

@@ -40,6 +40,17 @@ struct Frame<'a> {
     missing: Vec<(String, Diagnostic)>,
 }
 
+impl<'a> Frame<'a> {
+    fn new(path: String, start: usize, entries: &'a [Entry]) -> Self {
+        Self { path, start, entries, known: Vec::new(), silent: false, missing: Vec::new() }
+    }
+
+    /// Returns the frame of a table that is missing or wrong, which has been reported.
+    fn silent(path: String, start: usize) -> Self {
+        Self { silent: true, ..Self::new(path, start, NOTHING) }
+    }
+}
+
 /// The list of tables in which the walk stands.
 struct List<'a> {
     path: String,
@@ -57,14 +68,7 @@ const MOST_KNOWN: usize = 24;
 
 impl<'a> Reader<'a> {
     pub fn new(source: &'a Source, entries: &'a [Entry], attachments: &'a Attachments) -> Self {
-        let root = Frame {
-            path: String::new(),
-            start: 0,
-            entries,
-            known: Vec::new(),
-            silent: false,
-            missing: Vec::new(),
-        };
+        let root = Frame::new(String::new(), 0, entries);
         Self {
             source,
             attachments,
@@ -187,10 +191,6 @@ impl<'a> Reader<'a> {
                 None
             }
         }
-    }
-
-    fn push(&mut self, path: String, start: usize, entries: &'a [Entry], silent: bool) {
-        self.frames.push(Frame { path, start, entries, known: Vec::new(), silent, missing: Vec::new() });
     }
 
     fn unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {

@@ -1,0 +1,81 @@
+//! The free functions of a plant as C writes them.
+
+use counterpoise_models::plant::{LearnedFunction, LearnedFunctions, Plant};
+use counterpoise_models::{LearnedPlace, LearnedQuantity, RegimeVariable};
+
+use super::machine::{list, number};
+
+/// Returns the free functions: their tables, what they follow, and what they add at each place.
+pub(crate) fn functions(plant: &Plant) -> Vec<minijinja::Value> {
+    plant
+        .learned()
+        .into_iter()
+        .flat_map(LearnedFunctions::iter)
+        .enumerate()
+        .map(|(index, one)| function(index, one))
+        .collect()
+}
+
+fn function(index: usize, function: &LearnedFunction) -> minijinja::Value {
+    let table = &function.table;
+    let constant = [[table.last(), 0.0, 0.0, 0.0]];
+    let powers = if table.powers().is_empty() { &constant[..] } else { table.powers() };
+    let rows: Vec<String> = powers.iter().map(|row| list(row)).collect();
+    minijinja::context! {
+        index,
+        points => list(table.points()),
+        count => table.points().len(),
+        rows,
+        pieces => powers.len(),
+        last => number(table.last()),
+        period => number(table.period().unwrap_or(0.0)),
+        variable => variable(function),
+        friction => friction(function),
+        torque => torque(function),
+        place => match function.place {
+            LearnedPlace::Pivot => "pivot",
+            LearnedPlace::Motor => "motor",
+            LearnedPlace::Gearbox => "gearbox",
+        },
+    }
+}
+
+/// Returns what a function follows, of the motion `v` at a time with a drive in volts.
+fn variable(function: &LearnedFunction) -> &'static str {
+    match (function.variable, function.place) {
+        (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Motor) => "v->angle[0]",
+        (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Pivot) => "v->angle[1]",
+        (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Gearbox) => {
+            "(v->angle[0] / m.ratio) - v->angle[1]"
+        }
+        (RegimeVariable::Rate, LearnedPlace::Motor) => "v->rate[0]",
+        (RegimeVariable::Rate, LearnedPlace::Pivot) => "v->rate[1]",
+        (RegimeVariable::Rate, LearnedPlace::Gearbox) => "(v->rate[0] / m.ratio) - v->rate[1]",
+        (RegimeVariable::Load, LearnedPlace::Motor) => "v->mesh / m.ratio",
+        (RegimeVariable::Load, _) => "v->mesh",
+        (RegimeVariable::Control, _) => "at->volts",
+        (RegimeVariable::Time, _) => "time",
+    }
+}
+
+/// Returns the joint whose level of dry friction a function multiplies; `None` if it adds a torque.
+fn friction(function: &LearnedFunction) -> Option<usize> {
+    let joint = usize::from(function.place == LearnedPlace::Pivot);
+    (function.quantity == LearnedQuantity::FrictionLevel).then_some(joint)
+}
+
+/// Returns the torque that a function's `value` stands for.
+fn torque(function: &LearnedFunction) -> &'static str {
+    match (function.quantity, function.place) {
+        (LearnedQuantity::Torque, _) => "value",
+        (LearnedQuantity::FrictionLevel, _) => "0.0",
+        (LearnedQuantity::Stiffness, LearnedPlace::Gearbox) => "(value - 1.0) * (v->mesh - damper)",
+        (LearnedQuantity::Stiffness, _) => "(1.0 - value) * m.spring * (v->angle[1] - m.spring_centre)",
+        (LearnedQuantity::Damping, LearnedPlace::Gearbox) => "(value - 1.0) * damper",
+        (LearnedQuantity::Damping, LearnedPlace::Motor) => "(1.0 - value) * joints[0].viscous * v->rate[0]",
+        (LearnedQuantity::Damping, LearnedPlace::Pivot) => "(1.0 - value) * joints[1].viscous * v->rate[1]",
+        (LearnedQuantity::TorqueConstant, _) => {
+            "(value - 1.0) * m.torque_constant * current * (1.0 + ripple_at(&m.torque_ripple, v->angle[0]))"
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The numbers that decide in linear systems, in one place: what each decides, and why it has this size.
+//!
+//! Where a comment names no source, the number was set on the loops of `lti/tests` and on the reference rig's; the closed forms,
+//! the benchmarks of the literature and the second methods of those tests hold with it.
+
+// ---- where the grid of a loop ends ----
+
+/// The grid ends this factor beyond the frequency at which the asymptote crosses one.
+pub const ASYMPTOTE_MARGIN: f64 = 30.0;
+
+/// A crossing this near to an end of the grid, as a ratio, may be missed by the grid itself.
+pub const ASYMPTOTE_AT_END: f64 = 0.99;
+
+// ---- closing a loop ----
+
+/// Smallest reciprocal condition of a loop matrix I - D K that is still inverted. The relative error of an inverse is about the
+/// unit roundoff over it (N. Higham, Accuracy and Stability of Numerical Algorithms, section 7.1): below, no digit is left.
+pub const LOOP_RCOND: f64 = 1e-14;
+
+// ---- sampling with a delay ----
+
+/// A delay within this share of a period of whole periods is one of whole periods: the rounding of their quotient.
+pub const WHOLE_PERIODS: f64 = 1e-12;
+
+// ---- margins with a delay ----
+
+/// A pole counts as on the imaginary axis if its real part is below this share of its size: the resolution of the grid, on which the
+/// response jumps there.
+pub const DELAYED_POLE_ON_AXIS: f64 = 1e-9;
+
+// ---- descriptor systems ----
+
+/// Sweeps of the scaling of rows and columns. More would only even out factors below two, and the scales are powers of two.
+pub const DESCRIPTOR_SWEEPS: usize = 10;
+
+/// Derivatives of the input below this share of the gains that they were summed from are rounding errors.
+pub const IMPROPER: f64 = 1e-9;
+
+// ---- peaks of a response by level sets ----
+
+/// Eigenvalues this near to the imaginary axis, relative to their size, are taken as frequencies. A false one costs one
+/// evaluation.
+pub const NEAR_AXIS: f64 = 1e-6;
+
+/// As [`NEAR_AXIS`], relative to the norm of the Hamiltonian.
+pub const NEAR_AXIS_NORM: f64 = 1e-12;
+
+/// Frequencies closer than this, relative, are one.
+pub const LEVEL_SAME_RATE: f64 = 1e-9;
+
+/// So many of the highest summits of the response are climbed.
+pub const SUMMITS: usize = 4;
+
+/// A summit of the sampled response below this share of the peak is not climbed.
+pub const LOW_SUMMIT: f64 = 0.1;
+
+/// Rounds of a climb: each shrinks the interval at least fourfold, so that the peak is flat to rounding at the end.
+pub const CLIMB_ROUNDS: usize = 15;
+
+// ---- margins ----
+
+/// A crossing of the negative real axis is one where the imaginary part is below this share of the real one.
+pub const REAL_CROSSING: f64 = 1e-6;
+
+/// A crossing of the unit circle is one where the gain is one within this.
+pub const UNIT_CROSSING: f64 = 1e-6;
+
+/// A direct path, or a gain at the end of the frequency axis, below this share of the loop's largest gain is zero.
+pub const NEGLIGIBLE_GAIN: f64 = 1e-12;
+
+// ---- margins of several loops ----
+
+/// Relative accuracy of the norms.
+pub const MULTILOOP_NORM: f64 = 1e-9;
+
+/// Points a decade of the grid on which the structured singular value is computed; peaks are then closed in on.
+pub const MULTILOOP_PER_DECADE: f64 = 40.0;
+
+/// Decades that the grid goes beyond the slowest and the fastest pole.
+pub const MULTILOOP_BEYOND: f64 = 100.0;
+
+/// Rounds of closing in on a peak, each by a factor of four.
+pub const MULTILOOP_ROUNDS: usize = 14;
+
+/// Sweeps over the scales of the loops; each ends within a thousandth of the smallest norm, and three sweeps settle four loops.
+pub const MULTILOOP_SWEEPS: usize = 8;
+
+/// Steps of a golden-section search for one scale: the logarithm is then known to 1e-7.
+pub const GOLDEN_STEPS: usize = 36;
+
+// ---- norms ----
+
+/// Steps of the Hamiltonian iteration; it converges quadratically (N. Bruinsma and M. Steinbuch, Systems and Control
+/// Letters 14, 1990), four to six are usual.
+pub const HAMILTONIAN_STEPS: usize = 40;
+
+/// An upper bound is looked for up to this, relative to the lower one.
+pub const LARGEST_EXCESS: f64 = 10.0;
+
+/// Poles this near to the border of stability, relative to the largest, are on it.
+pub const NORM_POLE_ON_AXIS: f64 = 1e-14;
+
+// ---- pole placement ----
+
+/// Sweeps over the eigenvectors (J. Kautsky, N. Nichols and P. Van Dooren, International Journal of Control 41, 1985); five usually
+/// settle them.
+pub const PLACEMENT_SWEEPS: usize = 30;
+
+/// The sweeps end if the condition number of the eigenvectors improves by less than this share.
+pub const PLACEMENT_SETTLED: f64 = 1e-3;
+
+/// A singular value below this share of the largest counts as zero: an input that is a combination of others, or a mode that
+/// the inputs do not reach.
+pub const PLACEMENT_RANK: f64 = 1e-12;
+
+/// Two poles within this of each other, relatively, are one.
+pub const SAME_POLE: f64 = 1e-9;
+
+// ---- poles and zeros ----
+
+/// Two computed roots are one if they differ by less than this, relatively: rounding splits a triple root by the cube root of
+/// the unit roundoff, 6e-6.
+pub const SAME_ROOT: f64 = 1e-5;
+
+/// Zeros on which two methods agree to this share need no correction in 32 digits.
+pub const SETTLED_ROOT: f64 = 1e-12;
+
+/// Rows of a system matrix up to which zeros are corrected in 32 digits: a zero of the largest takes some ten milliseconds.
+pub const PRECISE_SIZE: usize = 32;
+
+/// Rank decisions on the way to the zeros are taken relative to the norm of the scaled system matrix times this: some hundred
+/// times the unit roundoff, for the rounding of the transformations (A. Emami-Naeini and P. Van Dooren, Automatica 18, 1982).
+pub const ZERO_RANK: f64 = 1e-13;
+
+/// Poles this near to the boundary, relative to the norm of A, are examined: rounding splits a double pole by the square root
+/// of the unit roundoff, 1.5e-8.
+pub const SUSPECT_POLE: f64 = 1e-7;
+
+// ---- scaling of states ----
+
+/// A scaling step that does not shrink the norms of a state's row and column by this factor is not taken
+/// (B. Parlett and C. Reinsch, Numerische Mathematik 13, 1969).
+pub const SCALING_GAIN: f64 = 0.95;
+
+/// Sweeps over the states after which scaling stops; three or four are usual.
+pub const SCALING_SWEEPS: usize = 60;
+
+// ---- the grid of a loop ----
+
+/// Grid points a decade, before refinement.
+pub const SCAN_PER_DECADE: usize = 30;
+
+/// Decades that the grid goes beyond the slowest and the fastest root.
+pub const SCAN_BEYOND: f64 = 1e3;
+
+/// Neighbouring points may differ by this much of the distance to the critical point, or of their own size.
+pub const SCAN_STEP: f64 = 0.25;
+
+/// ... and by this much where the loop gain is near one or the phase near -180 degrees.
+pub const NEAR_STEP: f64 = 0.03;
+
+/// |ln gain| or phase distance in rad that counts as near.
+pub const NEAR_CRITICAL: f64 = 0.15;
+
+/// Rounds of refinement, and points in all, at most; what is then unresolved is a jump of width 1e-9 or less.
+pub const SCAN_ROUNDS: usize = 40;
+
+/// Points of a grid at most, see [`SCAN_ROUNDS`].
+pub const SCAN_POINTS: usize = 40_000;
+
+/// The gain, -60 dB, from which on a loop with delay is not followed: what it does there changes no margin that a design rests on,
+/// and the delay turns it without end.
+pub const LEAST_GAIN: f64 = 1e-3;
+
+/// Phase in rad by which a delay may turn the response between two points before refinement.
+pub const DELAY_TURN: f64 = 0.5;
+
+/// Frequencies closer than this, relative, are one.
+pub const SCAN_RESOLUTION: f64 = 1e-9;
+
+/// Rounds of zooming in on a crossing or extreme by a factor of four or more.
+pub const ZOOMS: usize = 30;
+
+// ---- modal form ----
+
+/// Damping couples no two modes where its entries between them are below this share of its norm.
+pub const UNCOUPLED: f64 = 1e-12;
+
+// ---- sums that cancel ----
+
+/// An entry that is below this share of what was summed to it is a zero.
+pub const CANCELLED: f64 = 1e-11;
+
+// ---- zeros and poles ----
+
+/// Roots within this of their conjugate's place, relative to their size, count as a conjugate pair.
+pub const CONJUGATE: f64 = 1e-8;

@@ -1,0 +1,126 @@
+//! Free functions: what a machine does that no law of the library gives, as tables over one regime variable.
+
+/// A free function of one regime variable at one component: a torque, or a factor on a parameter.
+///
+/// Outside the range of its points it keeps its end values: nothing is known there.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LearnedElement {
+    /// Name, for messages and drawings.
+    pub name: String,
+    /// The component at which it acts.
+    pub place: LearnedPlace,
+    /// What it adds or multiplies.
+    pub quantity: LearnedQuantity,
+    /// The variable that it is a function of.
+    pub variable: RegimeVariable,
+    /// How it goes from point to point.
+    pub interpolation: Interpolation,
+    /// Values of the variable, rising, in SI units.
+    pub points: Vec<f64>,
+    /// Values of the function at the points: N m, or factors.
+    pub values: Vec<f64>,
+    /// Half width of the 95 % band at each point, in the unit of the values; empty if it is not known.
+    pub half_width: Vec<f64>,
+    /// Share of the recorded samples nearest to each point; empty if it is not known.
+    pub coverage: Vec<f64>,
+}
+
+/// The component at which a free function acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LearnedPlace {
+    /// The joint between hub and platform. Its angle is the hub's on the platform.
+    #[default]
+    Pivot,
+    /// The motor's shaft. Its angle is the shaft's on the platform.
+    Motor,
+    /// The transmission, at its output. Its angle is the wind-up.
+    Gearbox,
+}
+
+/// What a free function adds or multiplies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LearnedQuantity {
+    /// An added torque, N m: on the hub (pivot), on the shaft (motor), or on the hub with its reaction on the motor (gearbox). It is
+    /// positive where it raises the hub.
+    #[default]
+    Torque,
+    /// A factor on the level of dry friction (pivot, motor).
+    FrictionLevel,
+    /// A factor on the stiffness of the position spring (pivot) or of the mesh (gearbox).
+    Stiffness,
+    /// A factor on the viscous friction (pivot, motor) or on the damping of the mesh (gearbox).
+    Damping,
+    /// A factor on the torque constant (motor).
+    TorqueConstant,
+}
+
+/// The variable of a free function; of the joint at which the function acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RegimeVariable {
+    /// Angle, rad.
+    #[default]
+    Angle,
+    /// Angle modulo one turn, rad: the function repeats, and its points lie from 0 to below 2 pi.
+    Turn,
+    /// Rate, rad/s.
+    Rate,
+    /// Torque that the joint carries, N m: of the mesh at the output, or over the ratio at the motor.
+    Load,
+    /// Drive of the amplifier after limit, dead zone and map, V.
+    Control,
+    /// Time since the start, s.
+    Time,
+}
+
+/// How a free function goes from point to point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interpolation {
+    /// A cubic spline with two continuous derivatives, without curvature at its ends.
+    #[default]
+    Cubic,
+    /// Straight lines.
+    Linear,
+}
+
+impl LearnedQuantity {
+    /// Returns whether it multiplies a parameter, so that 1 changes nothing.
+    pub fn is_factor(self) -> bool {
+        self != Self::Torque
+    }
+
+    /// Returns the value that changes nothing.
+    pub fn neutral(self) -> f64 {
+        if self.is_factor() { 1.0 } else { 0.0 }
+    }
+
+    /// Returns the unit of its values on a turning axis; empty for a factor.
+    pub fn unit(self) -> &'static str {
+        if self.is_factor() { "" } else { "N m" }
+    }
+}
+
+impl RegimeVariable {
+    /// Returns its unit on a turning axis.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Angle | Self::Turn => "rad",
+            Self::Rate => "rad/s",
+            Self::Load => "N m",
+            Self::Control => "V",
+            Self::Time => "s",
+        }
+    }
+}
+
+impl LearnedElement {
+    /// Returns an element that changes nothing yet, with its points evenly over a range.
+    pub fn neutral(
+        place: LearnedPlace,
+        quantity: LearnedQuantity,
+        variable: RegimeVariable,
+        points: Vec<f64>,
+    ) -> Self {
+        let values = vec![quantity.neutral(); points.len()];
+        Self { place, quantity, variable, points, values, ..Self::default() }
+    }
+}

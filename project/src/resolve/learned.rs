@@ -1,0 +1,102 @@
+//! Free functions: `[[plant.learned]]`, a table over one regime variable at one component.
+
+use counterpoise_models::{
+    Axis, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
+};
+
+use super::axis_words::Words;
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Count, Visit, choose, list};
+
+impl Choice for LearnedPlace {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("pivot", Self::Pivot), ("motor", Self::Motor), ("gearbox", Self::Gearbox)];
+}
+
+impl Choice for LearnedQuantity {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("torque", Self::Torque),
+        ("friction", Self::FrictionLevel),
+        ("stiffness", Self::Stiffness),
+        ("damping", Self::Damping),
+        ("torque-constant", Self::TorqueConstant),
+    ];
+}
+
+impl Choice for RegimeVariable {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("angle", Self::Angle),
+        ("turn", Self::Turn),
+        ("rate", Self::Rate),
+        ("load", Self::Load),
+        ("control", Self::Control),
+        ("time", Self::Time),
+    ];
+}
+
+impl Choice for Interpolation {
+    const NAMES: &'static [(&'static str, Self)] = &[("cubic", Self::Cubic), ("linear", Self::Linear)];
+}
+
+const SECTION: TableField = TableField::optional(
+    "learned",
+    "a free function of one regime variable at a component, beside the laws of the library",
+);
+const NAME: Field = Field::new("name", "name of the function").or_text("");
+const PLACE: Field = Field::new("place", "component at which it acts").or_text("pivot").shown();
+const QUANTITY: Field = Field::new(
+    "quantity",
+    "what it is: an added torque, or a factor on dry friction, stiffness, damping or torque constant",
+)
+.or_text("torque")
+.shown();
+const VARIABLE: Field =
+    Field::new("variable", "what it is a function of, at its place").or_text("angle").shown();
+const INTERPOLATION: Field = Field::new("interpolation", "how it goes from point to point").or_text("cubic");
+const POINTS: Field = Field::new(
+    "points",
+    "values of the variable, rising, in its SI unit (rad, rad/s, N m, V, s); beyond them the end values hold",
+);
+const VALUES: Field =
+    Field::new("values", "values at the points: N m for a torque (at the motor on its shaft), else factors");
+const HALF_WIDTH: Field = Field::new("half_width", "half width of the 95 % band at each point").or_empty();
+const COVERAGE: Field = Field::new("coverage", "share of the recorded samples nearest to each point")
+    .limit(Limit::AtLeast(0.0))
+    .or_empty();
+
+/// Reads or lists the free functions.
+pub(super) fn learned(v: &mut dyn Visit, plant: &mut Parameters) {
+    let (axis, gearbox) = (plant.axis, plant.gearbox.clone());
+    list(v, &SECTION, &mut plant.learned, LearnedElement::default(), |v, element| {
+        function(v, axis, element);
+        if element.points.iter().chain(&element.values).any(|number| number.is_nan()) {
+            return; // a number that could not be read is reported already
+        }
+        if let Some(refusal) = element.refusal(&gearbox) {
+            let key = refusal.key.split('[').next().unwrap_or_default();
+            let allowed = match refusal.key.split_once('[') {
+                Some((_, index)) => format!("{}: entry [{index} is {}", refusal.allowed, refusal.value),
+                None => refusal.allowed.to_owned(),
+            };
+            v.complain(key, &allowed, None);
+        }
+    });
+}
+
+fn function(v: &mut dyn Visit, axis: Axis, element: &mut LearnedElement) {
+    v.text(&NAME, &mut element.name);
+    choose(v, &PLACE, &mut element.place);
+    choose(v, &QUANTITY, &mut element.quantity);
+    choose(v, &VARIABLE, &mut element.variable);
+    choose(v, &INTERPOLATION, &mut element.interpolation);
+    let words = &mut Words::of(if element.place == LearnedPlace::Motor { Axis::Rotary } else { axis }, v);
+    let value_unit = element.quantity.unit();
+    words.numbers(&POINTS.unit(element.variable.unit()), Count::AtLeastOne, &mut element.points);
+    words.numbers(&VALUES.unit(value_unit), Count::AtLeastOne, &mut element.values);
+    words.numbers(
+        &HALF_WIDTH.unit(value_unit).limit(Limit::AtLeast(0.0)),
+        Count::AtLeastOne,
+        &mut element.half_width,
+    );
+    words.numbers(&COVERAGE, Count::AtLeastOne, &mut element.coverage);
+}

@@ -1,0 +1,53 @@
+//! The numbers that decide in the reductions, in one place: what each decides, and why it has this size.
+//!
+//! Where a comment names no source, the number was set on the systems of `reduce/tests` (the benchmarks of the literature among them),
+//! which hold with it.
+
+// ---- error of a reduction ----
+
+/// Order of the error system up to which its norm is computed exactly: the Hamiltonian matrix has twice that order, and its
+/// eigenvalues take a tenth of a second for each step.
+pub const EXACT_ORDER: usize = 120;
+
+/// Relative tolerance of the exact norm.
+pub const EXACT_NORM: f64 = 1e-6;
+
+/// Points of the logarithmic part of the grid.
+pub const GRID_POINTS: usize = 300;
+
+/// Decades that the grid goes beyond the poles.
+pub const GRID_BEYOND: f64 = 100.0;
+
+// ---- minimal realisations ----
+
+/// A ratio of kept to dropped singular values smaller than this leaves the order in doubt.
+pub const SAFE_GAP: f64 = 1e3;
+
+// ---- pairs of values ----
+
+/// Values closer than this, relative, are a pair (a mode of damping 0.05 has two values so far apart).
+pub const PAIRED_VALUES: f64 = 0.1;
+
+// ---- reduced structures ----
+
+/// Natural frequencies compared to measure an error; as many as the reduced structure has, at most this many.
+pub const COMPARED_FREQUENCIES: usize = 6;
+
+// ---- stable and unstable parts ----
+
+/// A pole counts as on the border of stability within this share of its size.
+pub const BORDER: f64 = 1e-9;
+
+/// ... or within this share of the norm of the scaled A.
+pub const BORDER_NORM: f64 = 1e-13;
+
+/// Reordering moves a pole by less than this share of the norm of A: fifty times the unit roundoff, as its swaps are backward stable
+/// (Z. Bai and J. Demmel, Linear Algebra and its Applications 186, 1993).
+pub const REORDERING_SHIFT: f64 = 1e-14;
+
+/// Poles this near to the boundary, relative to the norm of A, are examined one by one: both halves of a double pole there
+/// that rounding has split lie within it.
+pub const SUSPECT_POLE: f64 = 1e-7;
+
+/// A pole belongs to a cluster on the boundary within this many times the distance of its farthest member.
+pub const CLUSTER_REACH: f64 = 2.0;

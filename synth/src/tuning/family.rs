@@ -1,0 +1,52 @@
+//! What a tuning moves: a family of sampled feedbacks over the logarithms of its parameters.
+
+use counterpoise_lti::{C64, StateSpace};
+
+use super::TunedFeedback;
+use super::grid::LoopGrid;
+use super::problem::Problem;
+use crate::Error;
+
+/// A feedback on the grid.
+pub(crate) struct GridResponse {
+    /// K, at each frequency.
+    pub K: Vec<C64>,
+    /// Slopes of ln K in the open parameters, at each frequency.
+    pub slopes: Vec<Vec<C64>>,
+}
+
+/// A family of feedbacks. A point is the logarithms of the open parameters.
+pub(crate) trait Family {
+    /// Logarithms of the lowest and the highest value of each open parameter.
+    fn ranges(&self) -> &[[f64; 2]];
+
+    /// K at each frequency of the grid.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the family has no feedback at the point.
+    fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error>;
+
+    /// K and the slopes of ln K.
+    ///
+    /// # Errors
+    /// As [`Family::gain`].
+    fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error>;
+
+    /// The sampled feedback from the error to the control.
+    ///
+    /// # Errors
+    /// As [`Family::gain`], and those of the conversion.
+    fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error>;
+
+    /// The point with less gain, whose loop is nearer to a stable one; `None` if the family has no gain of its own.
+    fn calmer(&self, at: &[f64]) -> Option<Vec<f64>>;
+
+    /// By what the number of starts is divided, because a loop of this family takes longer.
+    fn cost(&self) -> usize;
+
+    /// The points from which the tuning starts: the same for the same seed.
+    fn starts(&self, problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>>;
+
+    /// The feedback at a point with every parameter fixed.
+    fn feedback(&self, at: &[f64]) -> TunedFeedback;
+}

@@ -1,0 +1,63 @@
+//! The example projects, as the suites that try every one of them read them.
+
+use std::path::{Path, PathBuf};
+
+use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
+
+use crate::workspace::root;
+use crate::{Beside, decided};
+
+/// Returns every project file below `examples/`, sorted by path.
+pub fn files() -> Vec<PathBuf> {
+    let mut open = vec![root().join("examples")];
+    let mut found = Vec::new();
+    while let Some(folder) = open.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "toml") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Returns the name of an example without separators, for example `reference-rig_project`.
+pub fn name(path: &Path) -> String {
+    let folder = path.parent().and_then(Path::file_name).unwrap();
+    format!("{}_{}", folder.display(), path.file_stem().unwrap().display())
+}
+
+/// Returns the folder of an example, from which its other files are read.
+pub fn world(path: &Path) -> Beside {
+    Beside(path.parent().unwrap().to_owned())
+}
+
+/// Reads the project of an example with the files that it names.
+///
+/// # Errors
+/// What is wrong with the file for this purpose.
+pub fn resolved(path: &Path, purpose: Purpose) -> Result<Project, Vec<Diagnostic>> {
+    let document = Document::from_bytes(&std::fs::read(path).unwrap(), &path.display().to_string())?;
+    let read = |all: Attachments, name: String| match std::fs::read(path.parent().unwrap().join(&name)) {
+        Ok(bytes) => all.with(&name, bytes),
+        Err(_) => all,
+    };
+    let attached = document.attachments().into_iter().fold(Attachments::none(), read);
+    Ok(Project::resolve_for(&document, &attached, purpose)?.project)
+}
+
+/// Reads an example whose machine is to be controlled, with everything decided that its file leaves to the program. Returns `None` for
+/// an example that asks for no design and tells of recordings or of measured modes instead.
+pub fn controlled(path: &Path, purpose: Purpose) -> Option<Project> {
+    let project = resolved(path, Purpose::Model).unwrap();
+    let tells_of_data = project.recording_controller.is_some()
+        || project.measured.is_some()
+        || !project.recording.channels.is_empty();
+    if project.synth.is_none() && tells_of_data {
+        return None;
+    }
+    Some(decided(resolved(path, purpose).unwrap(), &world(path)))
+}
