@@ -227,8 +227,9 @@ mod tests {
         }
         let base = from_inertial(&acceleration, &rate, 1e-3, G);
         for (k, at) in felt(&base, 1e-3, Traverse::default(), G, Level::Known).iter().enumerate() {
-            assert!((at.heave_m_s2 - acceleration[k][2]).abs() < 1e-8, "{k}: {at:?}");
-            assert!((at.surge_m_s2 - acceleration[k][0]).abs() < 1e-7, "{k}: {at:?}");
+            // the attitude joins the rates by straight lines: it is off by h^2/12 times the change of their slope, 8e-7 rad at most, and gravity with it
+            assert!((at.heave_m_s2 - acceleration[k][2]).abs() < 8e-6, "{k}: {at:?}");
+            assert!((at.surge_m_s2 - acceleration[k][0]).abs() < 8e-6, "{k}: {at:?}");
             assert!((at.pitch_rate_rad_s + rate[k][1]).abs() < 1e-15 && at.roll_rate_rad_s == 0.0);
         }
     }

@@ -40,7 +40,7 @@ fn further(surge: f64, roll: f64, yaw: f64) -> Option<FurtherMotion> {
 /// centrifugal field of the rates.
 #[test]
 fn energy_is_conserved_without_friction() {
-    let (surge, roll, yaw) = (2.5, 1.1, -1.7);
+    let (surge, roll, yaw) = (2.5, 0.4, -0.5);
     let platform = PlatformMotion { further: further(surge, roll, yaw), ..PlatformMotion::STILL };
     let found = run(&free(), platform, 0.4, 20.0);
     let energy = |k: usize| {

@@ -26,7 +26,7 @@ fn road() -> Road {
         name: "tones".to_owned(),
         sample_period_s: 0.005,
         heave_m_s2: sine(0.5, 1.5),
-        pitch_rate_rad_s: sine(0.05, 0.7),
+        pitch_rate_rad_s: sine(0.005, 0.7),
         further: Some(further),
     }
 }

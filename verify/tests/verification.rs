@@ -5,8 +5,8 @@ mod support;
 
 use counterpoise_controller::Controller;
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Procedure, Quantity, Requirement, Road,
-    Source, StepFigure, Triangle, Verdict, verify, verify_linear,
+    Arrangement, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Procedure, Quantity, Requirement,
+    Road, Source, StepFigure, Triangle, Verdict, verify, verify_linear,
 };
 use support::{controller, plant};
 
@@ -89,6 +89,7 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
         settle_s: 0.5,
         road: Some(road()),
         triangle: Some(TRIANGLE),
+        line_of_sight: Some(LineOfSight::default()),
         ..Procedure::default()
     };
     let first = verify(&plant(), &controller(), &procedure, &[]).unwrap();
@@ -180,7 +181,10 @@ fn a_whole_verification_measures_everything_twice_alike() {
     assert_eq!(first, second);
     let found = first.verification();
     for figure in Figure::all() {
-        let road = matches!(figure, Figure::Disturbance(_, Source::Road, ..) | Figure::Triangle(..));
+        let road = matches!(
+            figure,
+            Figure::Disturbance(_, Source::Road, ..) | Figure::Triangle(..) | Figure::Sight(_)
+        );
         let present = found.figures.iter().any(|measured| measured.figure == figure);
         assert_eq!(present, !road, "{figure}");
     }

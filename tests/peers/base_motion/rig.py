@@ -7,7 +7,7 @@
 For elevations of 0, 5 and 15 degrees it writes two projects from examples/reference-rig: one whose accelerometer stands upright, one whose
 accelerometer stands on the elevated mass. The program designs and exports both. Their C code then controls the lumped rig here: classical
 Runge-Kutta at 50 kHz, equations from the rig's description, sensors with noise, quantised converters. The road's columns are low-passed here with
-SciPy. With --little-friction the rig has a tenth of its motor's and a twentieth of its pivot's Coulomb friction, so that what surge leaves is not
+SciPy. With --little-friction the rig has a tenth of its motor's and a small part of its pivot's Coulomb friction, so that what surge leaves is not
 hidden under what friction leaves. Prints the RMS of the hub rate from 2 s on, without and with surge, beside what the program's own verification says. Exits with 1
 unless surge with the elevated accelerometer leaves at most 1.3 times the residual without surge at every elevation.
 """
@@ -154,7 +154,7 @@ def variant(folder, elevation, elevated, surge, little_friction):
     text = (EXAMPLE / "project.toml").read_text()
     text = text.replace("hub_angle = 0.0", f"hub_angle = {np.radians(elevation)!r}".replace("np.float64(", "").replace(")", ""))
     if little_friction:
-        text = text.replace("coulomb = 0.065", "coulomb = 0.0065").replace("coulomb = 117.0", "coulomb = 5.85")
+        text = text.replace("coulomb = 0.065", "coulomb = 0.0065").replace("coulomb = 117.0", "coulomb = 5.0")
     if elevated:
         text = text.replace("[plant.sensors.platform_accelerometer]", '[plant.sensors.platform_accelerometer]\naxis = "elevated"')
     if surge:
