@@ -220,11 +220,11 @@ fn placement(problem: &Value) -> Answer {
 fn delayed(problem: &Value) -> Answer {
     let delay_s = number(problem, "delay", 0.0);
     let found = text(counterpoise_lti::margins_with_delay(&system(problem)?, delay_s))?;
-    let gain: Vec<[f64; 2]> = found.gain.iter().map(|m| [m.factor, m.rate_rad_s]).collect();
-    let phase: Vec<[f64; 3]> = found.phase.iter().map(|m| [m.deg, m.rate_rad_s, m.delay_s]).collect();
+    let gain: Vec<[f64; 2]> = found.margins.gain.iter().map(|m| [m.factor, m.rate_rad_s]).collect();
+    let phase: Vec<[f64; 3]> = found.margins.phase.iter().map(|m| [m.deg, m.rate_rad_s, m.delay_s]).collect();
     Ok(json!({
-        "gain": gain, "phase": phase, "delay": found.delay_s, "ms": found.ms.value, "mt": found.mt.value,
-        "alpha": found.disk.alpha, "unstable": found.unstable_poles,
+        "gain": gain, "phase": phase, "delay": found.margins.delay_s, "ms": found.margins.ms.value, "mt": found.margins.mt.value,
+        "alpha": found.margins.disk.alpha, "unstable": found.unstable_poles,
     }))
 }
 
