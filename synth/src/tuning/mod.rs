@@ -143,6 +143,14 @@ pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
             best = Some(found);
         }
     }
+    if let Some(before) = &best
+        && let Some(found) = continued(&mut problem, &before.at)?
+    {
+        evaluations += found.evaluations;
+        if found.merit < before.merit {
+            best = Some(found);
+        }
+    }
     let problem_text =
         "no start gives a stable loop: widen the ranges of the parameters, or add a block with a gain";
     let mut best = best.ok_or(Error::System { what: "tuning", problem: problem_text })?;
@@ -164,6 +172,29 @@ pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
     let missed = if missed <= KEPT { 0.0 } else { missed };
     let (feedback, sampled) = (problem.family.feedback(&best.at), problem.family.sampled(&best.at)?);
     Ok(Tuned { feedback, sampled, measures, missed, starts_rad_s, evaluations })
+}
+
+/// Shares of the limit of the decay through which it is brought in.
+const SHARES: [f64; 5] = [0.0, 0.3, 0.55, 0.8, 1.0];
+
+/// Descends from a point without the limit of the decay, and brings the limit in step by step, each time from the last answer: a slow pole that
+/// a start gives a loop is often left only through loops that are slower still. `None` without such a limit, or if a step finds no loop.
+fn continued(problem: &mut Problem<'_>, from: &[f64]) -> Result<Option<Descended>, Error> {
+    let asked = problem.limits;
+    if asked.decay_rad_s <= 0.0 {
+        return Ok(None);
+    }
+    let (mut at, mut evaluations, mut last) = (from.to_vec(), 0, None);
+    for share in SHARES {
+        problem.limits.decay_rad_s = share * asked.decay_rad_s;
+        last = descend(problem, &at)?;
+        let Some(found) = &mut last else { break };
+        evaluations += found.evaluations;
+        at.clone_from(&found.at);
+        found.evaluations = evaluations;
+    }
+    problem.limits = asked;
+    Ok(last)
 }
 
 /// A limit that is exceeded by less than this share counts as kept: far below what a plant is known to.
