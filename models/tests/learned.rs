@@ -19,8 +19,11 @@ fn element(
     LearnedElement { values, ..LearnedElement::neutral(place, quantity, variable, points) }
 }
 
-/// A machine with a free function, and the machine whose parameters say the same.
-fn pairs() -> Vec<(&'static str, LearnedElement, fn(&mut Parameters))> {
+/// A name, a free function, and the change of parameters that says the same.
+type Pair = (&'static str, LearnedElement, fn(&mut Parameters));
+
+/// Machines with a free function, and those whose parameters say the same.
+fn pairs() -> Vec<Pair> {
     use LearnedPlace::{Gearbox, Motor, Pivot};
     use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
     use RegimeVariable::{Angle, Control, Load, Rate, Time};

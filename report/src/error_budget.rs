@@ -11,12 +11,12 @@ const MICRO: f64 = 1e6;
 pub fn section(found: &Verification) -> Option<Section> {
     let budget = found.error_budget.as_ref()?;
     let section = Section::new("Line of sight")
-        .saying(&summary(budget, exposure_s(found)))
+        .saying(summary(budget, exposure_s(found)))
         .saying(
             "Shares come from runs in which the sources are switched on one after the other, in one order and in the opposite one; they add up to \
              the mean square of the run with all of them. A negative share belongs to a source that reduces the error of the others.",
         )
-        .saying(&superposition(budget));
+        .saying(superposition(budget));
     Some(section.listing(table(budget)))
 }
 

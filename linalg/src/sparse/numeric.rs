@@ -279,7 +279,7 @@ fn eliminate_narrow<T: Number>(panel: &mut [T], rows: usize, columns: std::ops::
             here.iter_mut().zip(&other[j..]).for_each(|(x, &y)| *x -= factor * y);
         }
         let factor = here[0].inverse();
-        here[1..].iter_mut().for_each(|x| *x = *x * factor);
+        here[1..].iter_mut().for_each(|x| *x *= factor);
     }
 }
 
@@ -301,7 +301,7 @@ impl<T: Number> Factors<T> {
         let mut sides_in_order = Sides { values: &mut x, count };
         (0..analysis.blocks()).for_each(|s| self.forward(analysis, s, &mut sides_in_order, &mut buffer));
         for x in sides_in_order.values.chunks_exact_mut(n) {
-            x.iter_mut().zip(&self.pivots).for_each(|(x, pivot)| *x = *x * pivot.inverse());
+            x.iter_mut().zip(&self.pivots).for_each(|(x, pivot)| *x *= pivot.inverse());
         }
         let blocks = (0..analysis.blocks()).rev();
         blocks.for_each(|s| self.backward(analysis, s, &mut sides_in_order, &mut buffer));

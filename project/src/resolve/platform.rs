@@ -99,7 +99,7 @@ pub enum MotionKind {
         speed_m_s: f64,
     },
     /// Sines and spectra of each of the base's six axes.
-    SixAxes(SixAxes),
+    SixAxes(Box<SixAxes>),
 }
 
 /// What a motion is made from, by name.
@@ -224,11 +224,11 @@ fn blank_of(kind: Kind) -> PlatformSource {
             made(MotionKind::Simulator { offset_m: f64::NAN, sines: empty(), pitch_psd: empty() })
         }
         Kind::IsoRoad => made(MotionKind::IsoRoad { class: RoadClass::C, speed_m_s: f64::NAN }),
-        Kind::SixAxes => made(MotionKind::SixAxes(SixAxes {
+        Kind::SixAxes => made(MotionKind::SixAxes(Box::new(SixAxes {
             axes: Default::default(),
             coherence: 0.0,
             traverse: Traverse::default(),
-        })),
+        }))),
         Kind::InertialUnit => PlatformSource::InertialUnit(base_motion::blank()),
     }
 }

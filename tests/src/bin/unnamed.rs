@@ -29,6 +29,7 @@ struct Score {
     seconds: f64,
 }
 
+#[allow(clippy::unwrap_used)] // a poisoned lock means that a diagnosis panicked
 fn main() {
     let seeds: Vec<u64> = std::env::args().skip(1).flat_map(|text| parsed(&text)).collect();
     let scores = Mutex::new(Vec::new());
@@ -54,7 +55,8 @@ fn parsed(text: &str) -> Vec<u64> {
 fn scored(seed: u64) -> Option<Score> {
     let nominal = reference::rig();
     let case = unnamed(seed, &nominal);
-    let recordings: Vec<_> = case.recordings.iter().enumerate().map(recording_of).collect();
+    let recordings: Vec<_> =
+        case.recordings.iter().enumerate().map(|(k, written)| recording_of(k, written)).collect();
     let clock = std::time::Instant::now();
     let found = match diagnose(&nominal, &controller(), &recordings, &Serial) {
         Ok(found) => found,

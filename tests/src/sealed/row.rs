@@ -87,8 +87,8 @@ fn tried(answer: &Answer) -> Vec<Tried> {
 
 /// What the diagnosis is handed of a machine.
 pub fn recordings(case: &Case) -> Vec<Recording> {
-    let one = |written: (usize, &Written)| {
-        let mut recording = recording_of(written);
+    let one = |(index, written): (usize, &Written)| {
+        let mut recording = recording_of(index, written);
         if !case.sealed.motor_rate {
             recording.remove(Channel::MotorRate);
         }
@@ -101,7 +101,7 @@ pub fn recordings(case: &Case) -> Vec<Recording> {
 }
 
 /// The recording of the k-th of [`KINDS`], with all sensors.
-pub fn recording_of((index, written): (usize, &Written)) -> Recording {
+pub fn recording_of(index: usize, written: &Written) -> Recording {
     Recording::new(format!("{:?}", KINDS[index]), PERIOD)
         .with(Channel::Demand, written.demand.clone())
         .with(Channel::Control, written.control.clone())

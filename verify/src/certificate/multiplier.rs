@@ -287,7 +287,8 @@ fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<(u
 pub fn search(
     known: &[Knowledge],
     most: Criterion,
-    (H, rates): (&[Vec<Vec<Taylor>>], &[f64]),
+    H: &[Vec<Vec<Taylor>>],
+    rates: &[f64],
 ) -> Option<Multiplier> {
     let size = |at: &Vec<Vec<Taylor>>| {
         at.iter().flatten().map(|entry| entry.value.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)

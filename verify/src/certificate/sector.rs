@@ -195,7 +195,7 @@ impl<'a> Scaled<'a> {
         for _ in 0..MULTIPLIER_ROUNDS {
             let point = |rate: &f64| self.at(Interval { middle_rad_s: *rate, half_rad_s: 0.0 });
             let Some(all) = rates.iter().map(point).collect::<Option<Vec<_>>>() else { break };
-            let Some(multiplier) = search(&self.known, most, (&all, &rates)) else { break };
+            let Some(multiplier) = search(&self.known, most, &all, &rates) else { break };
             match multiplier.proves(&|over| self.at(over), range) {
                 Proof::FailsAt(rate) => {
                     failed = rate;
