@@ -1,4 +1,4 @@
-//! Curves are read: each simple form with its numbers, and none where there is none.
+//! Curves are read: each simple form with its numbers; a curve without one gets no reading.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::learning::reading::{Form, Reading, read};

@@ -254,16 +254,22 @@ impl LearnedFunctions {
         for function in &self.all {
             let value = function.table.at(self.variable(function, at));
             let torque = value_torque_nm(function, value, plant, at);
-            match function.place {
-                LearnedPlace::Pivot => sum.hub_nm += torque,
-                LearnedPlace::Motor => sum.motor_nm += torque,
-                LearnedPlace::Gearbox => {
-                    sum.hub_nm += torque;
-                    sum.motor_nm -= torque / self.ratio;
-                }
-            }
+            self.add(function.place, torque, &mut sum);
         }
         sum
+    }
+
+    /// Adds a torque at its place; at the gearbox it acts on both sides.
+    #[inline]
+    fn add(&self, place: LearnedPlace, torque_nm: f64, sum: &mut MeshLoss) {
+        match place {
+            LearnedPlace::Pivot => sum.hub_nm += torque_nm,
+            LearnedPlace::Motor => sum.motor_nm += torque_nm,
+            LearnedPlace::Gearbox => {
+                sum.hub_nm += torque_nm;
+                sum.motor_nm -= torque_nm / self.ratio;
+            }
+        }
     }
 
     #[inline]
@@ -454,14 +460,7 @@ impl LearnedFunctions {
         let mut sum = MeshLoss::default();
         for function in self.all.iter().filter(|f| f.quantity == LearnedQuantity::Torque) {
             let torque = function.table.at(self.variable(function, at));
-            match function.place {
-                LearnedPlace::Pivot => sum.hub_nm += torque,
-                LearnedPlace::Motor => sum.motor_nm += torque,
-                LearnedPlace::Gearbox => {
-                    sum.hub_nm += torque;
-                    sum.motor_nm -= torque / self.ratio;
-                }
-            }
+            self.add(function.place, torque, &mut sum);
         }
         sum
     }
