@@ -47,7 +47,36 @@ pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     match form {
         Form::Modal => Ok(modal(system)?.system),
         Form::Balanced => balanced(system),
-        Form::LeastSensitive => Ok(least(&candidates(system)?).map_or(system.clone(), |c| c.system.clone())),
+        Form::LeastSensitive => {
+            let (modal, balanced) = (modal(system)?.system, balanced(system)?);
+            let is_worth = predicted(&balanced)? * WORTH < predicted(&modal)?;
+            Ok(if is_worth { balanced } else { modal })
+        }
+    }
+}
+
+/// The predicted error of [`Candidate`] alone, without the rounded response.
+fn predicted(system: &StateSpace) -> Result<f64, Error> {
+    let rates = rates(system.timebase);
+    Ok(Sizes::of(&frequency_response(system, &rates)?).worst(&deviations(system, &rates)?))
+}
+
+/// Sizes of a response, to which errors are related.
+struct Sizes {
+    all: Vec<f64>,
+    median: f64,
+}
+
+impl Sizes {
+    fn of(response: &[CMat]) -> Self {
+        let all: Vec<f64> = response.iter().map(CMat::norm_max).collect();
+        Self { median: median(&all), all }
+    }
+
+    /// The largest of errors relative to the response or, where that is larger, to its median.
+    fn worst(&self, errors: &[f64]) -> f64 {
+        let relative = errors.iter().zip(&self.all).map(|(error, size)| error / size.max(self.median));
+        relative.filter(|value| value.is_finite()).fold(0.0, f64::max)
     }
 }
 
@@ -76,20 +105,15 @@ pub fn least(candidates: &[Candidate]) -> Option<&Candidate> {
 pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;
-    let sizes: Vec<f64> = response.iter().map(CMat::norm_max).collect();
-    let median = median(&sizes);
-    let worst = |errors: &[f64]| {
-        let relative = errors.iter().zip(&sizes).map(|(error, size)| error / size.max(median));
-        relative.filter(|value| value.is_finite()).fold(0.0, f64::max)
-    };
+    let sizes = Sizes::of(&response);
     let rounded = frequency_response(&in_single(system), &rates)?;
     let off: Vec<f64> = rounded.iter().zip(&response).map(|(a, b)| (a - b).norm_max()).collect();
     Ok(Candidate {
         form,
         system: system.clone(),
         coefficients: coefficients(system),
-        predicted: worst(&deviations(system, &rates)?),
-        measured: worst(&off),
+        predicted: sizes.worst(&deviations(system, &rates)?),
+        measured: sizes.worst(&off),
     })
 }
 

@@ -2,25 +2,25 @@
 
 use crate::{C64, Mat};
 
-/// How many points are worked on side by side.
+/// How many points are worked on side by side where there are many. A lane's numbers do not depend on how many others there are.
 pub(crate) const LANES: usize = 8;
 
 /// One complex number for each point, real and imaginary parts apart so that the compiler vectorises.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lane {
-    re: [f64; LANES],
-    im: [f64; LANES],
+pub(crate) struct Lane<const N: usize> {
+    re: [f64; N],
+    im: [f64; N],
 }
 
-impl Lane {
-    pub(crate) const ZERO: Self = Self { re: [0.0; LANES], im: [0.0; LANES] };
+impl<const N: usize> Lane<N> {
+    pub(crate) const ZERO: Self = Self { re: [0.0; N], im: [0.0; N] };
 
-    pub(crate) fn new(values: &[C64; LANES]) -> Self {
+    pub(crate) fn new(values: &[C64; N]) -> Self {
         Self { re: values.map(|v| v.re), im: values.map(|v| v.im) }
     }
 
     fn real(x: f64) -> Self {
-        Self { re: [x; LANES], im: [0.0; LANES] }
+        Self { re: [x; N], im: [0.0; N] }
     }
 
     pub(crate) fn get(&self, lane: usize) -> C64 {
@@ -29,7 +29,7 @@ impl Lane {
 
     /// self += a.
     pub(crate) fn add(&mut self, a: &Self) {
-        for l in 0..LANES {
+        for l in 0..N {
             self.re[l] += a.re[l];
             self.im[l] += a.im[l];
         }
@@ -43,7 +43,7 @@ impl Lane {
     /// self += a b.
     #[inline(always)]
     fn add_product(&mut self, a: &Self, b: &Self) {
-        for l in 0..LANES {
+        for l in 0..N {
             self.re[l] += a.re[l] * b.re[l] - a.im[l] * b.im[l];
             self.im[l] += a.re[l] * b.im[l] + a.im[l] * b.re[l];
         }
@@ -54,7 +54,7 @@ impl Lane {
     #[inline(always)]
     fn quotient(a: &Self, b: &Self) -> Self {
         let mut out = Self::ZERO;
-        for l in 0..LANES {
+        for l in 0..N {
             // Where the imaginary part is the larger, both numbers are turned by a right angle first.
             let upright = b.re[l].abs() >= b.im[l].abs();
             let (large, small) = if upright { (b.re[l], b.im[l]) } else { (b.im[l], -b.re[l]) };
@@ -72,16 +72,16 @@ impl Lane {
 ///
 /// The columns of s I - H are combined from the last to the first so that it becomes upper triangular; each finished
 /// column is used for the back substitution at once and forgotten.
-pub(crate) fn sweep(H: &Mat, B: &Mat, C: &Mat, s: &Lane) -> Vec<Lane> {
+pub(crate) fn sweep<const N: usize>(H: &Mat, B: &Mat, C: &Mat, s: &Lane<N>) -> Vec<Lane<N>> {
     let mut state = Sweep::start(H, B, C, s);
     pulp::Arch::new().dispatch(Run(&mut state));
     state.answer
 }
 
 /// The work as pulp wants it: compiled once for each instruction set, chosen when the program runs.
-struct Run<'a, 'b>(&'b mut Sweep<'a>);
+struct Run<'a, 'b, const N: usize>(&'b mut Sweep<'a, N>);
 
-impl pulp::NullaryFnOnce for Run<'_, '_> {
+impl<const N: usize> pulp::NullaryFnOnce for Run<'_, '_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -90,23 +90,23 @@ impl pulp::NullaryFnOnce for Run<'_, '_> {
     }
 }
 
-struct Sweep<'a> {
+struct Sweep<'a, const N: usize> {
     H: &'a Mat,
     C: &'a Mat,
-    s: &'a Lane,
+    s: &'a Lane<N>,
     /// For each row the entry of the column of s I - H that is being combined, then what is left of that row of B.
-    rows: Vec<Lane>,
+    rows: Vec<Lane<N>>,
     /// The column of C, combined likewise.
-    out: Vec<Lane>,
+    out: Vec<Lane<N>>,
     /// p x m.
-    answer: Vec<Lane>,
+    answer: Vec<Lane<N>>,
     n: usize,
     m: usize,
     p: usize,
 }
 
-impl<'a> Sweep<'a> {
-    fn start(H: &'a Mat, B: &Mat, C: &'a Mat, s: &'a Lane) -> Self {
+impl<'a, const N: usize> Sweep<'a, N> {
+    fn start(H: &'a Mat, B: &Mat, C: &'a Mat, s: &'a Lane<N>) -> Self {
         let (n, m, p) = (H.nrows(), B.ncols(), C.nrows());
         let mut rows = Vec::with_capacity(n * (m + 1));
         for i in 0..n {
@@ -135,12 +135,12 @@ impl<'a> Sweep<'a> {
 
     /// Makes entry (k, k-1) zero with columns k-1 and k, solves for unknown k, and leaves the new column k-1.
     #[inline(always)]
-    fn combine(&mut self, k: usize, unknowns: &mut [Lane]) {
+    fn combine(&mut self, k: usize, unknowns: &mut [Lane<N>]) {
         let sub = Lane::real(-self.H[(k, k - 1)]);
         let current = self.rows[k * (self.m + 1)];
-        let mut swap = [0.0; LANES];
+        let mut swap = [0.0; N];
         let (mut large, mut small) = (current, sub);
-        for l in 0..LANES {
+        for l in 0..N {
             if current.re[l].abs() + current.im[l].abs() < sub.re[l].abs() {
                 swap[l] = 1.0;
                 (large.re[l], small.re[l]) = (sub.re[l], current.re[l]);
@@ -155,7 +155,7 @@ impl<'a> Sweep<'a> {
 
     /// The unknowns k, negated, one for each input.
     #[inline(always)]
-    fn solve(&mut self, k: usize, pivot: &Lane, swap: &[f64; LANES], unknowns: &mut [Lane]) {
+    fn solve(&mut self, k: usize, pivot: &Lane<N>, swap: &[f64; N], unknowns: &mut [Lane<N>]) {
         let row = &self.rows[k * (self.m + 1)..(k + 1) * (self.m + 1)];
         for (j, unknown) in unknowns.iter_mut().enumerate() {
             let x = Lane::quotient(&row[1 + j], pivot);
@@ -169,7 +169,7 @@ impl<'a> Sweep<'a> {
 
     /// Column k is finished and taken out of the right-hand sides; column k-1 is the other one plus factor times it.
     #[inline(always)]
-    fn columns(&mut self, k: usize, factor: &Lane, swap: &[f64; LANES], unknowns: &[Lane]) {
+    fn columns(&mut self, k: usize, factor: &Lane<N>, swap: &[f64; N], unknowns: &[Lane<N>]) {
         let width = self.m + 1;
         let raw = &self.H.column(k - 1)[..k];
         let (upper, last) = self.rows[..k * width].split_at_mut((k - 1) * width);
@@ -190,7 +190,13 @@ impl<'a> Sweep<'a> {
 
 /// One row: the new column's entry, and its right-hand sides less what unknown k explains.
 #[inline(always)]
-fn update(row: &mut [Lane], kept: &Lane, mut other: Lane, factor: &Lane, unknowns: &[Lane]) {
+fn update<const N: usize>(
+    row: &mut [Lane<N>],
+    kept: &Lane<N>,
+    mut other: Lane<N>,
+    factor: &Lane<N>,
+    unknowns: &[Lane<N>],
+) {
     other.add_product(kept, factor);
     row[0] = other;
     for (rhs, x) in row[1..].iter_mut().zip(unknowns) {
@@ -199,9 +205,9 @@ fn update(row: &mut [Lane], kept: &Lane, mut other: Lane, factor: &Lane, unknown
 }
 
 /// Entry (i, j) of s I - H.
-fn entry(H: &Mat, s: &Lane, i: usize, j: usize) -> Lane {
+fn entry<const N: usize>(H: &Mat, s: &Lane<N>, i: usize, j: usize) -> Lane<N> {
     let mut entry = if i == j { *s } else { Lane::ZERO };
-    for l in 0..LANES {
+    for l in 0..N {
         entry.re[l] -= H[(i, j)];
     }
     entry
@@ -209,9 +215,9 @@ fn entry(H: &Mat, s: &Lane, i: usize, j: usize) -> Lane {
 
 /// (kept, other): the raw real entry and the current one, exchanged in the lanes where `swap` is one.
 #[inline(always)]
-fn choose(raw: f64, current: &Lane, swap: &[f64; LANES]) -> (Lane, Lane) {
+fn choose<const N: usize>(raw: f64, current: &Lane<N>, swap: &[f64; N]) -> (Lane<N>, Lane<N>) {
     let (mut kept, mut other) = (Lane::ZERO, Lane::ZERO);
-    for l in 0..LANES {
+    for l in 0..N {
         let exchanged = swap[l] != 0.0;
         kept.re[l] = if exchanged { raw } else { current.re[l] };
         kept.im[l] = if exchanged { 0.0 } else { current.im[l] };
@@ -223,9 +229,9 @@ fn choose(raw: f64, current: &Lane, swap: &[f64; LANES]) -> (Lane, Lane) {
 
 /// Adds s to whichever of the two came from the raw column.
 #[inline(always)]
-fn add_diagonal(kept: &mut Lane, other: &mut Lane, s: &Lane, swap: &[f64; LANES]) {
+fn add_diagonal<const N: usize>(kept: &mut Lane<N>, other: &mut Lane<N>, s: &Lane<N>, swap: &[f64; N]) {
     let stay = swap.map(|w| 1.0 - w);
-    for l in 0..LANES {
+    for l in 0..N {
         kept.re[l] += swap[l] * s.re[l];
         kept.im[l] += swap[l] * s.im[l];
         other.re[l] += stay[l] * s.re[l];

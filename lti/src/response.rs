@@ -89,8 +89,8 @@ impl Response {
     /// # Errors
     /// As [`frequency_response`].
     pub fn at(&self, rate_rad_s: f64) -> Result<CMat, Error> {
-        let mut one = self.at_all(&[rate_rad_s])?;
-        one.pop().ok_or(Error::NotFinite { what: "frequency" })
+        let s = point(rate_rad_s, self.timebase);
+        self.gather(&self.sum(&Lane::new(&[s])), 0, s)
     }
 
     /// The response at each frequency in rad/s.
@@ -120,7 +120,7 @@ impl Response {
     }
 
     /// The parts' responses added, p x m, column by column.
-    fn sum(&self, s: &Lane) -> Vec<Lane> {
+    fn sum<const N: usize>(&self, s: &Lane<N>) -> Vec<Lane<N>> {
         let mut sum = vec![Lane::ZERO; self.D.as_slice().len()];
         for part in &self.parts {
             let values = sweep(&part.H, &part.B, &part.C, s);
@@ -142,7 +142,7 @@ impl Response {
     }
 
     /// One lane's answer, with the direct path, refused where the point was a pole.
-    fn gather(&self, values: &[Lane], lane: usize, s: C64) -> Result<CMat, Error> {
+    fn gather<const N: usize>(&self, values: &[Lane<N>], lane: usize, s: C64) -> Result<CMat, Error> {
         let (p, m) = self.D.shape();
         let G = CMat::from_fn(p, m, |i, j| values[j * p + i].get(lane) + self.D[(i, j)]);
         if !s.re.is_finite() || !s.im.is_finite() {

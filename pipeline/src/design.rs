@@ -17,8 +17,8 @@ use crate::export::{
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
-    FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, model, procedure, reduce,
-    studies, synthesise, verify_on, watched, with_chosen_weights, with_tuned_structure,
+    Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, decided, model,
+    procedure, reduce, studies, synthesise, verify_on, watched,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -146,10 +146,8 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let chosen = with_chosen_weights(project)?;
-    let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
-    let tuned = with_tuned_structure(project, world)?;
-    let project = tuned.as_ref().map_or(project, |tuned| &tuned.project);
+    let Decided { project, first } = decided(project, world)?;
+    let project = &project;
     let stages = run_stages(project, world)?;
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
     Ok(Designed {
@@ -160,7 +158,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         spectra: spectral(stages.verified.verification()),
         targets: study_targets(project, &stages, world)?,
-        first_design: chosen.as_ref().map(|chosen| chosen.first.clone()),
+        first_design: first,
         verified_loop: verified_loop(
             &stages.modelled.plant,
             stages.verified.controller(),
@@ -176,10 +174,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
 /// # Errors
 /// Those of the plant, the reduction, the design and the comparison.
 pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<SynthesisStudy, PipelineError> {
-    let chosen = with_chosen_weights(project)?;
-    let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
-    let tuned = with_tuned_structure(project, world)?;
-    let project = tuned.as_ref().map_or(project, |tuned| &tuned.project);
+    let project = &decided(project, world)?.project;
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
     let synthesised = synthesise(project, &modelled, &reduced)?;

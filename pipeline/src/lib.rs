@@ -60,7 +60,7 @@ pub use recordings::redesign::{Consequence, consequence};
 pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{campaign, families, robust_stability};
 pub use synth::{DemandedRate, Synthesised, synthesise};
-pub use tuning::{TunedProject, with_tuned_structure};
+pub use tuning::{Decided, TunedProject, decided, with_tuned_structure};
 pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
 
 /// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.

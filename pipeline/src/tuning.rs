@@ -24,11 +24,13 @@ use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
 use serde::Serialize;
 
-use crate::first_design::with_angles;
+use crate::first_design::{with_angles, with_chosen_weights};
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
-use crate::{Modelled, PipelineError, Reduced, Synthesised, World, model, procedure, reduce, synthesise};
+use crate::{
+    FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, procedure, reduce, synthesise,
+};
 
 /// A project whose blocks or weights were tuned.
 #[derive(Debug, Clone)]
@@ -89,6 +91,29 @@ pub fn with_tuned_structure(
     put_in_place(&tuned.feedback, &mut stated);
     let project = Project { synth: Some(stated), ..project.clone() };
     Ok(Some(TunedProject { project, tuned, disturbance: ground.disturbance, limits: wanted.limits, plants }))
+}
+
+/// A project with everything that its file leaves to the program: weights chosen, blocks or weights tuned.
+#[derive(Debug, Clone)]
+pub struct Decided {
+    /// The project, nothing left open.
+    pub project: Project,
+    /// Why the weights are what they are; `None` if the file states them.
+    pub first: Option<FirstDesign>,
+}
+
+/// Chooses and tunes what the file of a project leaves open.
+///
+/// # Errors
+/// As [`with_chosen_weights`] and [`with_tuned_structure`].
+pub fn decided(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
+    let chosen = with_chosen_weights(project)?;
+    let (project, first) = match chosen {
+        Some(chosen) => (chosen.project, Some(chosen.first)),
+        None => (project.clone(), None),
+    };
+    let tuned = with_tuned_structure(&project, world)?;
+    Ok(Decided { project: tuned.map_or(project, |tuned| tuned.project), first })
 }
 
 /// Puts a tuned feedback in the place of the one that a synthesis states, with the digits that its project file gets.

@@ -81,6 +81,28 @@ pub fn feedback(
     })
 }
 
+/// The observer's gain L of [`feedback`], which the weights on error and control do not change.
+///
+/// # Errors
+/// As [`feedback`].
+pub(crate) fn observer_gain(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Mat, Error> {
+    Ok(problem(plant, weights)?.filter(weights.measurement_noise)?.F.t())
+}
+
+/// The controller of [`feedback`] from (demand, measured rate) to (control, weighted control) with a given observer's gain, and without
+/// the certificates.
+///
+/// # Errors
+/// As [`feedback`].
+pub(crate) fn controller_with_observer(
+    plant: &DesignPlant,
+    weights: &FeedbackWeights,
+    L: &Mat,
+) -> Result<StateSpace, Error> {
+    let problem = problem(plant, weights)?;
+    problem.controller(&problem.regulator()?.F, L, Reference::Error)
+}
+
 fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Error> {
     let system = plant.measured()?;
     let (n, inputs, outputs) = (system.order(), system.inputs(), system.outputs());

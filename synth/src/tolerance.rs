@@ -60,3 +60,5 @@ pub(crate) const POSITIVE: f64 = 1e-9;
 pub(crate) const LEADING: f64 = 1e-12;
 /// The bisection over the deviation of a fitted table ends within this share, in dB of the deviation.
 pub(crate) const TABLE_DEVIATION: f64 = 1e-3;
+/// A limit of a tuned loop that is exceeded by less than this share counts as kept: far below what a plant is known to.
+pub(crate) const LIMIT_KEPT: f64 = 5e-4;

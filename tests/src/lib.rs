@@ -7,7 +7,7 @@
 
 use std::path::PathBuf;
 
-use counterpoise_pipeline::{World, with_chosen_weights, with_tuned_structure};
+use counterpoise_pipeline::World;
 use counterpoise_project::Project;
 
 pub mod certificates;
@@ -47,8 +47,5 @@ impl World for Beside {
 
 /// Returns the project with everything that its file leaves to the program: weights chosen, blocks tuned.
 pub fn decided(project: Project, world: &dyn World) -> Project {
-    let chosen = with_chosen_weights(&project).unwrap();
-    let project = chosen.map_or(project, |chosen| chosen.project);
-    let tuned = with_tuned_structure(&project, world).unwrap();
-    tuned.map_or(project, |tuned| tuned.project)
+    counterpoise_pipeline::decided(&project, world).unwrap().project
 }

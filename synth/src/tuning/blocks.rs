@@ -107,6 +107,10 @@ impl Family for Blocks<'_> {
         Ok(GridResponse { K: self.gain(at, grid)?, slopes: grid.s.iter().map(of).collect() })
     }
 
+    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error> {
+        self.sampled(at)
+    }
+
     fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error> {
         sampled_structure(&self.fixed(at), self.sampling)
     }
@@ -121,10 +125,6 @@ impl Family for Blocks<'_> {
             }
         }
         Some(calmer)
-    }
-
-    fn cost(&self) -> usize {
-        1
     }
 
     fn starts(&self, problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>> {

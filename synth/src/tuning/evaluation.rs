@@ -172,7 +172,7 @@ impl Problem<'_> {
         let missing = |at: &[f64]| -> Result<[f64; SLOWEST + 1], Error> {
             let crossover_rad_s = if asked[1] > 0.0 { self.crossover(at)? } else { 0.0 };
             let (mut worst, mut damped) = (Vec::new(), f64::NEG_INFINITY);
-            for (poles, plant) in self.closed_poles(at)?.iter().zip(&self.plants) {
+            for (poles, plant) in self.closed_poles(&self.family.unchecked(at)?)?.iter().zip(&self.plants) {
                 let (_, damping) = pole_region(poles, &plant.system, crossover_rad_s);
                 damped = damped.max(1.0 - damping / asked[1]);
                 worst.extend(decays(poles, &plant.system).into_iter().map(|decay| 1.0 - decay / asked[0]));

@@ -23,7 +23,7 @@ pub(crate) trait Family {
     /// K at each frequency of the grid.
     ///
     /// # Errors
-    /// [`Error::Refused`] if the family has no feedback at the point.
+    /// As [`Family::unchecked`].
     fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error>;
 
     /// K and the slopes of ln K.
@@ -32,17 +32,20 @@ pub(crate) trait Family {
     /// As [`Family::gain`].
     fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error>;
 
-    /// The sampled feedback from the error to the control.
+    /// The sampled feedback from the error to the control, as it runs.
     ///
     /// # Errors
-    /// As [`Family::gain`], and those of the conversion.
+    /// As [`Family::unchecked`], and those of the conversion.
     fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error>;
+
+    /// The feedback of [`Family::sampled`] in any realisation and without its checks: what slopes are differences of.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the family has no feedback at the point.
+    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error>;
 
     /// The point with less gain, whose loop is nearer to a stable one; `None` if the family has no gain of its own.
     fn calmer(&self, at: &[f64]) -> Option<Vec<f64>>;
-
-    /// By what the number of starts is divided, because a loop of this family takes longer.
-    fn cost(&self) -> usize;
 
     /// The points from which the tuning starts: the same for the same seed.
     fn starts(&self, problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>>;

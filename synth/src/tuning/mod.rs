@@ -11,8 +11,8 @@
 //! highest: the extended set of frequencies of Apkarian and Noll, "Nonsmooth H-infinity synthesis", IEEE TAC 51 (2006) 71.
 //! An exact penalty and a trust region decide on the step; several deterministic starts guard against local minima.
 //!
-//! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `family`, `blocks`, `weights`,
-//! `problem`, `evaluation`, `crossings`, `tangent`, `descent`, `starts`.
+//! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `family`, `blocks`, `shape`, `weights`,
+//! `problem`, `evaluation`, `crossings`, `tangent`, `descent`, `starts`, `search`.
 
 mod blocks;
 mod crossings;
@@ -23,6 +23,8 @@ mod family;
 mod grid;
 mod limits;
 mod problem;
+mod search;
+mod shape;
 mod starts;
 mod tangent;
 #[cfg(test)]
@@ -37,9 +39,7 @@ pub use limits::{LoopLimits, LoopMeasures, measure_controller, measure_loop};
 
 use crate::fixed_structure::FixedStructure;
 use crate::{DesignPlant, Error, FeedbackWeights, Sampling, SamplingMethod, Specification};
-use descent::{Descended, descend};
-use problem::{LoopPlant, Problem};
-use starts::near;
+use search::Search;
 
 /// What is tuned, on what, for what.
 #[derive(Debug, Clone)]
@@ -114,110 +114,17 @@ impl Tuned {
     }
 }
 
-/// Rounds in which the limits on the grid are tightened by what the figures of the state-space systems exceed them.
-const ROUNDS: usize = 6;
-
 /// Tunes the open parameters of a structure, or the weights of the H2 feedback.
 ///
 /// # Errors
 /// [`Error::System`] for a structure without open parameters, without plant, a disturbance without power, or a conversion other than
 /// the bilinear map; [`Error::System`] if no start gives a stable loop.
 pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
-    let mut problem = Problem::new(task)?;
-    let mut evaluations = 0;
-    let mut reached: Vec<Option<Descended>> = Vec::new();
-    let starts = task.starts.div_ceil(problem.family.cost());
-    for start in problem.family.starts(&problem, starts, task.seed) {
-        let found = descend(&problem, &start)?;
-        evaluations += found.as_ref().map_or(0, |found| found.evaluations);
-        reached.push(found);
-    }
-    let starts_rad_s = reached.iter().map(reached_residual).collect();
-    let mut best = reached.into_iter().flatten().min_by(|a, b| a.merit.total_cmp(&b.merit));
-    for k in 0..starts {
-        let Some(before) = &best else { break };
-        let start = near(&before.at, task.seed.wrapping_add(k as u64));
-        let Some(found) = descend(&problem, &start)? else { continue };
-        evaluations += found.evaluations;
-        if found.merit < before.merit {
-            best = Some(found);
-        }
-    }
-    if let Some(before) = &best
-        && let Some(found) = continued(&mut problem, &before.at)?
-    {
-        evaluations += found.evaluations;
-        if found.merit < before.merit {
-            best = Some(found);
-        }
-    }
-    let problem_text =
-        "no start gives a stable loop: widen the ranges of the parameters, or add a block with a gain";
-    let mut best = best.ok_or(Error::System { what: "tuning", problem: problem_text })?;
-    let mut answer = judged(task, &problem, &best.at)?;
-    for _ in 0..ROUNDS {
-        if answer.1 <= KEPT {
-            break;
-        }
-        problem.limits = task.limits.tightened(&problem.limits, &answer.0);
-        let Some(next) = descend(&problem, &best.at)? else { break };
-        evaluations += next.evaluations;
-        let judged = judged(task, &problem, &next.at)?;
-        if judged.1 >= answer.1 {
-            break;
-        }
-        (best, answer) = (next, judged);
-    }
-    let (measures, missed) = answer;
-    let missed = if missed <= KEPT { 0.0 } else { missed };
-    let (feedback, sampled) = (problem.family.feedback(&best.at), problem.family.sampled(&best.at)?);
-    Ok(Tuned { feedback, sampled, measures, missed, starts_rad_s, evaluations })
-}
-
-/// Shares of the limit of the decay through which it is brought in.
-const SHARES: [f64; 5] = [0.0, 0.3, 0.55, 0.8, 1.0];
-
-/// Descends from a point without the limit of the decay, and brings the limit in step by step, each time from the last answer: a slow pole that
-/// a start gives a loop is often left only through loops that are slower still. `None` without such a limit, or if a step finds no loop.
-fn continued(problem: &mut Problem<'_>, from: &[f64]) -> Result<Option<Descended>, Error> {
-    let asked = problem.limits;
-    if asked.decay_rad_s <= 0.0 {
-        return Ok(None);
-    }
-    let (mut at, mut evaluations, mut last) = (from.to_vec(), 0, None);
-    for share in SHARES {
-        problem.limits.decay_rad_s = share * asked.decay_rad_s;
-        last = descend(problem, &at)?;
-        let Some(found) = &mut last else { break };
-        evaluations += found.evaluations;
-        at.clone_from(&found.at);
-        found.evaluations = evaluations;
-    }
-    problem.limits = asked;
-    Ok(last)
-}
-
-/// A limit that is exceeded by less than this share counts as kept: far below what a plant is known to.
-const KEPT: f64 = 5e-4;
-
-fn reached_residual(found: &Option<Descended>) -> f64 {
-    match found {
-        Some(found) if found.missed <= KEPT => found.objective.exp(),
-        _ => f64::INFINITY,
-    }
-}
-
-/// The figures on each plant, and by how much the worst limit is missed.
-fn judged(
-    task: &TuningTask<'_>,
-    problem: &Problem<'_>,
-    at: &[f64],
-) -> Result<(Vec<LoopMeasures>, f64), Error> {
-    let K = problem.family.sampled(at)?;
-    let measure = |plant: &LoopPlant| measure_loop(&plant.system, &K, task.disturbance);
-    let measures: Vec<LoopMeasures> = problem.plants.iter().map(measure).collect::<Result<_, Error>>()?;
-    let missed = measures.iter().map(|each| task.limits.missed(each)).fold(0.0, f64::max);
-    Ok((measures, missed))
+    let mut search = Search::new(task)?;
+    search.descend_from_starts()?;
+    search.descend_near_best()?;
+    search.bring_in_decay()?;
+    search.keep_limits()
 }
 
 /// The sampled controller of a structure from the error to the control.

@@ -64,25 +64,24 @@ impl<'a> Problem<'a> {
         Ok(Self { task, family, grid, plants, held, limits: task.limits })
     }
 
-    /// The poles of the closed loop on each plant at a point.
-    pub fn closed_poles(&self, at: &[f64]) -> Result<Vec<Vec<C64>>, Error> {
-        let K = self.family.sampled(at)?;
-        self.plants.iter().map(|plant| closed_poles(&plant.system, &K)).collect()
+    /// The poles of the closed loop on each plant with a feedback.
+    pub fn closed_poles(&self, K: &StateSpace) -> Result<Vec<Vec<C64>>, Error> {
+        self.plants.iter().map(|plant| closed_poles(&plant.system, K)).collect()
     }
 
     /// Whether every loop is stable at a point. A realisation or connection that fails counts as unstable: its numbers are
     /// beyond what a controller could hold.
     pub fn is_stable(&self, at: &[f64]) -> bool {
         let inside = |all: Vec<Vec<C64>>| all.iter().flatten().all(|pole| pole.norm() < 1.0);
-        self.closed_poles(at).map(inside).unwrap_or(false) && self.holds(at).unwrap_or(false)
+        let Ok(K) = self.family.sampled(at) else { return false };
+        self.closed_poles(&K).map(inside).unwrap_or(false) && self.holds(&K).unwrap_or(false)
     }
 
     /// Whether the loop holds the machine with what the linear plant leaves out.
-    fn holds(&self, at: &[f64]) -> Result<bool, Error> {
-        let K = self.family.sampled(at)?;
+    fn holds(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.held {
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
-            if closed_poles(plant, &K)?.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
+            if closed_poles(plant, K)?.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
                 return Ok(false);
             }
         }

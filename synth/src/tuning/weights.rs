@@ -6,14 +6,15 @@
 //! such a pair, which holds the control down in a band; the controller falls off by its filter.
 //!
 //! The feedback at a point is the sampled controller as it runs. Its slopes are differences, since a Riccati solution has none in closed form that
-//! would cost less than another solution.
+//! would cost less than another solution. What is differenced is the same feedback without the checks of the design and the choice of a
+//! realisation, which take most of a design's time and do not change its response.
 
 use std::cell::RefCell;
 use std::f64::consts::PI;
 
 use counterpoise_controller::Signal;
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, StateSpace};
+use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d};
 
 use super::TunedFeedback;
 use super::evaluation::POLE_STEP;
@@ -21,122 +22,27 @@ use super::family::{Family, GridResponse};
 use super::grid::LoopGrid;
 use super::limits::hub_path;
 use super::problem::Problem;
+use super::shape::{PAIR_DAMPING, Root, Shape, control_shape};
 use super::starts::Random;
+use crate::feedback::{controller_with_observer, observer_gain};
 use crate::{
-    Assembly, DesignPlant, Error, FeedbackWeights, Reference, Sampling, Specification, Weight, design,
-    discretise,
+    Assembly, DesignPlant, Error, FeedbackWeights, Reference, Sampling, SamplingMethod, Specification,
+    design, discretise,
 };
 
-/// Roots of weights lie between these shares of half the sample rate: outside nothing sees them.
-const ROOTS: [f64; 2] = [3e-5, 0.8];
 /// Largest factor on a gain, and on a noise, as natural logarithms.
 const GAIN: f64 = 7.0;
 const NOISE: f64 = 12.0;
-/// Damping ratio of complex roots.
-const DAMPING: [f64; 2] = [0.02, 0.99];
-/// Damping ratio of the further pair, its centre over the error weight's own corner, and the distance of its zeros from its poles,
-/// which keeps the start from being a stationary point.
-const FURTHER: (f64, f64, f64) = (0.7, 0.5, 1.1);
-/// Poles over zeros of the pair that takes the place of a plain control weight, and the zeros of a constant one as a share of half the sample rate.
-const CONTROL_PAIR: (f64, f64) = (2.0, 0.05);
+/// Centre of the further pair over the error weight's own corner.
+const FURTHER_CENTRE: f64 = 0.5;
+/// Distance of its zeros from its poles, as a factor: it keeps the start from being a stationary point.
+const FURTHER_DISTANCE: f64 = 1.1;
 /// Centre of the further pair if the error weight has no corner, as a share of half the sample rate.
 const NO_CORNER: f64 = 3e-3;
 /// Largest random factor on a start, as natural logarithms: gains and noises, and the other parameters.
 const SPREAD: (f64, f64) = (2.0, 0.6);
-/// How many loops of blocks are evaluated in the time of one design with its slopes, by order of magnitude; it lowers the number of starts.
-const COST: usize = 2;
 /// Designs that are kept: those of one set of slopes.
 const KEPT: usize = 40;
-
-/// A root, or a pair of conjugate ones.
-#[derive(Debug, Clone, Copy)]
-enum Root {
-    Origin,
-    Real { rate: f64 },
-    Pair { rate: f64, damping: f64 },
-}
-
-impl Root {
-    fn of(root: &C64) -> Option<Self> {
-        if root.norm() == 0.0 {
-            Some(Self::Origin)
-        } else if root.im == 0.0 {
-            Some(Self::Real { rate: root.re.abs() })
-        } else {
-            let damping = (root.re.abs() / root.norm()).clamp(DAMPING[0], DAMPING[1]);
-            (root.im > 0.0).then(|| Self::Pair { rate: root.norm(), damping })
-        }
-    }
-
-    fn roots(self) -> Vec<C64> {
-        match self {
-            Self::Origin => vec![C64::ZERO],
-            Self::Real { rate } => vec![C64::new(-rate, 0.0)],
-            Self::Pair { rate, damping } => {
-                let half = C64::new(-damping * rate, rate * (1.0 - damping * damping).sqrt());
-                vec![half, half.conj()]
-            }
-        }
-    }
-}
-
-/// A weight by its roots; `modulus` is what remains of it far above them.
-#[derive(Debug, Clone)]
-struct Shape {
-    modulus: f64,
-    zeros: Vec<Root>,
-    poles: Vec<Root>,
-}
-
-impl Shape {
-    fn of(weight: &Weight) -> Self {
-        let rational = weight.rational().mirrored();
-        let roots = |all: &[C64]| all.iter().filter_map(Root::of).collect();
-        Self { modulus: rational.gain, zeros: roots(&rational.zeros), poles: roots(&rational.poles) }
-    }
-
-    fn weight(&self) -> Weight {
-        let roots = |all: &[Root]| all.iter().flat_map(|root| root.roots()).collect();
-        Weight::ZeroPoleGain { zeros: roots(&self.zeros), poles: roots(&self.poles), gain: self.modulus }
-    }
-
-    /// The parameters that may move, as logarithms with their ranges; the modulus is not among them.
-    fn parameters(&self, half: f64) -> Vec<(f64, [f64; 2])> {
-        let rate = |value: f64| {
-            let range = [(ROOTS[0] * half).min(value), (ROOTS[1] * half).max(value)];
-            (value.ln(), range.map(f64::ln))
-        };
-        let of = |root: &Root| match *root {
-            Root::Origin => Vec::new(),
-            Root::Real { rate: value } => vec![rate(value)],
-            Root::Pair { rate: value, damping } => vec![rate(value), (damping.ln(), DAMPING.map(f64::ln))],
-        };
-        self.zeros.iter().chain(&self.poles).flat_map(of).collect()
-    }
-
-    /// The shape with its parameters taken from `values`, in the order of [`Shape::parameters`].
-    fn moved(&self, values: &mut impl Iterator<Item = f64>) -> Self {
-        let mut next = || values.next().unwrap_or(0.0);
-        let mut move_root = |root: &Root| match *root {
-            Root::Origin => Root::Origin,
-            Root::Real { .. } => Root::Real { rate: next() },
-            Root::Pair { .. } => Root::Pair { rate: next(), damping: next() },
-        };
-        let zeros = self.zeros.iter().map(&mut move_root).collect();
-        let poles = self.poles.iter().map(&mut move_root).collect();
-        Self { modulus: self.modulus, zeros, poles }
-    }
-
-    /// Geometric mean of the corners; `None` without any.
-    fn corner(&self) -> Option<f64> {
-        let rate = |root: &Root| match *root {
-            Root::Origin => None,
-            Root::Real { rate } | Root::Pair { rate, .. } => Some(rate.ln()),
-        };
-        let all: Vec<f64> = self.zeros.iter().chain(&self.poles).filter_map(rate).collect();
-        (!all.is_empty()).then(|| (all.iter().sum::<f64>() / all.len() as f64).exp())
-    }
-}
 
 /// The weights of a specification.
 pub(crate) struct Weights<'a> {
@@ -151,8 +57,36 @@ pub(crate) struct Weights<'a> {
     start: Vec<f64>,
     ranges: Vec<[f64; 2]>,
     recovers: bool,
-    /// The last designs.
+    /// The last designs, and the last feedbacks without checks.
     designs: RefCell<Vec<(Vec<f64>, StateSpace)>>,
+    plain: RefCell<Vec<(Vec<f64>, StateSpace)>>,
+    /// The last observer, with the measurement noise and the loop recovery that it belongs to.
+    observer: RefCell<Option<Observer>>,
+}
+
+/// An observer's gain and what it depends on.
+struct Observer {
+    measurement_noise: f64,
+    loop_recovery: f64,
+    gain: Mat,
+}
+
+/// The system that a list keeps for a point, or the one that is computed and kept now.
+fn kept(
+    list: &RefCell<Vec<(Vec<f64>, StateSpace)>>,
+    at: &[f64],
+    compute: impl FnOnce() -> Result<StateSpace, Error>,
+) -> Result<StateSpace, Error> {
+    if let Some((_, known)) = list.borrow().iter().find(|(of, _)| of == at) {
+        return Ok(known.clone());
+    }
+    let system = compute()?;
+    let mut list = list.borrow_mut();
+    if list.len() == KEPT {
+        list.remove(0);
+    }
+    list.push((at.to_vec(), system.clone()));
+    Ok(system)
 }
 
 impl<'a> Weights<'a> {
@@ -178,9 +112,9 @@ impl<'a> Weights<'a> {
         }
         let half = PI / sampling.period_s;
         let (mut error, control) = (Shape::of(&stated.error), control_shape(&stated.control, half));
-        let rate = error.corner().map_or(NO_CORNER * half, |corner| FURTHER.1 * corner);
-        error.zeros.push(Root::Pair { rate: rate * FURTHER.2, damping: FURTHER.0 });
-        error.poles.push(Root::Pair { rate, damping: FURTHER.0 });
+        let rate = error.corner().map_or(NO_CORNER * half, |corner| FURTHER_CENTRE * corner);
+        error.zeros.push(Root::Pair { rate: rate * FURTHER_DISTANCE, damping: PAIR_DAMPING });
+        error.poles.push(Root::Pair { rate, damping: PAIR_DAMPING });
         let about = |value: f64, reach: f64| (value.ln(), [value.ln() - reach, value.ln() + reach]);
         let mut all = vec![about(error.modulus, GAIN), about(stated.measurement_noise, NOISE)];
         let recovers = stated.loop_recovery > 0.0;
@@ -189,8 +123,21 @@ impl<'a> Weights<'a> {
         all.extend(control.parameters(half));
         let (start, ranges) = all.into_iter().unzip();
         let position_gain = specification.position_gain;
-        let designs = RefCell::new(Vec::new());
-        Ok(Self { plant, sampling, stated, position_gain, error, control, start, ranges, recovers, designs })
+        let (designs, plain, observer) = Default::default();
+        Ok(Self {
+            plant,
+            sampling,
+            stated,
+            position_gain,
+            error,
+            control,
+            start,
+            ranges,
+            recovers,
+            designs,
+            plain,
+            observer,
+        })
     }
 
     /// The weights at a point.
@@ -210,6 +157,31 @@ impl<'a> Weights<'a> {
         }
     }
 
+    /// The observer's gain, computed anew only if noise or recovery differ from the last ones.
+    fn observer(&self, weights: &FeedbackWeights) -> Result<Mat, Error> {
+        let of = |last: &&Observer| {
+            last.measurement_noise == weights.measurement_noise && last.loop_recovery == weights.loop_recovery
+        };
+        if let Some(last) = self.observer.borrow().as_ref().filter(of) {
+            return Ok(last.gain.clone());
+        }
+        let gain = observer_gain(self.plant, weights)?;
+        *self.observer.borrow_mut() = Some(Observer {
+            measurement_noise: weights.measurement_noise,
+            loop_recovery: weights.loop_recovery,
+            gain: gain.clone(),
+        });
+        Ok(gain)
+    }
+
+    /// The feedback by its two Riccati equations and the conversion alone.
+    fn plain(&self, at: &[f64], conversion: Discretisation) -> Result<StateSpace, Error> {
+        let weights = self.weights(at);
+        let L = self.observer(&weights)?;
+        let controller = controller_with_observer(self.plant, &weights, &L)?.select(&[0], &[0]);
+        Ok(c2d(&controller, self.sampling.period_s, conversion)?)
+    }
+
     fn designed(&self, at: &[f64]) -> Result<StateSpace, Error> {
         let specification = Specification {
             feedback: self.weights(at),
@@ -225,21 +197,6 @@ impl<'a> Weights<'a> {
     }
 }
 
-/// The shape of a control weight: its own, or a pair from its corner on if it has fewer than two roots.
-fn control_shape(weight: &Weight, half: f64) -> Shape {
-    let stated = Shape::of(weight);
-    if stated.zeros.len() + stated.poles.len() > 1
-        || stated.zeros.iter().any(|root| matches!(root, Root::Pair { .. }))
-    {
-        return stated;
-    }
-    let rate = stated.corner().unwrap_or(CONTROL_PAIR.1 * half).min(CONTROL_PAIR.1 * half);
-    let pair = |rate: f64| vec![Root::Pair { rate, damping: FURTHER.0 }];
-    // The same modulus far below the corner.
-    let modulus = weight.magnitude(1e-3 * rate) * CONTROL_PAIR.0.powi(2);
-    Shape { modulus, zeros: pair(rate), poles: pair(CONTROL_PAIR.0 * rate) }
-}
-
 /// The response of a system with one input and one output on the grid.
 fn on_grid(system: &StateSpace, grid: &LoopGrid) -> Result<Vec<C64>, Error> {
     Ok(Response::of(system)?.at_all(&grid.rates)?.iter().map(|H| H[(0, 0)]).collect())
@@ -251,43 +208,40 @@ impl Family for Weights<'_> {
     }
 
     fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error> {
-        on_grid(&self.sampled(at)?, grid)
+        on_grid(&self.unchecked(at)?, grid)
     }
 
     fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error> {
-        let K = self.gain(at, grid)?;
+        let K = on_grid(&self.sampled(at)?, grid)?;
+        let here = self.gain(at, grid)?;
         let mut slopes = vec![Vec::with_capacity(at.len()); K.len()];
         for k in 0..at.len() {
             let mut moved = at.to_vec();
             moved[k] += POLE_STEP;
-            for ((slopes, K), next) in slopes.iter_mut().zip(&K).zip(self.gain(&moved, grid)?) {
-                slopes.push((next / K - C64::ONE) / POLE_STEP);
+            for ((slopes, here), next) in slopes.iter_mut().zip(&here).zip(self.gain(&moved, grid)?) {
+                slopes.push((next / here - C64::ONE) / POLE_STEP);
             }
         }
         Ok(GridResponse { K, slopes })
     }
 
     fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        if let Some((_, known)) = self.designs.borrow().iter().find(|(of, _)| of == at) {
-            return Ok(known.clone());
+        kept(&self.designs, at, || self.designed(at))
+    }
+
+    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error> {
+        match self.sampling.method {
+            SamplingMethod::Emulation(conversion) if self.plant.rate_loop.is_none() => {
+                kept(&self.plain, at, || self.plain(at, conversion))
+            }
+            _ => self.sampled(at),
         }
-        let system = self.designed(at)?;
-        let mut designs = self.designs.borrow_mut();
-        if designs.len() == KEPT {
-            designs.remove(0);
-        }
-        designs.push((at.to_vec(), system.clone()));
-        Ok(system)
     }
 
     fn calmer(&self, at: &[f64]) -> Option<Vec<f64>> {
         let mut calmer = at.to_vec();
         calmer[0] = (at[0] - std::f64::consts::LN_2).max(self.ranges[0][0]);
         Some(calmer)
-    }
-
-    fn cost(&self) -> usize {
-        COST
     }
 
     fn starts(&self, _problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>> {

@@ -1,0 +1,147 @@
+//! The stages of a tuning: from several starts, near the best answer, with the limit of the decay brought in by steps, and with the limits on
+//! the grid tightened until the figures of the state-space systems keep them.
+
+use super::descent::{Descended, descend};
+use super::problem::{LoopPlant, Problem};
+use super::starts::near;
+use super::{LoopMeasures, Tuned, TuningTask, measure_loop};
+use crate::Error;
+use crate::tolerance::LIMIT_KEPT;
+
+/// Rounds in which the limits on the grid are tightened by what the figures of the state-space systems exceed them.
+const ROUNDS: usize = 6;
+/// Shares of the limit of the decay through which it is brought in.
+const SHARES: [f64; 5] = [0.0, 0.3, 0.55, 0.8, 1.0];
+
+/// A tuning on its way.
+pub(super) struct Search<'a> {
+    task: &'a TuningTask<'a>,
+    problem: Problem<'a>,
+    best: Option<Descended>,
+    starts_rad_s: Vec<f64>,
+    evaluations: usize,
+}
+
+/// The figures of a loop on each plant, and by how much the worst limit is missed.
+struct Judged {
+    measures: Vec<LoopMeasures>,
+    missed: f64,
+}
+
+impl<'a> Search<'a> {
+    /// Sets up the problem of a task.
+    ///
+    /// # Errors
+    /// As [`super::tune`].
+    pub fn new(task: &'a TuningTask<'a>) -> Result<Self, Error> {
+        let problem = Problem::new(task)?;
+        Ok(Self { task, problem, best: None, starts_rad_s: Vec::new(), evaluations: 0 })
+    }
+
+    /// Descends from every start.
+    ///
+    /// # Errors
+    /// Those of the descent.
+    pub fn descend_from_starts(&mut self) -> Result<(), Error> {
+        for start in self.problem.family.starts(&self.problem, self.task.starts, self.task.seed) {
+            let found = self.descended(&start)?;
+            self.starts_rad_s.push(kept_residual(found.as_ref()));
+            self.keep_better(found);
+        }
+        Ok(())
+    }
+
+    /// Descends again from points near the best one.
+    ///
+    /// # Errors
+    /// Those of the descent.
+    pub fn descend_near_best(&mut self) -> Result<(), Error> {
+        for k in 0..self.task.starts {
+            let Some(best) = &self.best else { break };
+            let start = near(&best.at, self.task.seed.wrapping_add(k as u64));
+            let found = self.descended(&start)?;
+            self.keep_better(found);
+        }
+        Ok(())
+    }
+
+    /// Descends from the best point without the limit of the decay, and brings the limit in step by step, each time from the last answer: a slow
+    /// pole that a start gives a loop is often left only through loops that are slower still.
+    ///
+    /// # Errors
+    /// Those of the descent.
+    pub fn bring_in_decay(&mut self) -> Result<(), Error> {
+        let asked = self.problem.limits;
+        let Some(best) = self.best.as_ref().filter(|_| asked.decay_rad_s > 0.0) else { return Ok(()) };
+        let (mut at, mut last) = (best.at.clone(), None);
+        for share in SHARES {
+            self.problem.limits.decay_rad_s = share * asked.decay_rad_s;
+            last = self.descended(&at)?;
+            let Some(found) = &last else { break };
+            at.clone_from(&found.at);
+        }
+        self.problem.limits = asked;
+        self.keep_better(last);
+        Ok(())
+    }
+
+    /// Tightens the limits on the grid until the figures of the state-space systems keep those that were asked.
+    ///
+    /// # Errors
+    /// [`Error::System`] if no start gave a stable loop; those of the figures.
+    pub fn keep_limits(mut self) -> Result<Tuned, Error> {
+        let problem =
+            "no start gives a stable loop: widen the ranges of the parameters, or add a block with a gain";
+        let mut best = self.best.take().ok_or(Error::System { what: "tuning", problem })?;
+        let mut judged = self.judged(&best.at)?;
+        for _ in 0..ROUNDS {
+            if judged.missed <= LIMIT_KEPT {
+                break;
+            }
+            self.problem.limits = self.task.limits.tightened(&self.problem.limits, &judged.measures);
+            let Some(next) = self.descended(&best.at)? else { break };
+            let next_judged = self.judged(&next.at)?;
+            if next_judged.missed >= judged.missed {
+                break;
+            }
+            (best, judged) = (next, next_judged);
+        }
+        let family = &self.problem.family;
+        Ok(Tuned {
+            feedback: family.feedback(&best.at),
+            sampled: family.sampled(&best.at)?,
+            measures: judged.measures,
+            missed: if judged.missed <= LIMIT_KEPT { 0.0 } else { judged.missed },
+            starts_rad_s: self.starts_rad_s,
+            evaluations: self.evaluations,
+        })
+    }
+
+    fn descended(&mut self, start: &[f64]) -> Result<Option<Descended>, Error> {
+        let found = descend(&self.problem, start)?;
+        self.evaluations += found.as_ref().map_or(0, |found| found.evaluations);
+        Ok(found)
+    }
+
+    fn keep_better(&mut self, found: Option<Descended>) {
+        let Some(found) = found else { return };
+        if self.best.as_ref().is_none_or(|best| found.merit < best.merit) {
+            self.best = Some(found);
+        }
+    }
+
+    fn judged(&self, at: &[f64]) -> Result<Judged, Error> {
+        let K = self.problem.family.sampled(at)?;
+        let measure = |plant: &LoopPlant| measure_loop(&plant.system, &K, self.task.disturbance);
+        let measures = self.problem.plants.iter().map(measure).collect::<Result<Vec<_>, Error>>()?;
+        let missed = measures.iter().map(|each| self.task.limits.missed(each)).fold(0.0, f64::max);
+        Ok(Judged { measures, missed })
+    }
+}
+
+fn kept_residual(found: Option<&Descended>) -> f64 {
+    match found {
+        Some(found) if found.missed <= LIMIT_KEPT => found.objective.exp(),
+        _ => f64::INFINITY,
+    }
+}
