@@ -213,3 +213,39 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
 
 /// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator.
 const EXAMPLES: [&str; 4] = ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf"];
+
+#[test]
+fn zz_explore() {
+    let names = std::env::var("EX").unwrap_or_default();
+    for name in names.split(',').filter(|n| !n.is_empty()) {
+        let project = project(name);
+        let (plant, controller) = exported(&project);
+        let recording = record(&plant, &mut controller.runner());
+        let exported = read_back(&folder(name), &project, &controller);
+        let control = Loop::from(exported);
+        let replayer = Replayer::new(plant.parameters(), &recording).unwrap();
+        let replay = replayer.replay_plant(&plant, &control).unwrap();
+        println!("start {:?}", replay.start);
+        let truth = Simulator::new(&plant).unwrap().rest(0.0, 0.0, 0.05 * 0.4_f64.sin());
+        println!("truth {:?}", truth);
+        let from = replayer.replay_from(plant.parameters(), &control, &truth).unwrap();
+        for (a, b) in replay.channels.iter().zip(&from.channels) {
+            println!("{name} {} {} from truth {}", a.channel.name(), a.rms_error / a.floor, b.rms_error / b.floor);
+        }
+        for (c, f) in [(Channel::MotorRate, 0.02), (Channel::HubRate, 2e-4)] {
+            let a = replay.simulated.channel(c);
+            let t = from.simulated.channel(c);
+            let r = recording.samples(c).unwrap();
+            for (n, s) in [("fit", a), ("truth", t)] {
+                let rms: Vec<String> = (0..16).map(|k| {
+                    let e: f64 = (k*500..(k+1)*500).map(|i| (s[i]-r[i]).powi(2)).sum::<f64>();
+                    format!("{:.1}", (e/500.0).sqrt()/f)
+                }).collect();
+                println!("{n} {} {rms:?}", c.name());
+            }
+        }
+        let selected = replayer.replay_free_or_windowed(plant.parameters(), &control).unwrap();
+        println!("{:?} {:?}", selected.mode, selected.divergence);
+        for a in &selected.replay.channels { println!("  {} {}", a.channel.name(), a.rms_error / a.floor); }
+    }
+}

@@ -109,7 +109,8 @@ impl Problem {
     pub fn residual(&self, part: usize, value: &[f64]) -> Vec<f64> {
         let block = self.block(&self.parts[part]);
         let sum = |k: usize| -> f64 {
-            block.columns.iter().zip(value).map(|(c, b)| c.map_or(0.0, |c| b * c[k])).sum()
+            let part = |(c, b): (&Option<&[f64]>, &f64)| c.filter(|_| b.is_finite()).map_or(0.0, |c| b * c[k]);
+            block.columns.iter().zip(value).map(part).sum()
         };
         (0..block.target.len()).map(|k| block.target[k] - sum(k)).collect()
     }
