@@ -52,6 +52,8 @@ pub mod identification;
 
 pub mod findings;
 
+mod explanation;
+
 pub mod diagnosis;
 
 pub mod error;

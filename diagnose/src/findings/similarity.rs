@@ -12,7 +12,7 @@ use counterpoise_recordings::{Channel, Recording};
 
 use crate::findings::answer::{Answer, Basis, Channels};
 use crate::learning::reading::read;
-use crate::library::{Component, EffectName, Parameter, find_effects};
+use crate::library::{Component, EffectName, Parameter, find_effects, list_textbook_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
 use crate::selection::sizes::Sizes;
@@ -195,8 +195,11 @@ fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
 }
 
 fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
-    let definitions = find_effects(component, effect).flat_map(|e| e.parameters.iter());
-    definitions.into_iter().find(|definition| definition.name == name)
+    // the effects of such a machine come first: one whose friction starts from nothing also writes where the law has none
+    let textbook =
+        list_textbook_effects().into_iter().filter(|e| e.component == component && e.effect == effect);
+    let mut definitions = textbook.chain(find_effects(component, effect)).flat_map(|e| e.parameters.iter());
+    definitions.find(|definition| definition.name == name)
 }
 
 /// Returns a ripple whose amplitude is a torque times `t`, over an angle times `r`.

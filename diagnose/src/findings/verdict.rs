@@ -93,8 +93,13 @@ impl Evidence<'_> {
         (accepted.explains() || most || textbook).then_some(accepted)
     }
 
-    /// Returns the share of the distance from the noise floor that a model explains.
+    /// Returns the share of the mismatch that a model explains: of the distance from the noise floor, or, on a machine with textbook values,
+    /// of the residual's power.
     fn share(&self, model: &Candidate) -> f64 {
+        if !self.sizes.typical {
+            // far above the floor, what matters is how much of the error is gone
+            return model.power_share(&self.search.baseline.score);
+        }
         let before = self.search.baseline.score.distance().max(1e-3);
         1.0 - model.whole.distance() / before
     }

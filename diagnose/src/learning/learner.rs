@@ -1,11 +1,14 @@
 //! The fit of free functions in the simulator: ranked by what they promise, compared by what they predict, the best one fitted as smooth
 //! as held-out stretches ask for.
 
+use counterpoise_linalg::inverse;
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
 
 use crate::findings::answer::Channels;
 use crate::findings::verdict::channels;
-use crate::fitting::output_error::{Fit, FitSelection, Preference, Problem, confidence_intervals};
+use crate::fitting::output_error::{
+    Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
+};
 use crate::fitting::score::{RecordingPart, Score, score};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
 use crate::learning::reading::{Reading, read};
@@ -70,16 +73,22 @@ pub struct LearnedPart {
 
 /// A function that was fitted, with the model that has it.
 #[derive(Clone)]
-struct Learned {
-    candidate: Candidate,
+pub(crate) struct Learned {
+    pub candidate: Candidate,
     /// For each function, how rough it may be and the cost's curvature by its values.
     smoothness: Vec<Smoothness>,
 }
 
+/// Free functions that were fitted, with what each gains.
+pub(crate) struct FittedFunctions {
+    pub learned: Learned,
+    gains: Vec<f64>,
+}
+
 /// What functions are fitted to, and what they are judged by.
-struct Split {
-    selection: FitSelection,
-    parts: Vec<RecordingPart>,
+pub(crate) struct Split {
+    pub selection: FitSelection,
+    pub parts: Vec<RecordingPart>,
 }
 
 /// How rough a function may be.
@@ -91,24 +100,61 @@ struct Smoothness {
 
 /// Fits free functions; returns the model and the mechanism with them, or `None` if none explains enough.
 pub fn learn(task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
-    let mut found: Option<Learned> = None;
-    let mut gains = Vec::new();
-    for _ in 0..FUNCTIONS_AT_MOST {
-        let next = task.next(found.as_ref());
-        let Some(next) = next else { break };
-        gains.push(next.candidate.gain() - gains.iter().sum::<f64>());
-        let done = next.candidate.whole.worst() < EXPLAINED || task.searcher.pool.cancelled();
-        found = Some(next);
-        if done {
-            break;
-        }
+    task.with_more(None)?.model(task)
+}
+
+impl FittedFunctions {
+    /// Returns the model and the mechanism with it.
+    pub fn model(&self, task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
+        let candidate = &self.learned.candidate;
+        Some((task.model(candidate, &self.gains)?, candidate.fit.parameters.clone()))
     }
-    let found = found?;
-    let parameters = found.candidate.fit.parameters.clone();
-    Some((task.model(&found.candidate, &gains)?, parameters))
+
+    /// Returns whether nothing is left that a further function could explain.
+    fn explains(&self) -> bool {
+        self.learned.candidate.whole.worst() < EXPLAINED
+    }
 }
 
 impl LearningTask<'_> {
+    /// Returns the one free function that predicts held-out data best; `None` if none is worth having.
+    pub(crate) fn one_function(&self) -> Option<FittedFunctions> {
+        let learned = self.next(None)?;
+        let gains = vec![learned.candidate.gain()];
+        Some(FittedFunctions { learned, gains })
+    }
+
+    /// Adds free functions to those that were fitted until they explain the recordings or none is worth having; returns `None` if there is
+    /// none at all.
+    pub(crate) fn with_more(&self, found: Option<FittedFunctions>) -> Option<FittedFunctions> {
+        let mut found = found.or_else(|| self.one_function())?;
+        while found.gains.len() < FUNCTIONS_AT_MOST && !found.explains() && !self.searcher.pool.cancelled() {
+            let Some(next) = self.next(Some(&found.learned)) else { break };
+            found.gains.push(next.candidate.gain() - found.gains.iter().sum::<f64>());
+            found.learned = next;
+        }
+        Some(found)
+    }
+
+    /// Returns the effective number of parameters of free functions: the trace of the matrix that maps residuals to fitted values (Hastie,
+    /// Tibshirani, Friedman 2009, 5.4.1), which smoothness makes smaller than the number of points.
+    pub(crate) fn effective_parameters(&self, learned: &Learned) -> f64 {
+        let fit = &learned.candidate.fit;
+        let preferences = self.preferences(&fit.effects, &learned.smoothness, Span::Whole);
+        let cells = &learned.candidate.whole.cells;
+        let residuals = cells.iter().map(|cell| cell.samples).sum::<f64>() + preferences.len() as f64;
+        let Ok(covariance) = inverse(&fit.information) else { return fit.values.len() as f64 };
+        let sizes: Vec<f64> = parameters_of(&fit.effects).iter().map(|parameter| parameter.size).collect();
+        let one = |preference: &Preference| -> f64 {
+            let all = preference.weights.iter().map(|(j, weight)| (*j, weight * sizes[*j]));
+            let row: Vec<(usize, f64)> = all.collect();
+            let pairs = row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (i, j, a * b)));
+            pairs.map(|(i, j, product)| product * covariance[(*i, *j)]).sum()
+        };
+        let held: f64 = preferences.iter().map(one).sum::<f64>() / residuals.max(1.0);
+        (fit.values.len() as f64 - held).max(1.0)
+    }
+
     /// Returns the model with one more function; `None` if none is worth having.
     fn next(&self, present: Option<&Learned>) -> Option<Learned> {
         let searcher = self.searcher;
@@ -247,7 +293,7 @@ impl LearningTask<'_> {
 
     /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
     /// was fitted. A function of time is fitted to every other recording, whole, and predicts those between.
-    fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
+    pub(crate) fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
         let count = self.before.len();
         let elements: Vec<&LearnedElement> = effects.iter().filter_map(|e| learned_element(e)).collect();
         let compared = |recordings: Vec<usize>, span: Span| FitSelection {
@@ -272,7 +318,7 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on a recording, from the initial state that was fitted with it if there is one.
-    fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
+    pub(crate) fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
         let simulator = self.searcher.simulator;
         match fit.assessment(recording) {
             Some(own) => simulator.assess_from(&fit.parameters, recording, own),

@@ -96,3 +96,6 @@ pub const FEWEST_RUNS: usize = 50;
 pub const COARSER_CONVERTER: f64 = 3.5;
 /// Share of the converter's range from which a limit is the converter's own, which the simulator has.
 pub const CONVERTER_LIMIT_SHARE: f64 = 0.98;
+/// Samples of exactly one value from which on a sensor counts as at rest. A noisy reading does not repeat so often by chance; fewer would
+/// take the steps of a coarse sensor for rest.
+pub const REST_SAMPLES: usize = 25;
