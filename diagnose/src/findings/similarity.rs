@@ -146,6 +146,14 @@ impl Scale {
         for cell in answer.map.iter_mut().filter(|cell| SCALED_REGIMES.contains(&cell.regime)) {
             cell.trend = cell.trend.map(Trend::without_numbers);
         }
+        for hypothesis in &mut answer.hypotheses {
+            let (component, effect) = (hypothesis.component, hypothesis.effect);
+            for value in &mut hypothesis.values {
+                let found = find_parameter(component, effect, value.name);
+                value.value =
+                    found.map_or(value.value, |definition| self.own(scaled, definition, value.value));
+            }
+        }
         for effect in &mut answer.not_excited {
             let Some(definition) = find_parameter(effect.component, effect.effect, effect.parameter) else {
                 continue;

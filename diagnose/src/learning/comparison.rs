@@ -46,8 +46,7 @@ pub(crate) fn is_flexible(named: &Candidate, travel_rad: f64) -> bool {
     {
         return false;
     }
-    let shaped =
-        |e: &&&'static Effect| e.kind == Kind::MissingPhysics && e.parameters.len() > 1;
+    let shaped = |e: &&&'static Effect| e.kind == Kind::MissingPhysics && e.parameters.len() > 1;
     effects.len() > 1
         || (effects.iter().any(|e| shaped(&e))
             && (is_undetermined(named) || is_piece_of_a_sine(named, travel_rad)))
@@ -60,14 +59,13 @@ fn is_undetermined(named: &Candidate) -> bool {
     let bounds = confidence_intervals(&named.fit, samples as usize, samples / independent.max(1.0));
     let parameters = parameters_of(&named.fit.effects);
     let all = parameters.iter().zip(&named.fit.values).zip(&bounds).skip(1);
-    let wide =
-        |((parameter, value), [low, high]): ((&&'static Parameter, &f64), &[f64; 2])| {
-            match parameter.mapping {
-                Mapping::Log => (high / low).ln() > UNDETERMINED_LOGARITHM,
-                Mapping::Linear => high - low > UNDETERMINED_SHARE * value.abs() && parameter.name != "phase",
-                Mapping::Whole => false,
-            }
-        };
+    let wide = |((parameter, value), [low, high]): ((&&'static Parameter, &f64), &[f64; 2])| match parameter
+        .mapping
+    {
+        Mapping::Log => (high / low).ln() > UNDETERMINED_LOGARITHM,
+        Mapping::Linear => high - low > UNDETERMINED_SHARE * value.abs() && parameter.name != "phase",
+        Mapping::Whole => false,
+    };
     all.into_iter().any(wide)
 }
 
@@ -97,6 +95,11 @@ impl LearningTask<'_> {
         let judged: Vec<Assessment> =
             (0..self.before.len()).map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         let library = score(&judged, &candidate.held_out_parts)?;
+        eprintln!(
+            "DBG compare function worst {} library worst {}",
+            candidate.held_out.worst(),
+            library.worst()
+        );
         Some(Comparison {
             ahead_nats: -candidate.held_out.loss_against(&library),
             function_parameters: self.effective_parameters(&function.learned),

@@ -25,7 +25,7 @@ use crate::tolerance::learning::{
     FUNCTIONS_AT_MOST, LEAST_PART, LEAST_POWER, LEAST_PROMISE, PROMISE_OF_BEST, ROUGHNESS, SCREENED_POINTS,
     USUAL_ROUGHNESS,
 };
-use crate::tolerance::{EXPLAINED, FITTED_SHARE};
+use crate::tolerance::{EXPLAINED, FITTED_SHARE, RIVAL_DECAY};
 
 /// What free functions are fitted to.
 pub struct LearningTask<'a> {
@@ -52,6 +52,8 @@ pub struct LearnedModel {
     pub worst_held_out: [f64; 2],
     /// Share of the power of the residual that is left on held-out data, mean over recordings and channels.
     pub power_left: f64,
+    /// Probability that the first function acts at its place, of the places at which one was tried: by what each predicts of held-out data.
+    pub place_probability: f64,
     /// All data, with the functions.
     pub after: Channels,
     /// Held-out data, the model before.
@@ -77,6 +79,16 @@ pub(crate) struct Learned {
     pub candidate: Candidate,
     /// For each function, how rough it may be and the cost's curvature by its values.
     smoothness: Vec<Smoothness>,
+    /// The places at which the first function was tried, with what it gains there.
+    tried: Vec<TriedPlace>,
+}
+
+/// A place at which a function was tried in the simulator.
+#[derive(Debug, Clone, Copy)]
+struct TriedPlace {
+    place: LearnedPlace,
+    /// Log-likelihood that the best function there gains on held-out data, in nats.
+    gain_nats: f64,
 }
 
 /// Free functions that were fitted, with what each gains.
@@ -107,7 +119,25 @@ impl FittedFunctions {
     /// Returns the model and the mechanism with it.
     pub fn model(&self, task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
         let candidate = &self.learned.candidate;
-        Some((task.model(candidate, &self.gains)?, candidate.fit.parameters.clone()))
+        let model = task.model(candidate, &self.gains)?;
+        let place_probability = self.place_probability();
+        Some((LearnedModel { place_probability, ..model }, candidate.fit.parameters.clone()))
+    }
+
+    /// Returns the probability of the first function's place among those that were tried.
+    fn place_probability(&self) -> f64 {
+        let effect = self.learned.candidate.fit.effects.first();
+        let Some(own) = effect.and_then(|e| learned_element(e)).map(|element| element.place) else {
+            return 0.0;
+        };
+        let best = |place: LearnedPlace| {
+            let here = self.learned.tried.iter().filter(|tried| tried.place == place);
+            here.map(|tried| tried.gain_nats).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let others = [LearnedPlace::Pivot, LearnedPlace::Motor, LearnedPlace::Gearbox];
+        let weight = |place: LearnedPlace| (RIVAL_DECAY * (best(place) - best(own)).min(0.0)).exp();
+        let rivals: f64 = others.into_iter().filter(|place| *place != own).map(weight).sum();
+        1.0 / (1.0 + rivals)
     }
 
     /// Returns whether nothing is left that a further function could explain.
@@ -166,8 +196,10 @@ impl LearningTask<'_> {
         let context = self.context(now);
         let ranked = self.ranked(&context, &assessed);
         let mut best: Option<(Template, Learned)> = None;
+        let mut places = Vec::new();
         for (template, _) in ranked {
             let Some(tried) = self.tried(&context, template, present, &assessed) else { continue };
+            places.push(TriedPlace { place: template.place, gain_nats: tried.candidate.gain() });
             if best.as_ref().is_none_or(|(_, b)| self.is_better(&tried, b, template)) {
                 best = Some((template, tried));
             }
@@ -178,6 +210,8 @@ impl LearningTask<'_> {
         let (template, coarse) = best?;
         let fine = self.refined(&context, template, &coarse, present, &assessed);
         let chosen = fine.filter(|fine| merit(&fine.candidate) > merit(&coarse.candidate)).unwrap_or(coarse);
+        let tried = present.map_or(places, |p| p.tried.clone());
+        let chosen = Learned { tried, ..chosen };
         let worth = self.worth(&chosen.candidate, present.map(|p| &p.candidate));
         worth.then(|| self.fitted_to_all(chosen))
     }
@@ -288,7 +322,7 @@ impl LearningTask<'_> {
             self.smoothest(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let again = self.problem(self.base, effects, &split.selection, &near, &wanted).fit(&fit.values)?;
-        Some(Learned { candidate: self.assessed(again, split.parts)?, smoothness })
+        Some(Learned { candidate: self.assessed(again, split.parts)?, smoothness, tried: Vec::new() })
     }
 
     /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
@@ -394,7 +428,7 @@ impl LearningTask<'_> {
         let problem = self.problem(self.base, effects, &selection, near, &wanted);
         let again = problem.fit(&learned.candidate.fit.values);
         match again.and_then(|fit| self.searcher.replace_fit(&learned.candidate, fit)) {
-            Some(candidate) => Learned { candidate, smoothness: learned.smoothness },
+            Some(candidate) => Learned { candidate, ..learned },
             None => learned,
         }
     }
@@ -458,6 +492,7 @@ impl LearningTask<'_> {
             parts,
             worst_held_out: [candidate.held_out_before.worst(), candidate.held_out.worst()],
             power_left: power_left(candidate),
+            place_probability: 1.0,
             after: channels(&candidate.whole),
             held_out_before: channels(&candidate.held_out_before),
             held_out_after: channels(&candidate.held_out),

@@ -14,4 +14,6 @@ mod templates;
 pub mod visited;
 
 pub use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
+pub(crate) use templates::is_at;
+
 pub use learner::{LearnedModel, LearnedPart, LearningTask, learn};

@@ -50,6 +50,9 @@ pub const KINEMATIC_REMAINDER: f64 = 0.1;
 pub const LAG_CORRECTIONS: usize = 5;
 /// Difference of the clocks over half a recording from which they drift, s: if several recordings agree, or in a single one.
 pub const CLOCK_DRIFT_S: (f64, f64) = (6e-4, 2e-3);
+/// Share of a drift by which the offset in the middle of a recording may differ from the mean of those at its ends. A clock's offset grows
+/// evenly; that of an elastic drive, which leads and lags as it is loaded, does not.
+pub const DRIFT_BENT_SHARE: f64 = 0.25;
 /// Share of the mean drift by which a recording's drift may differ from it.
 pub const DRIFT_AGREEMENT: f64 = 0.5;
 /// Largest shift in samples at which the controller's columns are tried.
