@@ -5,23 +5,22 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;
+use crate::explanation::{Explanation, explain};
 use crate::findings::answer::{Answer, Verdict};
 use crate::findings::instrument_findings::make_finding;
 use crate::findings::similarity::Scale;
 use crate::findings::verdict::Evidence;
 use crate::identification::{Amplifier, identify, improved};
-use crate::learning::visited::Visited;
-use crate::learning::{LearnedModel, LearningTask, learn};
 use crate::library::{
     Component, Effect, EffectName, find_effects, list_effects, list_textbook_effects, make_free_gain_curve,
 };
-use crate::localisation::error_map::{MapCell, localise_errors, rank_components};
+use crate::localisation::error_map::{MapCell, localise_errors};
 use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
 use crate::machine::{can_have, has_component, usable_sensors};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
-use crate::recording::measured_signals::{MeasuredSignals, read_signals};
+use crate::recording::measured_signals::read_signals;
 use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
 use crate::recording::remarks::{Comparison, RecordingRemark};
 use crate::recording::sanity_checks::{check_control, check_signals};
@@ -174,6 +173,7 @@ fn diagnose_of(
     let base = &with_recorded_noise(project, recordings);
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, &control, &prepared)?;
+    let simulator = if sizes.typical { simulator } else { simulator.with_stated_noise(project) };
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
     let redundant = RedundantSensors {
         motor_rate: has(|r| r.has(Channel::MotorRate)),
@@ -198,41 +198,9 @@ fn diagnose_of(
         qualification,
         sizes,
     };
-    let learned = model_without_name(&searcher, &evidence);
-    let improved = evidence.improved();
-    let (answer, improved) = match learned {
-        Some((model, improved)) => (evidence.answer().with_learned(model), improved),
-        None => (evidence.answer(), improved),
-    };
+    let Explanation { answer, improved } = explain(&searcher, evidence);
     let improved = with_noise_levels_of(improved, project);
     Ok(Diagnosis { answer, improved, recordings: examined.to_vec(), control })
-}
-
-/// Fits free functions if no effect of the library explains the recordings, or only a part; returns the model and the mechanism with it,
-/// or `None` if there is nothing to explain or none predicts held-out data.
-fn model_without_name(searcher: &Searcher, evidence: &Evidence) -> Option<(LearnedModel, Parameters)> {
-    if !matches!(evidence.verdict(), Verdict::Unknown | Verdict::Incomplete) {
-        return None;
-    }
-    let base = evidence.improved();
-    let before = match evidence.named() {
-        Some(named) => searcher.assess_model(&base, &|r| named.assessments.get(r))?,
-        None => evidence.search.baseline.fitted.clone(),
-    };
-    let simulator = evidence.simulator;
-    let signals: Vec<MeasuredSignals> =
-        (0..simulator.count()).filter_map(|r| simulator.measured(r)).collect();
-    let visited = Visited::of(&base, &signals);
-    let components = rank_components(&evidence.map);
-    let task = LearningTask {
-        searcher,
-        base: &base,
-        before: &before,
-        map: &evidence.map,
-        components: &components,
-        visited: &visited,
-    };
-    learn(&task)
 }
 
 /// Locates where the recordings depart from the replay of the model as it was: component by regime.
@@ -260,6 +228,8 @@ fn balances_of(base: &Parameters, recorded: RedundantSensors) -> Vec<BalanceVisi
 fn effects_for(sizes: Sizes, base: &Parameters) -> Vec<&'static Effect> {
     let mut effects = list_effects();
     if !sizes.typical {
+        // a textbook leaves friction out: there it has a scale of its own, and is no change of the model's own level
+        effects.retain(|e| e.effect != EffectName::Coulomb);
         effects.extend(list_textbook_effects());
     }
     effects.retain(|effect| can_have(base, effect));

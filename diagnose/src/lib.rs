@@ -53,6 +53,8 @@ mod machine;
 
 pub mod findings;
 
+mod explanation;
+
 pub mod diagnosis;
 
 pub mod error;

@@ -1,6 +1,6 @@
 //! What a project file was understood to say, and what it leaves open.
 
-use counterpoise_models::Axis;
+use counterpoise_models::{Axis, LearnedElement};
 use counterpoise_project::{
     Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
 };
@@ -57,6 +57,9 @@ pub struct PlantOverview {
     pub holding_v: f64,
     /// Rate at which the controller runs, Hz.
     pub sample_rate_hz: f64,
+    /// The free functions of the plant.
+    #[serde(skip)]
+    pub learned: Vec<LearnedElement>,
 }
 
 const PURPOSES: [Purpose; 10] = [
@@ -138,5 +141,6 @@ fn overview(modelled: &Modelled) -> PlantOverview {
         first_mode_hz: body.modes.first().map(|mode| mode.frequency_rad_s / std::f64::consts::TAU),
         holding_v: modelled.linear.equilibrium.control_v,
         sample_rate_hz: 1.0 / modelled.parameters.interface.sample_period_s,
+        learned: modelled.parameters.learned.clone(),
     }
 }

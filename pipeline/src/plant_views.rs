@@ -6,14 +6,14 @@ use counterpoise_models::structure::refinement::{
     COLUMNS, REFERENCE, Refinement, RefinementMesh, refinements,
 };
 use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, modes};
-use counterpoise_models::{Beam, Friction, FrictionLaw};
+use counterpoise_models::{Beam, Friction, FrictionLaw, LearnedElement};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
 use crate::{Modelled, PipelineError, finite_elements, finite_elements_of};
 use counterpoise_project::Project;
 
-/// The modes, the friction and the meshes of a plant as plain data.
+/// The modes, the friction, the free functions and the meshes of a plant as plain data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantViews {
     /// The modes of the beam, one set a support; empty without a beam.
@@ -22,6 +22,9 @@ pub struct PlantViews {
     pub meshes: Option<Meshes>,
     /// Friction at the motor and at the pivot, where there is any.
     pub frictions: Vec<FrictionView>,
+    /// The free functions of the plant, with their bands and the recordings' coverage.
+    #[serde(skip)]
+    pub learned: Vec<LearnedElement>,
 }
 
 /// What few elements make of a beam, free at both ends, beside many: the columns of the thesis' table 6-1.
@@ -117,7 +120,8 @@ const KEPT: usize = 5;
 /// Those of the structure and the friction laws.
 pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, PipelineError> {
     let meshes = project.plant.beam.as_ref().map(meshes).transpose()?;
-    let mut out = PlantViews { modes: Vec::new(), meshes, frictions: Vec::new() };
+    let mut out = PlantViews { modes: Vec::new(), meshes, frictions: Vec::new(), learned: Vec::new() };
+    out.learned.clone_from(&modelled.parameters.learned);
     if let Some(structure) = finite_elements_of(project) {
         let fe = match &modelled.elements {
             Some(fe) => fe.clone(),

@@ -6,6 +6,7 @@ use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, SectionStatement, Tolerance, ValueStatement};
 
 use crate::page::{Cell, Column, Section, Table};
+use crate::wording::learned::describe_elements;
 
 /// Returns the lines that `counterpoise check` prints.
 pub fn lines(found: &CheckResult) -> Vec<String> {
@@ -59,14 +60,19 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
         false => format!("The structure has an inertia of {inertia} kg m^2"),
         true => format!("The slide has a mass of {inertia} kg"),
     };
-    vec![
+    let functions = describe_elements(&plant.learned);
+    let functions =
+        functions.iter().map(|f| format!("A free function is part of it: {}; {}.", f.reading, f.range));
+    let mut sentences = vec![
         format!("{body}; {balance}."),
         format!(
             "{mode}. The linear plant has order {}; the controller runs at {} Hz.",
             plant.order,
             short(plant.sample_rate_hz)
         ),
-    ]
+    ];
+    sentences.extend(functions);
+    sentences
 }
 
 /// Returns a section on one line: its meaning, then its values.

@@ -2,11 +2,23 @@
 
 use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 
-use crate::wording::learned::{LearnedFunctionText, LearnedText};
+use counterpoise_diagnose::learning::LearnedElement;
+
+use crate::wording::learned::{LearnedFunctionText, LearnedText, describe_elements};
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the section on a model without a name.
 pub(super) fn learned_section(learned: &LearnedText) -> Section {
+    functions_section("A model of what has no name", &learned.functions).saying(learned.summary.clone())
+}
+
+/// Returns the section on the free functions of a plant; `None` if it has none.
+pub(super) fn elements_section(elements: &[LearnedElement]) -> Option<Section> {
+    let functions = describe_elements(elements);
+    (!functions.is_empty()).then(|| functions_section("Free functions of the plant", &functions))
+}
+
+fn functions_section(title: &str, functions: &[LearnedFunctionText]) -> Section {
     let columns = [
         Column::Text("place"),
         Column::Text("quantity"),
@@ -15,16 +27,12 @@ pub(super) fn learned_section(learned: &LearnedText) -> Section {
         Column::Text("range"),
     ];
     let mut table = Table::new("Modelled, without a name", &columns);
-    for function in &learned.functions {
+    for function in functions {
         let texts =
             [function.place, function.quantity, function.variable, &function.reading, &function.range];
         table.rows.push(texts.iter().map(|text| Cell::text(*text)).collect());
     }
-    let figures = learned.functions.iter().map(curve);
-    Section::new("A model of what has no name")
-        .saying(learned.summary.clone())
-        .listing(table)
-        .showing(figures)
+    Section::new(title).listing(table).showing(functions.iter().map(curve))
 }
 
 /// Returns the curve of a function.

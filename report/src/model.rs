@@ -4,6 +4,7 @@ use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionView, Meshes, Mod
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::Accuracy;
 
+use crate::learned::elements_section;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -16,6 +17,7 @@ pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], c
     }
     sections.extend(views.meshes.as_ref().map(|meshes| meshes_section(meshes, command)));
     sections.extend(views.frictions.iter().map(|friction| friction_section(friction, command)));
+    sections.extend(elements_section(&views.learned));
     if !accuracy.is_empty() {
         sections.push(accuracy_section(accuracy, command));
     }

@@ -4,15 +4,18 @@ use std::process::ExitCode;
 
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
-use counterpoise_diagnose::findings::answer::{Channels, FitTable, Verdict};
-use counterpoise_pipeline::recordings::diagnose;
+use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
+use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
+use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
+use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read};
+use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
 };
 use counterpoise_report::wording::learned::LearnedText;
-use counterpoise_report::wording::recordings::describe_recordings_error;
+use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
 use counterpoise_report::{diagnosis, difference, html};
 use counterpoise_verify::Verification;
 
@@ -41,8 +44,10 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let diagnosed = diagnosed.map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
     let answer = describe_diagnosed_recordings(&diagnosed).answer;
     let found = &diagnosed.diagnosis;
+    let mut confirmed = Vec::new();
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
+        confirmed = confirm(&loaded, &files, found)?;
     }
     let consequence = redesign(&loaded, found, options.outputs.results.progress())?;
     if let Some(path) = &options.outputs.report {
@@ -53,9 +58,39 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     }
     if !output::json(&options.outputs.results, &answer)? {
         print(&answer);
+        print_confirmation(&confirmed);
         consequence.iter().for_each(print_consequence);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Replays the recordings on the improved mechanism as `counterpoise replay` does of the project that was saved.
+fn confirm(
+    loaded: &Loaded,
+    files: &[RecordingFile],
+    found: &Diagnosis,
+) -> anyhow::Result<Vec<RecordingResult>> {
+    let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
+    let controller = recording_controller(&loaded.project).map_err(refused)?;
+    let read = read(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
+    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let one = |item| replay_one(&found.improved, item, &control, ReplayLength::Automatic).map_err(refused);
+    read.iter().map(|item| Ok(describe_replay(&one(item)?))).collect()
+}
+
+fn print_confirmation(replayed: &[RecordingResult]) {
+    if replayed.is_empty() {
+        return;
+    }
+    say!("replay of the project that was saved, over whole recordings:");
+    for recording in replayed {
+        let ratios: Vec<String> = recording
+            .channels
+            .iter()
+            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.rms_error / c.floor))
+            .collect();
+        say!("  {}: {}", recording.file, ratios.join(", "));
+    }
 }
 
 /// What the improved model means for the project's design; `None` if nothing was found or the project has no design.
@@ -100,6 +135,7 @@ fn print(answer: &AnswerText) {
     say!("{}", sentence(answer.verdict));
     answer.findings.iter().for_each(print_finding);
     answer.learned.iter().for_each(print_learned);
+    print_candidates(answer);
     print_fit(&answer.fit);
     if let Some(next) = &answer.next_experiment {
         say!("next experiment: {}; it {}", next.what, next.why);
@@ -134,6 +170,35 @@ fn print_learned(learned: &LearnedText) {
         say!("    {}", function.range);
     }
     say!("  {}", learned.summary);
+}
+
+/// Effects that are shown where none is certain.
+const SHOWN_CANDIDATES: usize = 3;
+
+/// Prints the effects of the library that explain most, each with its size and what it leaves, if no name explains everything.
+fn print_candidates(answer: &AnswerText) {
+    if !matches!(answer.verdict, Verdict::Unknown | Verdict::Incomplete) {
+        return;
+    }
+    let first = answer.hypotheses.iter().filter(|h| h.stage == 1 && h.beside.is_empty());
+    let mut best: Vec<&Hypothesis> = first.filter(|h| h.power_left < 1.0).collect();
+    best.sort_by(|a, b| a.power_left.total_cmp(&b.power_left));
+    best.truncate(SHOWN_CANDIDATES);
+    if best.is_empty() {
+        return;
+    }
+    say!("effects of the library that explain most, each alone:");
+    for h in best {
+        let unit = |unit: &str| if unit == "1" { String::new() } else { format!(" {unit}") };
+        let sizes: Vec<String> =
+            h.values.iter().map(|v| format!("{} {:.4}{}", v.name, v.value, unit(v.unit))).collect();
+        let left = 100.0 * h.power_left;
+        let (component, effect) = (h.component, h.effect);
+        say!(
+            "  {component} {effect}: {}; leaves {left:.0} % of the residual's power on held-out data",
+            sizes.join(", ")
+        );
+    }
 }
 
 fn print_fit(fit: &FitTable) {

@@ -3,14 +3,15 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-use crate::learning::LearnedModel;
-use crate::library::{Component, EffectName};
+use crate::learning::{LearnedModel, is_at};
+use crate::library::{Component, EffectName, component_of};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::localisation::trend::Trend;
 use crate::recording::instrument_faults::InstrumentFault;
 use crate::recording::remarks::RecordingRemark;
+use crate::tolerance::RIGHT_OF_UNKNOWN;
 
 /// The verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -118,6 +119,23 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Puts an unknown effect where a free function models it: what predicts held-out data in the simulator tells more than the balances.
+    fn relocate(&mut self, learned: &LearnedModel) {
+        let Some(first) = learned.parts.first() else { return };
+        self.probability = RIGHT_OF_UNKNOWN * learned.place_probability;
+        let place = first.element.place;
+        if is_at(self.component, place) {
+            return;
+        }
+        let unknown = |component| Name { effect: EffectName::Unknown, component };
+        let (was, now) = (unknown(self.component), unknown(component_of(place)));
+        self.component = now.component;
+        self.alternatives.retain(|name| *name != now);
+        if was.component != Component::Unknown {
+            self.alternatives.insert(0, was);
+        }
+    }
+
     /// Returns the name of the effect that was found.
     pub fn name(&self) -> Name {
         Name { effect: self.effect, component: self.component }
@@ -187,6 +205,17 @@ pub enum SearchWarning {
     IterationLimit,
 }
 
+/// A fitted parameter of a hypothesis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HypothesisValue {
+    /// Name.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+}
+
 /// A hypothesis that was fitted and assessed, for the table of evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hypothesis {
@@ -198,6 +227,10 @@ pub struct Hypothesis {
     pub component: Component,
     /// Effects that were fitted together with it.
     pub beside: Vec<Name>,
+    /// Its fitted parameters.
+    pub values: Vec<HypothesisValue>,
+    /// Share of the power of the residual that it leaves on held-out data, mean over recordings and channels.
+    pub power_left: f64,
     /// Log-likelihood gained on held-out data, in nats.
     pub gain_nats: f64,
     /// Mean ln(RMS / floor) left over all channels: 0 is perfect.
@@ -243,6 +276,9 @@ impl Answer {
         self.fit.after.clone_from(&learned.after);
         self.fit.held_out_before.clone_from(&learned.held_out_before);
         self.fit.held_out_after.clone_from(&learned.held_out_after);
+        for finding in self.findings.iter_mut().filter(|f| f.effect == EffectName::Unknown) {
+            finding.relocate(&learned);
+        }
         self.learned = Some(learned);
         self
     }

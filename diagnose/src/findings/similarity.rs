@@ -12,7 +12,7 @@ use counterpoise_recordings::{Channel, Recording};
 
 use crate::findings::answer::{Answer, Basis, Channels};
 use crate::learning::reading::read;
-use crate::library::{Component, EffectName, Parameter, find_effects};
+use crate::library::{Component, EffectName, Parameter, find_effects, list_textbook_effects};
 use crate::machine::SteadyDrive;
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
@@ -150,6 +150,14 @@ impl Scale {
         for cell in answer.map.iter_mut().filter(|cell| SCALED_REGIMES.contains(&cell.regime)) {
             cell.trend = cell.trend.map(Trend::without_numbers);
         }
+        for hypothesis in &mut answer.hypotheses {
+            let (component, effect) = (hypothesis.component, hypothesis.effect);
+            for value in &mut hypothesis.values {
+                let found = find_parameter(component, effect, value.name);
+                value.value =
+                    found.map_or(value.value, |definition| self.own(scaled, definition, value.value));
+            }
+        }
         for effect in &mut answer.not_excited {
             let Some(definition) = find_parameter(effect.component, effect.effect, effect.parameter) else {
                 continue;
@@ -199,8 +207,11 @@ fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
 }
 
 fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
-    let definitions = find_effects(component, effect).flat_map(|e| e.parameters.iter());
-    definitions.into_iter().find(|definition| definition.name == name)
+    // the effects of such a machine come first: one whose friction starts from nothing also writes where the law has none
+    let textbook =
+        list_textbook_effects().into_iter().filter(|e| e.component == component && e.effect == effect);
+    let mut definitions = textbook.chain(find_effects(component, effect)).flat_map(|e| e.parameters.iter());
+    definitions.find(|definition| definition.name == name)
 }
 
 /// Returns a ripple whose amplitude is a torque times `t`, over an angle times `r`.

@@ -4,12 +4,13 @@ use crate::tolerance::findings::LARGEST_REPORTED_MULTIPLE;
 use std::collections::BTreeMap;
 
 use crate::findings::answer::{
-    Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, Name, NearestEffect,
-    NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
+    Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue,
+    Name, NearestEffect, NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
 };
 use crate::fitting::output_error::confidence_intervals;
 use crate::fitting::score::{Score, score};
 use crate::library::{Component, Effect, EffectName};
+use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::recording::remarks::RecordingRemark;
@@ -93,8 +94,13 @@ impl Evidence<'_> {
         (accepted.explains() || most || textbook).then_some(accepted)
     }
 
-    /// Returns the share of the distance from the noise floor that a model explains.
+    /// Returns the share of the mismatch that a model explains: of the distance from the noise floor, or, on a machine with textbook values,
+    /// of the residual's power.
     fn share(&self, model: &Candidate) -> f64 {
+        if !self.sizes.typical {
+            // far above the floor, what matters is how much of the error is gone
+            return model.power_share(&self.search.baseline.score);
+        }
         let before = self.search.baseline.score.distance().max(1e-3);
         1.0 - model.whole.distance() / before
     }
@@ -213,11 +219,23 @@ impl Evidence<'_> {
         Finding {
             effect: EffectName::Unknown,
             component,
-            probability: RIGHT_OF_UNKNOWN,
+            probability: RIGHT_OF_UNKNOWN * self.place_probability(component),
             basis: Basis::NoKnownEffect { pattern: self.pattern(component), nearest },
             parameters: Vec::new(),
             alternatives: others.iter().map(unknown).collect(),
         }
+    }
+
+    /// Returns the probability of a component among all, by what an error at each explains of held-out stretches.
+    fn place_probability(&self, component: Component) -> f64 {
+        let gain = |of: Component| {
+            let cells = self.map.iter().filter(|cell| cell.component == of);
+            cells.map(|cell| cell.gain_nats).fold(0.0, f64::max)
+        };
+        let own = gain(component);
+        let weight = |other: &Component| (RIVAL_DECAY * (gain(*other) - own).min(0.0)).exp();
+        let rivals: f64 = COMPONENTS.iter().filter(|other| **other != component).map(weight).sum();
+        1.0 / (1.0 + rivals)
     }
 
     /// Returns what the mismatch depends on, as an error at a component.
@@ -259,6 +277,8 @@ impl Evidence<'_> {
                     effect: effect.effect,
                     component: effect.component,
                     beside: beside(c),
+                    values: newest_values(c),
+                    power_left: c.held_out_power_left(),
                     gain_nats: c.held_out.gain_over(&c.held_out_before),
                     distance: c.whole.distance(),
                     worst: c.whole.worst(),
@@ -292,6 +312,18 @@ fn beside(candidate: &Candidate) -> Vec<Name> {
     let effects = &candidate.fit.effects;
     let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
     effects[..effects.len().saturating_sub(1)].iter().map(name).collect()
+}
+
+/// Returns the fitted parameters of a candidate's newest effect.
+fn newest_values(candidate: &Candidate) -> Vec<HypothesisValue> {
+    let Some(effect) = candidate.newest() else { return Vec::new() };
+    let values = &candidate.fit.values[candidate.fit.values.len() - effect.parameters.len()..];
+    let one = |(parameter, value): (&crate::library::Parameter, &f64)| HypothesisValue {
+        name: parameter.name,
+        value: *value,
+        unit: parameter.unit,
+    };
+    effect.parameters.iter().zip(values).map(one).collect()
 }
 
 fn same_name(a: &Effect, b: &Effect) -> bool {

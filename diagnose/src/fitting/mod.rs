@@ -2,8 +2,9 @@
 //!
 //! Modules in reading order: `initial_states`, the recordings' initial states as nuisance parameters; `normal_equations`, the damped
 //! step; [`output_error`], the fit; [`score`], its likelihood on other data; `null_gain`, what noise alone would gain;
-//! [`refit`](mod@refit), a given structure fitted; [`residual_tests`], whether anything is left in a residual.
+//! [`refit`](mod@refit), a given structure fitted; [`fitted_start`], the initial state alone; [`residual_tests`], whether anything is left in a residual.
 
+pub mod fitted_start;
 mod initial_states;
 mod normal_equations;
 pub(crate) mod null_gain;

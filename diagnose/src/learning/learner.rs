@@ -1,11 +1,14 @@
 //! The fit of free functions in the simulator: ranked by what they promise, compared by what they predict, the best one fitted as smooth
 //! as held-out stretches ask for.
 
+use counterpoise_linalg::inverse;
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
 
 use crate::findings::answer::Channels;
 use crate::findings::verdict::channels;
-use crate::fitting::output_error::{Fit, FitSelection, Preference, Problem, confidence_intervals};
+use crate::fitting::output_error::{
+    Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
+};
 use crate::fitting::score::{RecordingPart, Score, score};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
 use crate::learning::reading::{Reading, read};
@@ -22,7 +25,7 @@ use crate::tolerance::learning::{
     FUNCTIONS_AT_MOST, LEAST_PART, LEAST_POWER, LEAST_PROMISE, PROMISE_OF_BEST, ROUGHNESS, SCREENED_POINTS,
     USUAL_ROUGHNESS,
 };
-use crate::tolerance::{EXPLAINED, FITTED_SHARE};
+use crate::tolerance::{EXPLAINED, FITTED_SHARE, RIVAL_DECAY};
 
 /// What free functions are fitted to.
 pub struct LearningTask<'a> {
@@ -49,6 +52,8 @@ pub struct LearnedModel {
     pub worst_held_out: [f64; 2],
     /// Share of the power of the residual that is left on held-out data, mean over recordings and channels.
     pub power_left: f64,
+    /// Probability that the first function acts at its place, of the places at which one was tried: by what each predicts of held-out data.
+    pub place_probability: f64,
     /// All data, with the functions.
     pub after: Channels,
     /// Held-out data, the model before.
@@ -70,16 +75,32 @@ pub struct LearnedPart {
 
 /// A function that was fitted, with the model that has it.
 #[derive(Clone)]
-struct Learned {
-    candidate: Candidate,
+pub(crate) struct Learned {
+    pub candidate: Candidate,
     /// For each function, how rough it may be and the cost's curvature by its values.
     smoothness: Vec<Smoothness>,
+    /// The places at which the first function was tried, with what it gains there.
+    tried: Vec<TriedPlace>,
+}
+
+/// A place at which a function was tried in the simulator.
+#[derive(Debug, Clone, Copy)]
+struct TriedPlace {
+    place: LearnedPlace,
+    /// Log-likelihood that the best function there gains on held-out data, in nats.
+    gain_nats: f64,
+}
+
+/// Free functions that were fitted, with what each gains.
+pub(crate) struct FittedFunctions {
+    pub learned: Learned,
+    gains: Vec<f64>,
 }
 
 /// What functions are fitted to, and what they are judged by.
-struct Split {
-    selection: FitSelection,
-    parts: Vec<RecordingPart>,
+pub(crate) struct Split {
+    pub selection: FitSelection,
+    pub parts: Vec<RecordingPart>,
 }
 
 /// How rough a function may be.
@@ -91,24 +112,79 @@ struct Smoothness {
 
 /// Fits free functions; returns the model and the mechanism with them, or `None` if none explains enough.
 pub fn learn(task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
-    let mut found: Option<Learned> = None;
-    let mut gains = Vec::new();
-    for _ in 0..FUNCTIONS_AT_MOST {
-        let next = task.next(found.as_ref());
-        let Some(next) = next else { break };
-        gains.push(next.candidate.gain() - gains.iter().sum::<f64>());
-        let done = next.candidate.whole.worst() < EXPLAINED || task.searcher.pool.cancelled();
-        found = Some(next);
-        if done {
-            break;
-        }
+    task.with_more(None)?.model(task)
+}
+
+impl FittedFunctions {
+    /// Returns the model and the mechanism with it.
+    pub fn model(&self, task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
+        let candidate = &self.learned.candidate;
+        let model = task.model(candidate, &self.gains)?;
+        let place_probability = self.place_probability();
+        Some((LearnedModel { place_probability, ..model }, candidate.fit.parameters.clone()))
     }
-    let found = found?;
-    let parameters = found.candidate.fit.parameters.clone();
-    Some((task.model(&found.candidate, &gains)?, parameters))
+
+    /// Returns the probability of the first function's place among those that were tried.
+    fn place_probability(&self) -> f64 {
+        let effect = self.learned.candidate.fit.effects.first();
+        let Some(own) = effect.and_then(|e| learned_element(e)).map(|element| element.place) else {
+            return 0.0;
+        };
+        let best = |place: LearnedPlace| {
+            let here = self.learned.tried.iter().filter(|tried| tried.place == place);
+            here.map(|tried| tried.gain_nats).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let others = [LearnedPlace::Pivot, LearnedPlace::Motor, LearnedPlace::Gearbox];
+        let weight = |place: LearnedPlace| (RIVAL_DECAY * (best(place) - best(own)).min(0.0)).exp();
+        let rivals: f64 = others.into_iter().filter(|place| *place != own).map(weight).sum();
+        1.0 / (1.0 + rivals)
+    }
+
+    /// Returns whether nothing is left that a further function could explain.
+    fn explains(&self) -> bool {
+        self.learned.candidate.whole.worst() < EXPLAINED
+    }
 }
 
 impl LearningTask<'_> {
+    /// Returns the one free function that predicts held-out data best; `None` if none is worth having.
+    pub(crate) fn one_function(&self) -> Option<FittedFunctions> {
+        let learned = self.next(None)?;
+        let gains = vec![learned.candidate.gain()];
+        Some(FittedFunctions { learned, gains })
+    }
+
+    /// Adds free functions to those that were fitted until they explain the recordings or none is worth having; returns `None` if there is
+    /// none at all.
+    pub(crate) fn with_more(&self, found: Option<FittedFunctions>) -> Option<FittedFunctions> {
+        let mut found = found.or_else(|| self.one_function())?;
+        while found.gains.len() < FUNCTIONS_AT_MOST && !found.explains() && !self.searcher.pool.cancelled() {
+            let Some(next) = self.next(Some(&found.learned)) else { break };
+            found.gains.push(next.candidate.gain() - found.gains.iter().sum::<f64>());
+            found.learned = next;
+        }
+        Some(found)
+    }
+
+    /// Returns the effective number of parameters of free functions: the trace of the matrix that maps residuals to fitted values (Hastie,
+    /// Tibshirani, Friedman 2009, 5.4.1), which smoothness makes smaller than the number of points.
+    pub(crate) fn effective_parameters(&self, learned: &Learned) -> f64 {
+        let fit = &learned.candidate.fit;
+        let preferences = self.preferences(&fit.effects, &learned.smoothness, Span::Whole);
+        let cells = &learned.candidate.whole.cells;
+        let residuals = cells.iter().map(|cell| cell.samples).sum::<f64>() + preferences.len() as f64;
+        let Ok(covariance) = inverse(&fit.information) else { return fit.values.len() as f64 };
+        let sizes: Vec<f64> = parameters_of(&fit.effects).iter().map(|parameter| parameter.size).collect();
+        let one = |preference: &Preference| -> f64 {
+            let all = preference.weights.iter().map(|(j, weight)| (*j, weight * sizes[*j]));
+            let row: Vec<(usize, f64)> = all.collect();
+            let pairs = row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (i, j, a * b)));
+            pairs.map(|(i, j, product)| product * covariance[(*i, *j)]).sum()
+        };
+        let held: f64 = preferences.iter().map(one).sum::<f64>() / residuals.max(1.0);
+        (fit.values.len() as f64 - held).max(1.0)
+    }
+
     /// Returns the model with one more function; `None` if none is worth having.
     fn next(&self, present: Option<&Learned>) -> Option<Learned> {
         let searcher = self.searcher;
@@ -120,8 +196,10 @@ impl LearningTask<'_> {
         let context = self.context(now);
         let ranked = self.ranked(&context, &assessed);
         let mut best: Option<(Template, Learned)> = None;
+        let mut places = Vec::new();
         for (template, _) in ranked {
             let Some(tried) = self.tried(&context, template, present, &assessed) else { continue };
+            places.push(TriedPlace { place: template.place, gain_nats: tried.candidate.gain() });
             if best.as_ref().is_none_or(|(_, b)| self.is_better(&tried, b, template)) {
                 best = Some((template, tried));
             }
@@ -132,6 +210,8 @@ impl LearningTask<'_> {
         let (template, coarse) = best?;
         let fine = self.refined(&context, template, &coarse, present, &assessed);
         let chosen = fine.filter(|fine| merit(&fine.candidate) > merit(&coarse.candidate)).unwrap_or(coarse);
+        let tried = present.map_or(places, |p| p.tried.clone());
+        let chosen = Learned { tried, ..chosen };
         let worth = self.worth(&chosen.candidate, present.map(|p| &p.candidate));
         worth.then(|| self.fitted_to_all(chosen))
     }
@@ -242,12 +322,12 @@ impl LearningTask<'_> {
             self.smoothest(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let again = self.problem(self.base, effects, &split.selection, &near, &wanted).fit(&fit.values)?;
-        Some(Learned { candidate: self.assessed(again, split.parts)?, smoothness })
+        Some(Learned { candidate: self.assessed(again, split.parts)?, smoothness, tried: Vec::new() })
     }
 
     /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
     /// was fitted. A function of time is fitted to every other recording, whole, and predicts those between.
-    fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
+    pub(crate) fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
         let count = self.before.len();
         let elements: Vec<&LearnedElement> = effects.iter().filter_map(|e| learned_element(e)).collect();
         let compared = |recordings: Vec<usize>, span: Span| FitSelection {
@@ -272,7 +352,7 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on a recording, from the initial state that was fitted with it if there is one.
-    fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
+    pub(crate) fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
         let simulator = self.searcher.simulator;
         match fit.assessment(recording) {
             Some(own) => simulator.assess_from(&fit.parameters, recording, own),
@@ -348,7 +428,7 @@ impl LearningTask<'_> {
         let problem = self.problem(self.base, effects, &selection, near, &wanted);
         let again = problem.fit(&learned.candidate.fit.values);
         match again.and_then(|fit| self.searcher.replace_fit(&learned.candidate, fit)) {
-            Some(candidate) => Learned { candidate, smoothness: learned.smoothness },
+            Some(candidate) => Learned { candidate, ..learned },
             None => learned,
         }
     }
@@ -412,6 +492,7 @@ impl LearningTask<'_> {
             parts,
             worst_held_out: [candidate.held_out_before.worst(), candidate.held_out.worst()],
             power_left: power_left(candidate),
+            place_probability: 1.0,
             after: channels(&candidate.whole),
             held_out_before: channels(&candidate.held_out_before),
             held_out_after: channels(&candidate.held_out),

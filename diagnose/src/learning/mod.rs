@@ -2,13 +2,18 @@
 //!
 //! Modules in reading order: [`visited`] (which values the recordings have of each regime variable), [`templates`] (the functions that
 //! are tried), [`held_out`] (what a function promises on stretches that did not choose it, and how smooth it should be), [`learner`]
-//! (the fit), [`reading`] (a fitted curve in the words of physics).
+//! (the fit), [`reading`] (a fitted curve in the words of physics), `library_forms` (a curve that is an effect of the library),
+//! `comparison` (effects of the library against a free function).
 
+pub(crate) mod comparison;
 mod held_out;
 pub mod learner;
+mod library_forms;
 pub mod reading;
 mod templates;
 pub mod visited;
 
 pub use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
+pub(crate) use templates::is_at;
+
 pub use learner::{LearnedModel, LearnedPart, LearningTask, learn};

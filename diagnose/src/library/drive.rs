@@ -52,7 +52,9 @@ fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
 
-/// Parameters of a drive whose textbook values may be wrong as well.
+/// Effects that only a machine with textbook values is tried with: friction of its own scale, which a textbook leaves out, and parameters
+/// of a drive whose textbook values may be wrong as well. Sizes are those of the scaled machine, whose drive has a torque of some hundred
+/// N m at the hub, so that a friction may start from nothing.
 pub(super) static TEXTBOOK: &[Effect] = &[
     Effect {
         // T_2 = K delta + D delta', another D (Dholiwar 2007, (5-22))
@@ -68,6 +70,97 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         component: Component::Motor,
         kind: Kind::ParameterChange,
         parameters: &[parameter!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
+        starts: &[],
+    },
+    Effect {
+        // F_c sgn(w) when sliding, with a scale of its own: also where the model has none (Coulomb 1785; Dahl 1968)
+        effect: EffectName::Coulomb,
+        component: Component::Pivot,
+        kind: Kind::MissingPhysics,
+        parameters: &[parameter!(
+            "coulomb",
+            "N m",
+            [0.0, 1e4],
+            60.0,
+            Linear,
+            get | p | p.pivot_friction.coulomb_nm(),
+            set | p,
+            v | p.pivot_friction.law.set_or_add_coulomb_nm(v)
+        )],
+        starts: &[],
+    },
+    Effect {
+        // F_c sgn(w_m) at the motor shaft, with a scale of its own (Coulomb 1785; Dahl 1968)
+        effect: EffectName::Coulomb,
+        component: Component::Motor,
+        kind: Kind::MissingPhysics,
+        parameters: &[parameter!(
+            "coulomb",
+            "N m",
+            [0.0, 50.0],
+            0.3,
+            Linear,
+            get | p | p.motor_friction.coulomb_nm(),
+            set | p,
+            v | p.motor_friction.law.set_or_add_coulomb_nm(v)
+        )],
+        starts: &[],
+    },
+    Effect {
+        // dry level F_c (1 + a sgn(w_m)) at the motor shaft (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
+        effect: EffectName::AsymmetricFriction,
+        component: Component::Motor,
+        kind: Kind::MissingPhysics,
+        parameters: &[parameter!("asymmetry", "1", [-0.9, 0.9], 0.1, Linear, motor_friction.asymmetry)],
+        starts: &[],
+    },
+    Effect {
+        // viscous part F_v (1 + a sgn(w_m)) w_m at the motor shaft (Janot, Gautier, Brunot 2019)
+        effect: EffectName::AsymmetricFriction,
+        component: Component::Motor,
+        kind: Kind::MissingPhysics,
+        parameters: &[parameter!(
+            "viscous_asymmetry",
+            "1",
+            [-0.9, 0.9],
+            0.1,
+            Linear,
+            motor_friction.viscous_asymmetry
+        )],
+        starts: &[],
+    },
+    Effect {
+        // dry level F_c (1 + (ratio - 1) exp(-(w_m / v_s)^2)) at the motor shaft (Stribeck 1902; Armstrong-Helouvry 1991)
+        effect: EffectName::Stribeck,
+        component: Component::Motor,
+        kind: Kind::MissingPhysics,
+        parameters: &[
+            parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, motor_friction.static_ratio),
+            parameter!("stribeck_rate", "rad/s", [0.01, 1e3], 0.3, Log, motor_friction.stribeck_rate_rad_s),
+        ],
+        starts: &[&[1.3, 2.0], &[1.3, 0.5], &[1.3, 10.0]],
+    },
+    Effect {
+        // e = K_e w_m, another K_e (Hanselman 2003)
+        effect: EffectName::BackEmf,
+        component: Component::Motor,
+        kind: Kind::ParameterChange,
+        parameters: &[parameter!(
+            "back_emf_constant",
+            "V s/rad",
+            [0.0, 100.0],
+            0.05,
+            Linear,
+            motor.back_emf_v_s_rad
+        )],
+        starts: &[],
+    },
+    Effect {
+        // R i = V - K_e w_m, another R (Hanselman 2003)
+        effect: EffectName::Resistance,
+        component: Component::Motor,
+        kind: Kind::ParameterChange,
+        parameters: &[parameter!("resistance", "ohm", [1e-3, 1e3], 0.1, Log, motor.resistance_ohm)],
         starts: &[],
     },
 ];

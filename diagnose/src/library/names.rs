@@ -116,6 +116,10 @@ named! {
         TorqueRipple = "torque_ripple",
         /// Torque constant of the motor.
         TorqueConstant = "torque_constant",
+        /// Voltage that the motor's speed induces.
+        BackEmf = "back_emf",
+        /// Resistance of the winding.
+        Resistance = "resistance",
         /// Gap between the teeth.
         Backlash = "backlash",
         /// Stiffness.

@@ -4,14 +4,39 @@ use counterpoise_models::{Interface, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{COMPARED, reading_floor};
 
+use crate::tolerance::recording::REST_SAMPLES;
+
 /// Returns the RMS of the white noise of a series from the median of its third differences, which steps and slow motion do not
 /// disturb; 0 for a series that stands still or is too short.
+///
+/// Samples of a sensor at rest, which repeat exactly, say nothing about its noise and are left out if others remain.
 pub fn measure_white_noise(series: &[f64]) -> f64 {
-    let third = series.windows(4).map(|w| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs());
+    let moving = without_rest(series);
+    let third =
+        moving.iter().flat_map(|part| part.windows(4)).map(|w| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs());
     let mut sizes: Vec<f64> = third.filter(|d| d.is_finite()).collect();
     sizes.sort_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
     median / (0.6745 * 20f64.sqrt())
+}
+
+/// Returns the parts of a series between long stretches of one value.
+fn without_rest(series: &[f64]) -> Vec<&[f64]> {
+    let (mut parts, mut from, mut at) = (Vec::new(), 0, 0);
+    for run in series.chunk_by(|a, b| a == b) {
+        if run.len() >= REST_SAMPLES {
+            parts.push(&series[from..at]);
+            from = at + run.len();
+        }
+        at += run.len();
+    }
+    parts.push(&series[from..]);
+    parts
+}
+
+/// Returns the noise that a mechanism's sensor of a channel states, with its converter's step; 0 if there is no such sensor.
+pub fn stated_noise(stated: &Parameters, channel: Channel) -> f64 {
+    sensor(stated, channel).map_or(0.0, |s| reading_floor(s, &stated.interface))
 }
 
 /// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.

@@ -4,8 +4,8 @@
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
 use crate::tolerance::recording::{
-    CLIPPED_SHARE, FLAT_TOP_SAMPLES, FLAT_TOP_STEPS, FOREIGN_CONTROL_MULTIPLE, LARGEST_OFFSET_S,
-    OFFSET_REMAINDER, REPORTED_OFFSET_S, SLOPE_AGREEMENT,
+    CLIPPED_SHARE, DRIFT_BENT_SHARE, FLAT_TOP_SAMPLES, FLAT_TOP_STEPS, FOREIGN_CONTROL_MULTIPLE,
+    LARGEST_OFFSET_S, OFFSET_REMAINDER, REPORTED_OFFSET_S, SLOPE_AGREEMENT,
 };
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
@@ -199,7 +199,13 @@ fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let third = reference.len() / 3;
     let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
     let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
+    let (middle_s, _) = at(third)?;
     let apart_s = end_s - start_s;
+    // a clock drifts evenly; an elastic drive that leads and lags as it is loaded does not
+    let bent = (middle_s - 0.5 * (start_s + end_s)).abs();
+    if bent > DRIFT_BENT_SHARE * apart_s.abs() + period_s {
+        return None;
+    }
     let part = apart_s / (2.0 * third as f64 * period_s);
     let told = (first || last) && apart_s.abs() > REPORTED_OFFSET_S;
     told.then_some(Anomaly::ClockDrift { start_s, end_s, slow: part })

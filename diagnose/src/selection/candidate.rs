@@ -69,6 +69,13 @@ impl Candidate {
         1.0 - left / self.whole.cells.len().max(1) as f64
     }
 
+    /// Returns the share of the power of the residual that it leaves on held-out data, mean over recordings and channels.
+    pub fn held_out_power_left(&self) -> f64 {
+        let cells = self.held_out.cells.iter().zip(&self.held_out_before.cells);
+        let left: f64 = cells.map(|(after, before)| (after.rms_error / before.rms_error).powi(2)).sum();
+        left / self.held_out.cells.len().max(1) as f64
+    }
+
     /// Returns whether every parameter stayed off the bounds of physical sense.
     pub(crate) fn is_within_bounds(&self) -> bool {
         parameters_of(&self.fit.effects).iter().zip(&self.fit.values).all(|(parameter, &value)| {

@@ -12,7 +12,7 @@ mod curve_knots;
 mod merging;
 pub mod outcome;
 mod pairs;
-mod parameter_scan;
+pub(crate) mod parameter_scan;
 mod perturbations;
 mod refinement;
 mod screening;

@@ -85,7 +85,7 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
     let per_motor_turn = SCANNED_ORDERS.iter().map(|order| order * first);
     let per_hub_turn = SCANNED_ORDERS.iter().map(|order| order / ratio);
     let lowest = if effect.component == Component::Motor { first } else { effect.parameters[1].bounds[0] };
-    let is_seen = |order: &f64| is_seen(*order, scene.simulator.travel_rad() * ratio);
+    let is_seen = |order: &f64| covers_a_period(*order, scene.simulator.travel_rad() * ratio);
     let is_sampled = |order: &f64| *order * ratio * scene.simulator.turns_per_sample() < PERIODS_SAMPLED;
     let orders = per_motor_turn
         .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
@@ -101,7 +101,7 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
 
 /// Returns whether a torque that repeats with the motor's angle does so over its travel, rad: over less than most of a period, a
 /// repetition cannot be recognised.
-fn is_seen(order: f64, travel: f64) -> bool {
+pub(crate) fn covers_a_period(order: f64, travel: f64) -> bool {
     order * travel > PERIOD_SEEN * std::f64::consts::TAU
 }
 
@@ -118,7 +118,7 @@ fn all_repeat(effects: &[&'static Effect], values: &[f64], travel: f64) -> bool 
         first += effect.parameters.len();
         !effect.is_ripple()
             || effect.component == Component::Pivot
-            || own.get(1).is_none_or(|o| is_seen(*o, travel))
+            || own.get(1).is_none_or(|o| covers_a_period(*o, travel))
     })
 }
 

@@ -12,7 +12,7 @@ use counterpoise_simulate::replay::{Loop, Replay, Replayer};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
-use crate::recording::noise::measure_noise_floor;
+use crate::recording::noise::{measure_noise_floor, stated_noise};
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
@@ -102,6 +102,16 @@ impl<'a> RecordingReplays<'a> {
             standing: prepared.whole.iter().map(|_| OnceLock::new()).collect(),
             prepared,
         })
+    }
+
+    /// Returns the same with noise floors no lower than the noise that a mechanism's sensors state. A sensor at rest shows none, and a slope
+    /// that was smoothed shows less than it is wrong by.
+    pub fn with_stated_noise(mut self, stated: &Parameters) -> Self {
+        let least = SCORED.map(|channel| stated_noise(stated, channel));
+        for floors in &mut self.floors {
+            floors.iter_mut().zip(least).for_each(|(floor, least)| *floor = floor.max(least));
+        }
+        self
     }
 
     /// Returns the signals of a recording; `None` if it has no hub rate or no control.

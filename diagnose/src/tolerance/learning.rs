@@ -62,3 +62,11 @@ pub const ORDERS_AT_MOST: f64 = 30.0;
 pub const LEAST_PART: f64 = 0.05;
 /// Share of the best function's merit within which another counts as equal.
 pub const EVEN_SHARE: f64 = 0.05;
+/// Largest number of parameters of effects that are compared with a free function: an amplifier's curve is a free function itself.
+pub const COMPARED_PARAMETERS_AT_MOST: usize = 12;
+/// Width of a 95 % interval, as a difference of logarithms, from which on a parameter of shape counts as undetermined: a factor of 3.
+pub const UNDETERMINED_LOGARITHM: f64 = 1.1;
+/// The same for a parameter that is not positive by nature, as a share of its value.
+pub const UNDETERMINED_SHARE: f64 = 1.0;
+/// Times at most that a curve becomes an effect of the library, and what that leaves is modelled anew.
+pub const NAMED_FROM_CURVES: usize = 2;

@@ -50,6 +50,9 @@ pub const KINEMATIC_REMAINDER: f64 = 0.1;
 pub const LAG_CORRECTIONS: usize = 5;
 /// Difference of the clocks over half a recording from which they drift, s: if several recordings agree, or in a single one.
 pub const CLOCK_DRIFT_S: (f64, f64) = (6e-4, 2e-3);
+/// Share of a drift by which the offset in the middle of a recording may differ from the mean of those at its ends. A clock's offset grows
+/// evenly; that of an elastic drive, which leads and lags as it is loaded, does not.
+pub const DRIFT_BENT_SHARE: f64 = 0.25;
 /// Share of the mean drift by which a recording's drift may differ from it.
 pub const DRIFT_AGREEMENT: f64 = 0.5;
 /// Largest shift in samples at which the controller's columns are tried.
@@ -96,3 +99,6 @@ pub const FEWEST_RUNS: usize = 50;
 pub const COARSER_CONVERTER: f64 = 3.5;
 /// Share of the converter's range from which a limit is the converter's own, which the simulator has.
 pub const CONVERTER_LIMIT_SHARE: f64 = 0.98;
+/// Samples of exactly one value from which on a sensor counts as at rest. A noisy reading does not repeat so often by chance; fewer would
+/// take the steps of a coarse sensor for rest.
+pub const REST_SAMPLES: usize = 25;

@@ -26,7 +26,8 @@ pub(super) fn lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Err
     not_negative("lumped.damping_nm_s_rad", lumped.damping_nm_s_rad)?;
     finite("lumped.out_of_balance_kg_m", lumped.out_of_balance_kg_m)?;
     finite("lumped.vertical_offset_kg_m", lumped.vertical_offset_kg_m)?;
-    not_negative("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
+    // a spring past its unstable point, or a weight above the pivot, has a negative stiffness
+    finite("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
     finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)?;
     not_negative("lumped.hysteresis_nm", lumped.hysteresis_nm)?;
     not_negative("lumped.hysteresis_stiffness_nm_rad", lumped.hysteresis_stiffness_nm_rad)?;

@@ -1,15 +1,21 @@
 //! Recordings replayed on the project's model.
 
+use counterpoise_diagnose::fitting::fitted_start::fit_start;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
+use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, ReplayMode, Replayer, SelectedReplay};
+use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, SelectedReplay};
 
 use super::read::{ColumnRemark, ReadRecording, unused_columns};
 use super::tracks::{Track, tracks};
 use crate::PipelineError;
+
+/// Share of the worst residual below which a fitted initial state is believed to be what was wrong. A start that removes less may only hide what
+/// the model lacks.
+const START_WORTH: f64 = 0.75;
 
 /// Over what length a recording is replayed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +90,10 @@ fn follow(
     length: ReplayLength,
 ) -> Result<SelectedReplay, counterpoise_simulate::Error> {
     let (replay, mode) = match (length, control) {
-        (ReplayLength::Automatic, _) => return replayer.replay_free_or_windowed(plant, control),
+        (ReplayLength::Automatic, _) => {
+            let selected = replayer.replay_free_or_windowed(plant, control)?;
+            return Ok(from_fitted_start(replayer, plant, control, selected));
+        }
         (ReplayLength::Whole, Loop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
         (ReplayLength::Whole, _) => (replayer.replay(plant, control)?, ReplayMode::Free),
         (ReplayLength::Windows { window_s }, Loop::Open) => {
@@ -96,6 +105,34 @@ fn follow(
         }
     };
     Ok(SelectedReplay { replay, mode, divergence: None })
+}
+
+/// Returns the same replay from the initial state that the diagnosis would fit, if the first moments of the recording do not show it: the
+/// figures of a diagnosis and those of a replay of what it saved are then the same.
+fn from_fitted_start(
+    replayer: &Replayer,
+    plant: &Parameters,
+    control: &Loop,
+    selected: SelectedReplay,
+) -> SelectedReplay {
+    let free = selected.mode == ReplayMode::Free;
+    let before = worst(&selected.replay);
+    if !free || *control == Loop::Open || before < EXPLAINED || replayer.recording().len() > SAMPLES_AT_MOST {
+        return selected;
+    }
+    let start = fit_start(plant, control, replayer.recording(), &selected.replay.start);
+    let again = start.and_then(|start| replayer.replay_from(plant, control, &start).ok());
+    match again.filter(|again| worst(again) < START_WORTH * before) {
+        Some(replay) => SelectedReplay { replay, ..selected },
+        None => selected,
+    }
+}
+
+/// Returns the largest RMS error of a channel that the model explains, over its floor.
+fn worst(replay: &Replay) -> f64 {
+    let driven = |channel: Channel| matches!(channel, Channel::PlatformRate | Channel::PlatformAccel);
+    let compared = replay.channels.iter().filter(|fit| !driven(fit.channel));
+    compared.map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
 }
 
 /// Returns what is wrong with a recording itself.

@@ -93,10 +93,12 @@ const OUT_OF_BALANCE: Field =
 const DAMPING_RATIO: f64 = 0.01;
 const VERTICAL_OFFSET: Field =
     Field::new("vertical_offset", "first moment of mass above the pivot axis").unit("kg m").or(0.0);
-const POSITION_STIFFNESS: Field = Field::new("position_stiffness", "spring between hub and platform")
-    .unit("N m/rad")
-    .limit(Limit::AtLeast(0.0))
-    .or(0.0);
+const POSITION_STIFFNESS: Field = Field::new(
+    "position_stiffness",
+    "spring between hub and platform; negative if it pushes away from its centre",
+)
+.unit("N m/rad")
+.or(0.0);
 const POSITION_STIFFNESS_CENTRE: Field = Field::new(
     "position_stiffness_centre",
     "angle of the hub on the platform at which that spring has no torque",

@@ -436,6 +436,46 @@ const EFFECTS: &[EffectText] = &[
         regime: "in proportion to the motor's acceleration",
         experiment: "multisine to the highest frequency",
     },
+    EffectText {
+        component: Component::Motor,
+        effect: EffectName::AsymmetricFriction,
+        parameter: "asymmetry",
+        equation: "dry level F_c (1 + a sgn(w_m)) at the motor shaft",
+        regime: "differs between the two directions of motion",
+        experiment: "slow constant rate in both directions",
+    },
+    EffectText {
+        component: Component::Motor,
+        effect: EffectName::AsymmetricFriction,
+        parameter: "viscous_asymmetry",
+        equation: "viscous part F_v (1 + a sgn(w_m)) w_m at the motor shaft",
+        regime: "differs between the two directions, in proportion to the rate",
+        experiment: "constant rates in both directions",
+    },
+    EffectText {
+        component: Component::Motor,
+        effect: EffectName::Stribeck,
+        parameter: "static_ratio",
+        equation: "dry level F_c (1 + (ratio - 1) exp(-(w_m / v_s)^2)) at the motor shaft",
+        regime: "near zero motor rate",
+        experiment: "slow reversals of the motor",
+    },
+    EffectText {
+        component: Component::Motor,
+        effect: EffectName::BackEmf,
+        parameter: "back_emf_constant",
+        equation: "e = K_e w_m, another K_e",
+        regime: "in proportion to the motor's rate",
+        experiment: "constant rates up to the highest",
+    },
+    EffectText {
+        component: Component::Motor,
+        effect: EffectName::Resistance,
+        parameter: "resistance",
+        equation: "R i = V - K_e w_m, another R",
+        regime: "in proportion to current",
+        experiment: "stalled motor at several voltages",
+    },
 ];
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
 
 use counterpoise_diagnose::findings::answer::Channels;
-use counterpoise_diagnose::learning::reading::{Form, Reading};
+use counterpoise_diagnose::learning::reading::{Form, Reading, read};
 use counterpoise_diagnose::learning::{
     LearnedElement, LearnedModel, LearnedPart, LearnedPlace, LearnedQuantity, RegimeVariable,
 };
@@ -68,8 +68,16 @@ pub fn describe_learned(model: &LearnedModel) -> LearnedText {
     }
 }
 
+/// Describes the free functions of a mechanism, each read anew.
+pub fn describe_elements(elements: &[LearnedElement]) -> Vec<LearnedFunctionText> {
+    elements.iter().map(|element| describe_element(element, read(element).as_ref())).collect()
+}
+
 fn describe_function(part: &LearnedPart) -> LearnedFunctionText {
-    let element = &part.element;
+    describe_element(&part.element, part.reading.as_ref())
+}
+
+fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> LearnedFunctionText {
     LearnedFunctionText {
         place: place(element.place),
         quantity: quantity(element.quantity),
@@ -80,7 +88,7 @@ fn describe_function(part: &LearnedPart) -> LearnedFunctionText {
         values: element.values.clone(),
         half_width: element.half_width.clone(),
         coverage: element.coverage.clone(),
-        reading: describe_reading(element, part.reading.as_ref()),
+        reading: describe_reading(element, reading),
         range: range(element),
     }
 }

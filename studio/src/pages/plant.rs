@@ -3,6 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::reduction_views::{FrictionPlace, ReductionComparison, steady_friction_at_hub};
+use counterpoise_report::wording::learned::{LearnedFunctionText, describe_elements};
 use egui::{Rect, RichText, Ui, vec2};
 
 use super::frequency_charts::{frequency_chart, magnitude_points};
@@ -71,6 +72,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         (None, Some(comparison)) => Some(response_chart(view, comparison)),
         (None, None) => None,
     });
+    charts.extend(
+        describe_elements(&project.plant.learned).iter().take(1).flat_map(|f| learned_charts(view, f)),
+    );
     for (cell, chart) in widgets::grid_cells(below, 2, 2).iter().zip(&charts) {
         widgets::show_chart(ui, view, queue, *cell, chart);
     }
@@ -201,6 +205,30 @@ fn response_chart(view: &View, comparison: &ReductionComparison) -> Chart {
         chart = chart.with_curve(name, view.theme.curves[k], RESPONSE_DASHES[k], points);
     }
     chart
+}
+
+/// Returns the curve of a free function with its band, and the recordings' coverage.
+fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
+    let along = format!("{}, {}", function.variable, function.variable_unit);
+    let unit = if function.value_unit.is_empty() { "1" } else { function.value_unit };
+    let of = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
+        function.points.iter().enumerate().map(|(k, x)| [*x, value(k)]).collect()
+    };
+    let half = |k: usize| function.half_width.get(k).copied().unwrap_or(0.0);
+    let colour = view.theme.curves[0];
+    let title = format!("Free function: {} at the {}", function.quantity, function.place);
+    let curve = Chart::new(&title, &along, &format!("{}, {unit}", function.quantity))
+        .with_curve("fitted", colour, Dash::Solid, of(&|k| function.values[k]))
+        .with_curve("95 % band", colour, Dash::Dotted, of(&|k| function.values[k] - half(k)))
+        .with_curve("95 % band, upper", colour, Dash::Dotted, of(&|k| function.values[k] + half(k)));
+    let share = |k: usize| function.coverage.get(k).copied().unwrap_or(0.0);
+    let coverage = Chart::new("Coverage by the recordings", &along, "share of samples, 1").with_curve(
+        "recorded",
+        view.theme.curves[1],
+        Dash::Solid,
+        of(&share),
+    );
+    [curve, coverage]
 }
 
 /// Returns steady friction over the hub rate, of the pivot and of the motor through the gear.

@@ -1,8 +1,8 @@
 //! Columns on another clock: late by a constant time, or by a growing one.
 
 use crate::tolerance::recording::{
-    CLOCK_DRIFT_S, COMMON_OFFSET_S, DRIFT_AGREEMENT, KINEMATIC_REMAINDER, LAG_CORRECTIONS, LARGEST_SHIFT,
-    PLATFORM_MOVES_RAD_S, SHIFT_REMAINDER, SMALLEST_MOVING_OFFSET_S, SMALLEST_OFFSET_DOUBTS,
+    CLOCK_DRIFT_S, COMMON_OFFSET_S, DRIFT_AGREEMENT, DRIFT_BENT_SHARE, KINEMATIC_REMAINDER, LAG_CORRECTIONS,
+    LARGEST_SHIFT, PLATFORM_MOVES_RAD_S, SHIFT_REMAINDER, SMALLEST_MOVING_OFFSET_S, SMALLEST_OFFSET_DOUBTS,
     SMALLEST_OFFSET_S,
 };
 use counterpoise_controller::ProportionalIntegral;
@@ -110,6 +110,9 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
         let time = half as f64 * r.sample_period_s;
         Some((second.late_s - first.late_s, time, first.doubt_s.max(second.doubt_s)))
     };
+    if !recordings.iter().all(|r| grows_evenly(base, r, column)) {
+        return None;
+    }
     let all: Vec<(f64, f64, f64)> = recordings.iter().filter_map(parted).collect();
     let count = all.len().max(1) as f64;
     let slow = all.iter().map(|(apart, time, _)| apart / time).sum::<f64>() / count;
@@ -118,6 +121,17 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
     let least = if all.len() > 1 { CLOCK_DRIFT_S.0 } else { CLOCK_DRIFT_S.1 };
     let spread = all.iter().map(|(apart, time, _)| (apart / time - slow).abs()).fold(0.0, f64::max);
     (!all.is_empty() && alike && apart > least).then_some((slow, spread))
+}
+
+/// Returns whether the offset of a column grows evenly over the thirds of a recording, as that of a clock does; also if a third does not
+/// show it.
+fn grows_evenly(base: &Parameters, r: &Recording, column: Column) -> bool {
+    let third = r.len() / 3;
+    let late = |k: usize| lateness(base, &r.part(k * third..(k + 1) * third), column);
+    let (Some(first), Some(middle), Some(last)) = (late(0), late(1), late(2)) else { return true };
+    let bent = (middle.late_s - 0.5 * (first.late_s + last.late_s)).abs();
+    let doubt = first.doubt_s.max(middle.doubt_s).max(last.doubt_s);
+    bent < DRIFT_BENT_SHARE * (last.late_s - first.late_s).abs() + SMALLEST_OFFSET_DOUBTS * doubt
 }
 
 /// Returns which of the controller's columns is late, how late, and in which recordings: the whole number of samples for which the

@@ -3,7 +3,7 @@
 
 use crate::tolerance::recording::{
     BROKEN_IDENTITY_AT_MOST, CONTROLLER_IDENTITY_MULTIPLE, EQUIVALENT_EXPLANATIONS, EXCHANGE_REMAINDER,
-    FACTOR_DOUBT, GYROSCOPE_GAINS,
+    FACTOR_DOUBT, GYROSCOPE_GAINS, KINEMATIC_REMAINDER,
 };
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
@@ -181,6 +181,9 @@ fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Foun
     for &r in bad {
         let (found, doubt) = gain(&table[r], origin)?;
         let found = meant(found, doubt);
+        if !is_known(found) && !has_kinematics(&table[r]) {
+            return None;
+        }
         gains.push((found, doubt));
         explains(&table[r], origin, found).then_some(())?;
     }
@@ -189,6 +192,13 @@ fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Foun
     let sound = (0..table.len()).filter(good).any(|r| !explains(&table[r], origin, gain));
     let recordings = if sound { bad.to_vec() } else { (0..table.len()).collect() };
     Some(Found { mistake: Mistake::Scale { column, gain, doubt }, recordings, or: Vec::new() })
+}
+
+/// Returns whether the kinematics of a recording hold at all, with whatever factors: an elastic drive between two sensors, or a motion that
+/// no sensor shows, leaves much of a rate, and what looks like a factor is then none.
+fn has_kinematics(identities: &[Identity]) -> bool {
+    let kinematic = identities.iter().filter(|i| i.of != Column::Control);
+    kinematic.into_iter().all(|i| i.share < KINEMATIC_REMAINDER)
 }
 
 fn pairs(recording: &Recording) -> Vec<(Column, Column)> {

@@ -1,0 +1,153 @@
+//! Which model explains the recordings: effects of the library, a free function, or both.
+
+use counterpoise_models::Parameters;
+
+use crate::findings::answer::{Answer, Name, Verdict};
+use crate::findings::verdict::Evidence;
+use crate::learning::LearningTask;
+use crate::learning::comparison::{Comparison, is_flexible};
+use crate::learning::visited::Visited;
+use crate::library::EffectName;
+use crate::localisation::error_map::rank_components;
+use crate::recording::measured_signals::MeasuredSignals;
+use crate::selection::candidate::Candidate;
+use crate::selection::outcome::SearchOutcome;
+use crate::selection::searcher::Searcher;
+use crate::simulator_access::Assessment;
+use crate::tolerance::RIVAL_DECAY;
+use crate::tolerance::learning::NAMED_FROM_CURVES;
+
+/// The answer with the mechanism that explains the recordings.
+pub(crate) struct Explanation {
+    pub answer: Answer,
+    pub improved: Parameters,
+}
+
+/// Derives the answer from a search: effects of the library are named if they predict held-out data better than one free function does in
+/// their place; what they leave, or all of it, is modelled by free functions; a curve that is an effect of the library gets its name.
+pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
+    let mut search = evidence.search.clone();
+    let comparison = flexible(searcher, &evidence).and_then(|named| compare(searcher, &evidence, &named));
+    eprintln!(
+        "DBG verdict {:?} named {:?} comparison {:?}",
+        evidence.verdict(),
+        evidence.named().map(|n| n.fit.effects.iter().map(|e| (e.component, e.effect)).collect::<Vec<_>>()),
+        comparison
+    );
+    if comparison.is_some_and(|c| c.prefers_function()) {
+        search.accepted = None;
+        search.rivals = Vec::new();
+    }
+    let mut learned = None;
+    for _ in 0..=NAMED_FROM_CURVES {
+        let now = Evidence { search: &search, map: evidence.map.clone(), ..copy_of(&evidence) };
+        learned = None;
+        if !matches!(now.verdict(), Verdict::Unknown | Verdict::Incomplete) || searcher.pool.cancelled() {
+            break;
+        }
+        let named = now.named().cloned();
+        let Some(rest) = Rest::of(searcher, &now) else { break };
+        let visited = &rest.visited;
+        let task = rest.task(searcher, &now, visited);
+        let Some(first) = task.one_function() else { break };
+        if let Some(better) = task.name_function(&first, named.as_ref()) {
+            search.accepted = Some(better);
+            search.rivals = Vec::new();
+            continue;
+        }
+        learned = task.with_more(Some(first)).and_then(|functions| functions.model(&task));
+        break;
+    }
+    let evidence = Evidence { search: &search, ..evidence };
+    let improved = evidence.improved();
+    let even = comparison.filter(Comparison::is_even);
+    let answer = evidence.answer();
+    match learned {
+        Some((model, improved)) => Explanation { answer: answer.with_learned(model), improved },
+        None => Explanation { answer: doubted(answer, even), improved },
+    }
+}
+
+/// Returns the same evidence with an empty localisation.
+fn copy_of<'e>(evidence: &Evidence<'e>) -> Evidence<'e> {
+    Evidence {
+        simulator: evidence.simulator,
+        base: evidence.base,
+        search: evidence.search,
+        map: Vec::new(),
+        isolability: evidence.isolability.clone(),
+        qualification: Vec::new(),
+        sizes: evidence.sizes,
+    }
+}
+
+/// Returns the named effects if they are flexible enough to imitate an error that is none of them.
+fn flexible(searcher: &Searcher, evidence: &Evidence) -> Option<Candidate> {
+    let named = evidence.named()?;
+    is_flexible(named, searcher.simulator.travel_rad()).then(|| named.clone())
+}
+
+/// Compares the named effects with one free function in their place.
+fn compare(searcher: &Searcher, evidence: &Evidence, named: &Candidate) -> Option<Comparison> {
+    let nothing = SearchOutcome { accepted: None, ..evidence.search.clone() };
+    let bare = Evidence { search: &nothing, map: evidence.map.clone(), ..copy_of(evidence) };
+    let rest = Rest::of(searcher, &bare)?;
+    let task = rest.task(searcher, &bare, &rest.visited);
+    task.compare(named)
+}
+
+/// What is left to be modelled beside the named effects.
+struct Rest {
+    base: Parameters,
+    before: Vec<Assessment>,
+    components: Vec<crate::library::Component>,
+    visited: Visited,
+}
+
+impl Rest {
+    fn of(searcher: &Searcher, evidence: &Evidence) -> Option<Self> {
+        let base = evidence.improved();
+        let before = match evidence.named() {
+            Some(named) => searcher.assess_model(&base, &|r| named.assessments.get(r))?,
+            None => evidence.search.baseline.fitted.clone(),
+        };
+        let simulator = evidence.simulator;
+        let signals: Vec<MeasuredSignals> =
+            (0..simulator.count()).filter_map(|r| simulator.measured(r)).collect();
+        let visited = Visited::of(&base, &signals);
+        Some(Self { base, before, components: rank_components(&evidence.map), visited })
+    }
+
+    fn task<'t>(
+        &'t self,
+        searcher: &'t Searcher<'t>,
+        evidence: &'t Evidence,
+        visited: &'t Visited,
+    ) -> LearningTask<'t> {
+        LearningTask {
+            searcher,
+            base: &self.base,
+            before: &self.before,
+            map: &evidence.map,
+            components: &self.components,
+            visited,
+        }
+    }
+}
+
+/// Returns an answer whose names are as probable as the comparison with a free function allows.
+fn doubted(mut answer: Answer, even: Option<Comparison>) -> Answer {
+    let Some(comparison) = even else { return answer };
+    let share = 1.0 / (1.0 + (RIVAL_DECAY * comparison.ahead_nats.min(0.0)).exp());
+    for finding in &mut answer.findings {
+        finding.probability *= share;
+        let unknown = Name { effect: EffectName::Unknown, component: finding.component };
+        if !finding.alternatives.contains(&unknown) {
+            finding.alternatives.push(unknown);
+        }
+    }
+    if answer.verdict == Verdict::Named {
+        answer.verdict = Verdict::Ambiguous;
+    }
+    answer
+}
