@@ -28,12 +28,6 @@ pub(crate) struct Explanation {
 pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
     let mut search = evidence.search.clone();
     let comparison = flexible(searcher, &evidence).and_then(|named| compare(searcher, &evidence, &named));
-    eprintln!(
-        "DBG verdict {:?} named {:?} comparison {:?}",
-        evidence.verdict(),
-        evidence.named().map(|n| n.fit.effects.iter().map(|e| (e.component, e.effect)).collect::<Vec<_>>()),
-        comparison
-    );
     if comparison.is_some_and(|c| c.prefers_function()) {
         search.accepted = None;
         search.rivals = Vec::new();
