@@ -4,7 +4,7 @@
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::findings::answer::{Answer, Verdict};
-use counterpoise_diagnose::library::{Component, EffectName};
+use counterpoise_diagnose::library::EffectName;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::{Diagnosis, diagnose};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, Plant, RegimeVariable};
@@ -17,6 +17,8 @@ use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// A replay and the diagnosis seek their initial states by different means.
 const SAME_FIGURE: f64 = 0.05;
+/// As the project states it, m/s^2.
+const GRAVITY: f64 = 9.80665;
 const PROJECT: &str = include_str!("../../examples/left-out-friction/project.toml");
 
 fn controller() -> ProportionalIntegral {
@@ -101,15 +103,24 @@ fn a_free_function_is_saved_and_replayed_as_printed() {
 }
 
 #[test]
-fn a_curve_that_is_an_effect_of_the_library_gets_its_name_and_interval() {
+fn a_spring_that_pushes_away_is_an_effect_of_the_library_and_needs_no_free_function() {
     let mut machine = project().1.plant;
     let stiffness = -1150.0;
     machine.lumped.as_mut().unwrap().position_stiffness_nm_rad = stiffness;
     let answer = confirmed(&machine);
-    assert_eq!(answer.verdict, Verdict::Named, "{:?}", answer.findings);
+    assert!(matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous), "{:?}", answer.findings);
+    assert!(answer.learned.is_none() && answer.findings.len() == 1);
     let found = &answer.findings[0];
-    assert_eq!((found.component, found.effect), (Component::Structure, EffectName::PositionStiffness));
-    let [low, high] = found.parameters[0].ci95;
-    assert!((low..=high).contains(&stiffness) && high - low < 0.1 * stiffness.abs(), "{low} {high}");
-    assert!(answer.learned.is_none());
+    let names = found.alternatives.iter().map(|name| name.effect).chain([found.effect]);
+    assert!(names.into_iter().any(|effect| effect == EffectName::PositionStiffness), "{found:?}");
+    // with the platform still, a mass above the axis is the same torque, -nu g theta: that is said, and no name is certain
+    let per_rad = match found.effect {
+        EffectName::VerticalOffset => -GRAVITY,
+        _ => 1.0,
+    };
+    let [a, b] = found.parameters[0].ci95.map(|bound| per_rad * bound);
+    let (low, high) = (a.min(b), a.max(b));
+    assert!(high - low < 0.05 * stiffness.abs(), "{low} {high}");
+    assert!((found.parameters[0].value * per_rad / stiffness - 1.0).abs() < 0.01, "{found:?}");
+    assert!(found.alternatives.is_empty() || found.probability < 0.9, "{found:?}");
 }
