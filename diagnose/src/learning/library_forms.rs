@@ -105,7 +105,8 @@ impl LearningTask<'_> {
     ) -> Option<Candidate> {
         let searcher = self.searcher;
         let known = named.map_or_else(Vec::new, |n| n.fit.effects.clone());
-        if known.iter().any(|e| std::ptr::eq(*e, form.effect)) {
+        let tried = searcher.effects.iter().any(|e| std::ptr::eq(*e, form.effect));
+        if !tried || known.iter().any(|e| std::ptr::eq(*e, form.effect)) {
             return None;
         }
         let values = named.map_or_else(Vec::new, |n| n.fit.values.clone());
