@@ -183,7 +183,8 @@ fn diagnose_of(
     let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
-    let searcher = Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes, base), seeds, sizes };
+    let searcher =
+        Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes, base), seeds, sizes };
     let search = searcher.search();
     if pool.cancelled() {
         return Err(Error::Cancelled);
@@ -231,6 +232,9 @@ fn effects_for(sizes: Sizes, base: &Parameters) -> Vec<&'static Effect> {
         // a textbook leaves friction out: there it has a scale of its own, and is no change of the model's own level
         effects.retain(|e| e.effect != EffectName::Coulomb);
         effects.extend(list_textbook_effects());
+        // a drive that is written as a source of current has neither: its resistance would stand for the torque constant
+        let winding = [EffectName::BackEmf, EffectName::Resistance];
+        effects.retain(|e| base.motor.back_emf_v_s_rad > 0.0 || !winding.contains(&e.effect));
     }
     effects.retain(|effect| can_have(base, effect));
     effects

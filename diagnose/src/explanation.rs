@@ -7,7 +7,7 @@ use crate::findings::verdict::Evidence;
 use crate::learning::LearningTask;
 use crate::learning::comparison::{Comparison, is_flexible};
 use crate::learning::visited::Visited;
-use crate::library::EffectName;
+use crate::library::{Component, EffectName};
 use crate::localisation::error_map::rank_components;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::selection::candidate::Candidate;
@@ -28,12 +28,6 @@ pub(crate) struct Explanation {
 pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
     let mut search = evidence.search.clone();
     let comparison = flexible(searcher, &evidence).and_then(|named| compare(searcher, &evidence, &named));
-    eprintln!(
-        "DBG verdict {:?} named {:?} comparison {:?}",
-        evidence.verdict(),
-        evidence.named().map(|n| n.fit.effects.iter().map(|e| (e.component, e.effect)).collect::<Vec<_>>()),
-        comparison
-    );
     if comparison.is_some_and(|c| c.prefers_function()) {
         search.accepted = None;
         search.rivals = Vec::new();
@@ -47,8 +41,7 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
         }
         let named = now.named().cloned();
         let Some(rest) = Rest::of(searcher, &now) else { break };
-        let visited = &rest.visited;
-        let task = rest.task(searcher, &now, visited);
+        let task = rest.task(searcher, &now);
         let Some(first) = task.one_function() else { break };
         if let Some(better) = task.name_function(&first, named.as_ref()) {
             search.accepted = Some(better);
@@ -57,6 +50,10 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
         }
         learned = task.with_more(Some(first)).and_then(|functions| functions.model(&task));
         break;
+    }
+    if learned.is_none() && search.accepted.is_none() {
+        // no free function took the place of what was named after all
+        search = evidence.search.clone();
     }
     let evidence = Evidence { search: &search, ..evidence };
     let improved = evidence.improved();
@@ -92,7 +89,7 @@ fn compare(searcher: &Searcher, evidence: &Evidence, named: &Candidate) -> Optio
     let nothing = SearchOutcome { accepted: None, ..evidence.search.clone() };
     let bare = Evidence { search: &nothing, map: evidence.map.clone(), ..copy_of(evidence) };
     let rest = Rest::of(searcher, &bare)?;
-    let task = rest.task(searcher, &bare, &rest.visited);
+    let task = rest.task(searcher, &bare);
     task.compare(named)
 }
 
@@ -100,7 +97,7 @@ fn compare(searcher: &Searcher, evidence: &Evidence, named: &Candidate) -> Optio
 struct Rest {
     base: Parameters,
     before: Vec<Assessment>,
-    components: Vec<crate::library::Component>,
+    components: Vec<Component>,
     visited: Visited,
 }
 
@@ -118,19 +115,14 @@ impl Rest {
         Some(Self { base, before, components: rank_components(&evidence.map), visited })
     }
 
-    fn task<'t>(
-        &'t self,
-        searcher: &'t Searcher<'t>,
-        evidence: &'t Evidence,
-        visited: &'t Visited,
-    ) -> LearningTask<'t> {
+    fn task<'t>(&'t self, searcher: &'t Searcher<'t>, evidence: &'t Evidence) -> LearningTask<'t> {
         LearningTask {
             searcher,
             base: &self.base,
             before: &self.before,
             map: &evidence.map,
             components: &self.components,
-            visited,
+            visited: &self.visited,
         }
     }
 }

@@ -12,7 +12,7 @@
 //! 4. [`simulator_access`]: what is asked of the simulator.
 //! 5. [`fitting`]: effects are fitted in the simulator, and judged on held-out data.
 //! 6. [`selection`]: which effects, together, explain the recordings.
-//! 7. [`learning`]: free functions model what has no name.
+//! 7. [`learning`]: free functions model what has no name; `explanation` chooses between them and the library's effects.
 //! 8. [`identification`]: the triangle-wave method, apart from the others.
 //! 9. [`findings`]: verdict and findings.
 //! 10. [`diagnosis`]: all of it in one function.

@@ -9,7 +9,7 @@ use crate::findings::answer::{
 };
 use crate::fitting::output_error::confidence_intervals;
 use crate::fitting::score::{Score, score};
-use crate::library::{Component, Effect, EffectName};
+use crate::library::{Component, Effect, EffectName, Parameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
@@ -173,7 +173,7 @@ impl Evidence<'_> {
         let effect = accepted.fit.effects[index];
         let (samples, inflation) = self.worth(accepted);
         let bounds = confidence_intervals(&accepted.fit, samples, inflation);
-        let one = |(j, definition): (usize, &crate::library::Parameter)| {
+        let one = |(j, definition): (usize, &Parameter)| {
             let wrap =
                 if effect.is_ripple() && j == 2 { whole_turns(accepted.fit.values[first + j]) } else { 0.0 };
             FittedParameter {
@@ -318,7 +318,7 @@ fn beside(candidate: &Candidate) -> Vec<Name> {
 fn newest_values(candidate: &Candidate) -> Vec<HypothesisValue> {
     let Some(effect) = candidate.newest() else { return Vec::new() };
     let values = &candidate.fit.values[candidate.fit.values.len() - effect.parameters.len()..];
-    let one = |(parameter, value): (&crate::library::Parameter, &f64)| HypothesisValue {
+    let one = |(parameter, value): (&Parameter, &f64)| HypothesisValue {
         name: parameter.name,
         value: *value,
         unit: parameter.unit,

@@ -10,7 +10,9 @@ use crate::library::{Component, Effect, Kind, Mapping, Parameter, gain_curve_inp
 use crate::selection::candidate::Candidate;
 use crate::selection::parameter_scan::covers_a_period;
 use crate::simulator_access::Assessment;
-use crate::tolerance::learning::{COMPARED_PARAMETERS_AT_MOST, UNDETERMINED_LOGARITHM, UNDETERMINED_SHARE};
+use crate::tolerance::learning::{
+    COMPARED_PARAMETERS_AT_MOST, EVEN_PARAMETERS, UNDETERMINED_LOGARITHM, UNDETERMINED_SHARE,
+};
 use crate::tolerance::{AMBIGUOUS, SEARCH_ITERATIONS};
 
 /// What a comparison on held-out data says.
@@ -31,9 +33,10 @@ impl Comparison {
         self.ahead_nats > AMBIGUOUS || (self.ahead_nats > -AMBIGUOUS && fewer)
     }
 
-    /// Returns whether the recordings cannot tell both apart.
+    /// Returns whether the recordings cannot tell both apart. A function that needs many more parameters only follows the effects' shape.
     pub fn is_even(&self) -> bool {
-        !self.prefers_function() && self.ahead_nats > -AMBIGUOUS
+        let comparable = self.function_parameters < EVEN_PARAMETERS * self.library_parameters;
+        !self.prefers_function() && self.ahead_nats > -AMBIGUOUS && comparable
     }
 }
 
@@ -63,7 +66,10 @@ fn is_undetermined(named: &Candidate) -> bool {
         .mapping
     {
         Mapping::Log => (high / low).ln() > UNDETERMINED_LOGARITHM,
-        Mapping::Linear => high - low > UNDETERMINED_SHARE * value.abs() && parameter.name != "phase",
+        // a place or a phase may be zero: then its typical size is the measure
+        Mapping::Linear => {
+            high - low > UNDETERMINED_SHARE * value.abs().max(parameter.size) && parameter.name != "phase"
+        }
         Mapping::Whole => false,
     };
     all.into_iter().any(wide)
@@ -95,11 +101,6 @@ impl LearningTask<'_> {
         let judged: Vec<Assessment> =
             (0..self.before.len()).map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         let library = score(&judged, &candidate.held_out_parts)?;
-        eprintln!(
-            "DBG compare function worst {} library worst {}",
-            candidate.held_out.worst(),
-            library.worst()
-        );
         Some(Comparison {
             ahead_nats: -candidate.held_out.loss_against(&library),
             function_parameters: self.effective_parameters(&function.learned),

@@ -92,11 +92,6 @@ impl LearningTask<'_> {
         };
         let reading = read(&element)?;
         let forms = library_forms(&element, &reading, self.base);
-        eprintln!(
-            "DBG reading {:?} forms {:?}",
-            reading,
-            forms.iter().map(|f| (f.effect.effect, f.start.clone())).collect::<Vec<_>>()
-        );
         let fitted = forms.iter().filter_map(|form| self.fit_form(form, functions, named));
         fitted.min_by(|a, b| a.behind(b).total_cmp(&0.0))
     }
@@ -110,7 +105,8 @@ impl LearningTask<'_> {
     ) -> Option<Candidate> {
         let searcher = self.searcher;
         let known = named.map_or_else(Vec::new, |n| n.fit.effects.clone());
-        if known.iter().any(|e| std::ptr::eq(*e, form.effect)) {
+        let tried = searcher.effects.iter().any(|e| std::ptr::eq(*e, form.effect));
+        if !tried || known.iter().any(|e| std::ptr::eq(*e, form.effect)) {
             return None;
         }
         let values = named.map_or_else(Vec::new, |n| n.fit.values.clone());
@@ -125,15 +121,6 @@ impl LearningTask<'_> {
         let held_out = score(&judged, &curve.held_out_parts)?;
         let spared = self.effective_parameters(&functions.learned) - form.start.len() as f64;
         let allowed = AMBIGUOUS.max(0.5 * PARAMETER_PRICE * spared);
-        eprintln!(
-            "DBG form {:?} loss {} allowed {} worst {} curve {} bounds {}",
-            fit.values,
-            held_out.loss_against(&curve.held_out),
-            allowed,
-            held_out.worst(),
-            curve.held_out.worst(),
-            0
-        );
         if held_out.loss_against(&curve.held_out) > allowed {
             return None;
         }
@@ -141,13 +128,6 @@ impl LearningTask<'_> {
         let built = searcher.build_candidate(fit, &judged, &selection.recordings, self.before)?;
         let parts = curve.held_out_parts.clone();
         let built = Candidate { held_out, held_out_before: before, held_out_parts: parts, ..built };
-        eprintln!(
-            "DBG acceptable {} gain {} harmful {} bounds {}",
-            built.is_acceptable(),
-            built.gain(),
-            built.is_harmful(),
-            built.is_within_bounds()
-        );
         built.is_acceptable().then(|| searcher.refit_candidate(built))
     }
 }

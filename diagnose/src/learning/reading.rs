@@ -105,7 +105,9 @@ pub fn read(element: &LearnedElement) -> Option<Reading> {
     let explained = if total > 0.0 { 1.0 - best.misfit / total } else { 1.0 };
     let flat = best.form == Form::Constant;
     let within_noise = best.misfit < count;
-    (if flat { within_noise } else { explained > READ_SHARE || within_noise }).then(|| Reading {
+    // a level that is not told from the one that changes nothing says nothing
+    let off = (best.linear[0] - element.quantity.neutral()).abs() > 1.96 * best.deviation[0];
+    (if flat { within_noise && off } else { explained > READ_SHARE || within_noise }).then(|| Reading {
         form: best.form,
         parameters: curve.parameters(&best),
         explained,

@@ -4,7 +4,7 @@ use super::amplifier_map::{fraction, static_gain};
 use super::effect::{Effect, Kind, parameter};
 use super::names::{Component, EffectName};
 use crate::tolerance::fitting::{FREE_INPUTS_V, USUAL_GAIN_CORNER_V};
-use counterpoise_models::{AmplifierDynamics, MapPoint, Parameters};
+use counterpoise_models::{AmplifierDynamics, FrictionLaw, MapPoint, Parameters};
 
 /// Returns the input at which the map's shortfall has fallen to 1/e of that at the first point; [`USUAL_GAIN_CORNER_V`] if there is no
 /// shortfall.
@@ -52,6 +52,19 @@ fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
 
+/// Smallest Coulomb level, N m, that is written: a level of 0 would change the friction's law.
+const LEAST_LEVEL_NM: f64 = 1e-9;
+
+/// Sets a Coulomb level that may be far from the model's own: the law breaks away at the same deflection as before, because the stiffness of a
+/// friction that a textbook nearly leaves out is a placeholder. Where there is no dry friction it becomes Coulomb's.
+fn set_own_level(law: &mut FrictionLaw, level_nm: f64) {
+    if law.coulomb_nm() > 0.0 {
+        law.set_coulomb_at_same_deflection_nm(level_nm.max(LEAST_LEVEL_NM));
+    } else {
+        law.set_or_add_coulomb_nm(level_nm);
+    }
+}
+
 /// Effects that only a machine with textbook values is tried with: friction of its own scale, which a textbook leaves out, and parameters
 /// of a drive whose textbook values may be wrong as well. Sizes are those of the scaled machine, whose drive has a torque of some hundred
 /// N m at the hub, so that a friction may start from nothing.
@@ -85,7 +98,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
             Linear,
             get | p | p.pivot_friction.coulomb_nm(),
             set | p,
-            v | p.pivot_friction.law.set_or_add_coulomb_nm(v)
+            v | set_own_level(&mut p.pivot_friction.law, v)
         )],
         starts: &[],
     },
@@ -102,7 +115,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
             Linear,
             get | p | p.motor_friction.coulomb_nm(),
             set | p,
-            v | p.motor_friction.law.set_or_add_coulomb_nm(v)
+            v | set_own_level(&mut p.motor_friction.law, v)
         )],
         starts: &[],
     },

@@ -70,3 +70,5 @@ pub const UNDETERMINED_LOGARITHM: f64 = 1.1;
 pub const UNDETERMINED_SHARE: f64 = 1.0;
 /// Times at most that a curve becomes an effect of the library, and what that leaves is modelled anew.
 pub const NAMED_FROM_CURVES: usize = 2;
+/// Multiple of the parameters of the library's effects up to which a free function that predicts as well is offered beside them.
+pub const EVEN_PARAMETERS: f64 = 2.5;
