@@ -1,7 +1,8 @@
 //! The simulator's speed: `cargo bench -p counterpoise-simulate`.
 //!
 //! Ten seconds of the two-mass servo with three laws of friction at three stiffnesses (the rows of
-//! `tests/peers/nonlinear/TABLE.md`; their ratio is the cost of the laws), and of the reference rig with more and more modes.
+//! `tests/peers/nonlinear/TABLE.md`; their ratio is the cost of the laws), of the reference rig with more and more modes, and of the
+//! rig on a recorded road with noise; one point of a frequency response.
 #![allow(missing_docs, non_snake_case, clippy::unwrap_used)]
 
 mod two_mass;
@@ -9,7 +10,8 @@ mod two_mass;
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{OperatingPoint, Plant, reference};
-use counterpoise_simulate::{Detail, PlatformMotion, Scenario, Signal, Simulator};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
+use counterpoise_simulate::{Detail, Imperfections, PlatformMotion, Scenario, Signal, Simulator};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use two_mass::{Controller, scenario};
 
@@ -58,18 +60,55 @@ fn flexible(modes: u32) -> Plant {
     Plant::with_body(&rig, body).unwrap()
 }
 
+fn proportional_integral(plant: &Plant) -> ProportionalIntegral {
+    ProportionalIntegral {
+        kp_v_s_rad: 18.0,
+        ki_v_rad: 80.0,
+        bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
+        sample_period_s: 1e-3,
+        integral_v: 0.0,
+    }
+}
+
+/// Ten seconds on a recorded road, as a replay has them, and a point of a frequency response.
+fn rig(criterion: &mut Criterion) {
+    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let controller = proportional_integral(&plant);
+    let recorded = |amplitude: f64| Signal::Samples {
+        period_s: 1e-3,
+        values: (0..10_000)
+            .map(|k| f64::from(k) * 1e-3)
+            .map(|t| amplitude * ((8.0 * t).sin() + 0.5 * (21.0 * t).sin() + 0.2 * (55.0 * t).cos()))
+            .collect(),
+    };
+    let scenario = Scenario {
+        platform: PlatformMotion {
+            pitch_rate_rad_s: recorded(0.1),
+            heave_m_s2: recorded(0.5),
+            ..PlatformMotion::STILL
+        },
+        imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
+        detail: Detail::Recording,
+        ..Scenario::still(10.0)
+    };
+    let mut simulator = Simulator::new(&plant).unwrap();
+    criterion.bench_function("recorded road with noise, ten seconds", |bencher| {
+        bencher.iter(|| simulator.run(&mut controller.clone(), &scenario).unwrap());
+    });
+    criterion.bench_function("frequency response, one point", |bencher| {
+        let at = TestSine { frequency_rad_s: 6.0, amplitude: 0.05 };
+        let settings = Settings::default();
+        bencher
+            .iter(|| measure(&plant, &mut controller.clone(), Test::PlatformToHub, at, &settings).unwrap());
+    });
+}
+
 fn modes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("modes");
     group.sample_size(20);
     for modes in [1, 3, 14, 40] {
         let plant = flexible(modes);
-        let controller = ProportionalIntegral {
-            kp_v_s_rad: 18.0,
-            ki_v_rad: 80.0,
-            bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
-            sample_period_s: 1e-3,
-            integral_v: 0.0,
-        };
+        let controller = proportional_integral(&plant);
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude: 0.1, period_s: 1.0 },
             platform: PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL },
@@ -88,5 +127,5 @@ fn modes(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, servo, modes);
+criterion_group!(benches, servo, modes, rig);
 criterion_main!(benches);

@@ -159,7 +159,7 @@ impl<'a> Followed<'a> {
                 }
                 from_middle(about)
             }
-            Self::Other(signal) => fit_quartic(|s| signal.at(start_s + s * period_s)),
+            Self::Other(signal) => fit_quartic(signal.at_each(POINTS.map(|s| start_s + s * period_s))),
         }
     }
 }
@@ -270,12 +270,14 @@ fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {
     ]
 }
 
-/// Returns the quartic through five points inside (0, 1): never at the ends, where a step may lie.
-fn fit_quartic(f: impl Fn(f64) -> f64) -> [f64; 5] {
-    const POINTS: [f64; 5] =
-        [0.024_471_741_852_423, 0.206_107_373_853_763, 0.5, 0.793_892_626_146_237, 0.975_528_258_147_577];
+/// Where a quartic is fitted over a sample: never at the ends, where a step may lie.
+const POINTS: [f64; 5] =
+    [0.024_471_741_852_423, 0.206_107_373_853_763, 0.5, 0.793_892_626_146_237, 0.975_528_258_147_577];
+
+/// Returns the quartic through values at [`POINTS`].
+fn fit_quartic(values: [f64; 5]) -> [f64; 5] {
     // Newton's divided differences, then expanded in powers
-    let mut difference = POINTS.map(f);
+    let mut difference = values;
     if difference.iter().all(|&y| y == difference[0]) {
         return [difference[0], 0.0, 0.0, 0.0, 0.0];
     }
@@ -301,7 +303,7 @@ mod tests {
     #[test]
     fn a_quartic_is_fitted_exactly() {
         let c = [1.0, -2.0, 0.5, 3.0, -1.5];
-        let fitted = fit_quartic(|s| quartic(&c, s));
+        let fitted = fit_quartic(POINTS.map(|s| quartic(&c, s)));
         for (a, b) in fitted.iter().zip(c) {
             assert!((a - b).abs() < 1e-12, "{fitted:?}");
         }

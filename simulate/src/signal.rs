@@ -84,6 +84,20 @@ impl Signal {
         }
     }
 
+    /// Returns the values at five times, as [`Signal::at`] does; samples between which all of them lie are looked up once.
+    pub(crate) fn at_each(&self, times_s: [f64; 5]) -> [f64; 5] {
+        let Self::Samples { period_s, values } = self else { return times_s.map(|time_s| self.at(time_s)) };
+        let positions = times_s.map(|time_s| time_s / period_s);
+        let index = positions[0] as usize;
+        let inside = positions[0] > 0.0 && index + 1 < values.len();
+        if inside && positions.iter().all(|position| *position as usize == index) {
+            let between = Between::new(values, index);
+            positions.map(|position| between.at(position))
+        } else {
+            positions.map(|position| smooth(values, position))
+        }
+    }
+
     /// Returns the signal from one of its samples on, as far as a run over so many samples looks; a signal that is not made of samples is
     /// returned as it is.
     pub(crate) fn part(&self, samples: Range<usize>) -> Self {
@@ -139,13 +153,32 @@ fn smooth(values: &[f64], position: f64) -> f64 {
     if index >= last {
         return values[last];
     }
-    let at = |offset: isize| values[index.saturating_add_signed(offset).min(last)];
-    let (y0, y1) = (at(0), at(1));
-    let d0 = if index == 0 { y1 - y0 } else { 0.5 * (y1 - at(-1)) };
-    let d1 = if index + 1 == last { y1 - y0 } else { 0.5 * (at(2) - y0) };
-    let s = position - index as f64;
-    let (c2, c3) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-    y0 + s * (d0 + s * (c2 + s * c3))
+    Between::new(values, index).at(position)
+}
+
+/// The cubic between two neighbouring values.
+struct Between {
+    index: usize,
+    /// Coefficients of the powers of the fraction.
+    c: [f64; 4],
+}
+
+impl Between {
+    /// Returns the cubic from the value at an index to the next, which exists.
+    #[inline]
+    fn new(values: &[f64], index: usize) -> Self {
+        let last = values.len() - 1;
+        let (y0, y1) = (values[index], values[index + 1]);
+        let d0 = if index == 0 { y1 - y0 } else { 0.5 * (y1 - values[index - 1]) };
+        let d1 = if index + 1 == last { y1 - y0 } else { 0.5 * (values[index + 2] - y0) };
+        Self { index, c: [y0, d0, 3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1] }
+    }
+
+    #[inline]
+    fn at(&self, position: f64) -> f64 {
+        let (s, [c0, c1, c2, c3]) = (position - self.index as f64, self.c);
+        c0 + s * (c1 + s * (c2 + s * c3))
+    }
 }
 
 #[cfg(test)]
@@ -173,5 +206,20 @@ mod tests {
         let signal = Signal::Held { period_s: 1e-3, values: vec![1.0, 2.0, 3.0] };
         assert_eq!(signal.at(2.0 * 1e-3), 3.0);
         assert_eq!(signal.at(0.9e-3), 1.0);
+    }
+
+    #[test]
+    fn five_times_at_once_give_the_same_bits_as_one_after_the_other() {
+        let values: Vec<f64> = (0..40).map(|k| (f64::from(k) * 0.7).sin()).collect();
+        let samples = Signal::Samples { period_s: 1e-3, values };
+        let single = Signal::Samples { period_s: 1e-3, values: vec![0.3] };
+        for signal in [samples, single, Signal::sine(0.4, 80.0)] {
+            // before, inside and behind the samples, and across the end of an interval
+            for k in -20..450 {
+                let times = [0.0, 0.2, 0.5, 0.8, 0.98].map(|s| (f64::from(k) * 0.1 + s) * 1e-3);
+                let one_by_one = times.map(|time| signal.at(time).to_bits());
+                assert_eq!(signal.at_each(times).map(f64::to_bits), one_by_one, "{k}");
+            }
+        }
     }
 }

@@ -92,8 +92,15 @@ impl Attempt {
         }
     }
 
-    /// Takes the step; says whether the ports have converged.
+    /// Takes the step, in the widest registers of the machine and with the same sums in the same order on every machine; says
+    /// whether the ports have converged.
     pub fn solve(&mut self, given: &Given) -> bool {
+        pulp::Arch::new().dispatch(Solution { attempt: self, given })
+    }
+
+    /// Takes the step in the registers of the function that it becomes part of.
+    #[inline(always)]
+    pub fn solve_inline(&mut self, given: &Given) -> bool {
         self.outputs[0] = given.outputs;
         self.about = self.about.moved_to(self.outputs[0][2]);
         let first = Point {
@@ -108,12 +115,12 @@ impl Attempt {
         self.fill_inputs(given);
         let (seen, state) = self.result.split_at_mut(STATE);
         seen.fill(0.0);
-        given.table.fixed.multiply_add(&self.inputs, seen);
-        given.table.flow.multiply(given.core, state);
-        given.table.drive.multiply_add(&self.inputs[self.order..], state);
+        given.table.fixed.multiply_add_inline(&self.inputs, seen);
+        given.table.flow.multiply_inline(given.core, state);
+        given.table.drive.multiply_add_inline(&self.inputs[self.order..], state);
         self.guess(given);
         let converged = self.iterate(given);
-        given.table.end.multiply_add(&self.values, &mut self.result[STAGE_ROWS..]);
+        given.table.end.multiply_add_inline(&self.values, &mut self.result[STAGE_ROWS..]);
         converged
     }
 
@@ -122,6 +129,7 @@ impl Attempt {
     fn guess(&mut self, given: &Given) {
         let weights = self.before.weights(given.table.step_s);
         let quiet = [0, 1].map(|p| self.before.change(p) < QUIET * given.ports.scales[p]);
+        let tilt = given.ports.tilt(&self.about, self.outputs[0][2]);
         for stage in 0..STAGES {
             let at = stage * PORTS;
             for p in 0..2 {
@@ -130,7 +138,7 @@ impl Attempt {
             }
             let (heave, further) =
                 (given.platform.nodes[stage + 1].heave, given.platform.further_at(stage + 1));
-            self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave, further);
+            self.values[at + 2] = given.ports.load(tilt, heave, further);
         }
     }
 
@@ -150,6 +158,7 @@ impl Attempt {
         self.inputs[n + 6..n + FIXED_INPUTS].copy_from_slice(&self.start);
     }
 
+    #[inline(always)]
     fn iterate(&mut self, given: &Given) -> bool {
         let allowed = (ITERATION_SHARE * given.tolerance).min(ITERATION_TOLERANCE);
         let mut last = f64::INFINITY;
@@ -171,10 +180,11 @@ impl Attempt {
     }
 
     /// Evaluates the ports along the step; returns their largest change.
+    #[inline(always)]
     fn iteration(&mut self, given: &Given) -> f64 {
         let mut rows = [0.0; STAGE_ROWS];
         rows.copy_from_slice(&self.result[..STAGE_ROWS]);
-        given.table.stages.multiply_add(&self.values, &mut rows);
+        given.table.stages.multiply_add_inline(&self.values, &mut rows);
         for stage in 0..STAGES {
             self.outputs[stage + 1].copy_from_slice(&rows[stage * OUTPUTS..(stage + 1) * OUTPUTS]);
         }
@@ -292,6 +302,21 @@ impl Attempt {
     /// Returns the bonds at the end.
     pub fn bonds(&self) -> &Bonds {
         &self.bonds
+    }
+}
+
+/// A step that is compiled for every width of registers.
+struct Solution<'a, 'b> {
+    attempt: &'a mut Attempt,
+    given: &'a Given<'b>,
+}
+
+impl pulp::NullaryFnOnce for Solution<'_, '_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        self.attempt.solve_inline(self.given)
     }
 }
 

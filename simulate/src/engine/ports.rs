@@ -5,7 +5,7 @@ use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION};
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
-use counterpoise_models::plant::{Hose, JointMotion, LearnedFunctions, LearnedRegime};
+use counterpoise_models::plant::{Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
 use counterpoise_models::{Axis, LearnedPlace, Measured, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
@@ -151,15 +151,15 @@ impl AngleNearby {
 
     /// Returns the sine and cosine by the addition theorem, of the difference by its series.
     #[inline]
-    fn sin_cos(&self, angle: f64) -> (f64, f64) {
+    fn sin_cos(&self, angle: f64) -> SinCos {
         let d = angle - self.angle;
         if d.abs() > NEAR_ANGLE_RAD {
-            return angle.sin_cos();
+            return angle.sin_cos().into();
         }
         let square = d * d;
         let (sin, cos) =
             (d * (1.0 - square / 6.0 * (1.0 - square / 20.0)), 1.0 - 0.5 * square * (1.0 - square / 12.0));
-        (self.sin * cos + self.cos * sin, self.cos * cos - self.sin * sin)
+        SinCos { sin: self.sin * cos + self.cos * sin, cos: self.cos * cos - self.sin * sin }
     }
 }
 
@@ -388,26 +388,19 @@ impl Ports {
         self.values(plant, middle, &after, &memory)
     }
 
-    /// Returns the load at a hub angle under a heave and what comes beside it.
+    /// Returns the load at a tilt under a heave and what comes beside it.
     #[inline]
-    pub fn load(
-        &self,
-        about: &AngleNearby,
-        hub_angle: f64,
-        heave: f64,
-        further: Option<&FurtherPoint>,
-    ) -> f64 {
-        let (sin, cos) = self.tilt(about, hub_angle);
-        let load = (self.gravity + heave) * cos;
-        further.map_or(load, |further| load - further.surge * sin)
+    pub fn load(&self, tilt: SinCos, heave: f64, further: Option<&FurtherPoint>) -> f64 {
+        let load = (self.gravity + heave) * tilt.cos;
+        further.map_or(load, |further| load - further.surge * tilt.sin)
     }
 
     /// Returns the sine and cosine that gravity sees.
     #[inline]
-    fn tilt(&self, about: &AngleNearby, hub_angle: f64) -> (f64, f64) {
+    pub fn tilt(&self, about: &AngleNearby, hub_angle: f64) -> SinCos {
         match self.axis {
             Axis::Rotary => about.sin_cos(hub_angle),
-            Axis::Linear => (0.0, 1.0),
+            Axis::Linear => SinCos { sin: 0.0, cos: 1.0 },
         }
     }
 
@@ -497,7 +490,7 @@ impl Ports {
 
     #[inline]
     fn values(&self, plant: &Plant, at: &Point, motion: &Motion, memory: &FrictionState) -> [f64; PORTS] {
-        let (sin, cos) = self.tilt(at.about, at.outputs[HUB_ANGLE]);
+        let SinCos { sin, cos } = self.tilt(at.about, at.outputs[HUB_ANGLE]);
         let gravity = self.gravity + at.platform.heave;
         let motor_level = self.motor_level(motion, at.time_s);
         let pivot_level = self.pivot_level(motion, at.time_s);
@@ -509,7 +502,7 @@ impl Ports {
         if let Some(further) = at.further {
             load -= further.surge * sin;
             hub += self.vertical_offset * further.surge * cos
-                + plant.gyroscopic_torque_nm((sin, cos).into(), further.rates);
+                + plant.gyroscopic_torque_nm(SinCos { sin, cos }, further.rates);
         }
         if self.motor_extras {
             let current = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);

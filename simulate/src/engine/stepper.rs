@@ -316,4 +316,26 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_step_has_the_same_bits_in_registers_of_every_width() {
+        let plant = Plant::lumped(&reference::rig()).unwrap();
+        let mut present = Present::new(&plant, 1e-3).unwrap();
+        present.restart(&Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0));
+        let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL };
+        for level in [0, 5] {
+            let mode = present.mode(5.0);
+            present.enter(&mode, level);
+            let span = platform.sample(0.0, 1e-3, 0.0).span(0.0, fraction(TICKS >> level));
+            let held = Held { drive_v: 5.0, offset_nm: mode.offset };
+            let step = StepInput { held, platform: &span, time_s: 0.0, tolerance: 1e-5 };
+            let given = present.given(present.linear().table(level).unwrap(), &step);
+            let (mut wide, mut narrow) = (Attempt::new(plant.core_order()), Attempt::new(plant.core_order()));
+            assert_eq!(wide.solve(&given), narrow.solve_inline(&given));
+            let bits = |of: &[f64]| of.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(wide.end()), bits(narrow.end()));
+            assert_eq!(bits(&wide.end_ports()), bits(&narrow.end_ports()));
+            assert_eq!(wide.friction(), narrow.friction());
+        }
+    }
 }

@@ -39,8 +39,9 @@ impl Strips {
         pulp::Arch::new().dispatch(Product { M: self, v, out });
     }
 
+    /// Computes what [`Strips::multiply_add`] does, in the registers of the function that it becomes part of.
     #[inline(always)]
-    fn product(&self, v: &[f64], out: &mut [f64]) {
+    pub fn multiply_add_inline(&self, v: &[f64], out: &mut [f64]) {
         let v = &v[..self.columns];
         let (wide, narrow) = out.split_at_mut(self.wide.len() / self.columns.max(1));
         strips::<WIDE>(&self.wide, v, wide);
@@ -60,7 +61,7 @@ impl pulp::NullaryFnOnce for Product<'_> {
 
     #[inline(always)]
     fn call(self) {
-        self.M.product(self.v, self.out);
+        self.M.multiply_add_inline(self.v, self.out);
     }
 }
 

@@ -65,11 +65,11 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
-    /// out = exp(A h) z.
-    #[inline]
-    pub fn multiply(&self, z: &[f64], out: &mut [f64]) {
+    /// Computes out = exp(A h) z, in the registers of the function that it becomes part of.
+    #[inline(always)]
+    pub fn multiply_inline(&self, z: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        self.head.multiply_add(&z[..self.from], &mut out[..self.head_rows]);
+        self.head.multiply_add_inline(&z[..self.from], &mut out[..self.head_rows]);
         let pairs = z[self.from..].chunks_exact(2).zip(out[self.from..].chunks_exact_mut(2));
         for (block, (z, out)) in self.pairs.iter().zip(pairs) {
             out[0] = block.m11 * z[0] + block.m12 * z[1];

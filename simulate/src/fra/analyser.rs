@@ -61,26 +61,87 @@ impl Response {
 /// # Errors
 /// A frequency that is not between 0 and the Nyquist frequency, fewer samples than unknowns.
 pub fn spectrum(samples: &[f64], period_s: f64, frequency_rad_s: f64) -> Result<Spectrum, Error> {
-    let step = frequency_rad_s * period_s;
-    if !(step > 0.0 && step < 0.5 * TAU) {
-        let allowed = "above 0 and below the Nyquist frequency";
-        return Err(Error::Range { what: "frequency_rad_s", value: frequency_rad_s, allowed });
+    Harmonics::new(samples.len(), period_s, frequency_rad_s)?.spectrum(samples)
+}
+
+/// Mean, fundamental and harmonics at the samples of a window, for the spectra of many signals over windows of one length.
+#[derive(Debug, Clone)]
+pub(crate) struct Harmonics {
+    /// Angle of the fundamental per sample, rad.
+    step: f64,
+    /// Harmonics, the fundamental included.
+    count: usize,
+    /// \[1, cos, sin, cos 2, sin 2, ...\] sample by sample.
+    rows: Vec<f64>,
+    /// Sum of the products of the rows with themselves, if no sample is left out.
+    normal: Mat,
+}
+
+impl Harmonics {
+    /// Returns them for windows of so many samples.
+    ///
+    /// # Errors
+    /// A frequency that is not between 0 and the Nyquist frequency.
+    pub fn new(samples: usize, period_s: f64, frequency_rad_s: f64) -> Result<Self, Error> {
+        let step = frequency_rad_s * period_s;
+        if !(step > 0.0 && step < 0.5 * TAU) {
+            let allowed = "above 0 and below the Nyquist frequency";
+            return Err(Error::Range { what: "frequency_rad_s", value: frequency_rad_s, allowed });
+        }
+        let count = HARMONICS.min(((0.5 * TAU / step).ceil() as usize - 1).max(1));
+        let unknowns = 1 + 2 * count;
+        let mut rows = Vec::with_capacity(samples * unknowns);
+        (0..samples).for_each(|k| push_row(k, step, count, &mut rows));
+        let normal = normal(rows.chunks_exact(unknowns), unknowns);
+        Ok(Self { step, count, rows, normal })
     }
-    let count = HARMONICS.min(((0.5 * TAU / step).ceil() as usize - 1).max(1));
-    let unknowns = 1 + 2 * count;
-    let usable = samples.iter().filter(|y| y.is_finite()).count();
-    if usable < unknowns {
-        return Err(Error::Length { what: "the analyser's window", found: usable, expected: unknowns });
+
+    /// Returns the number of samples in a window.
+    pub fn samples(&self) -> usize {
+        self.rows.len() / self.unknowns()
     }
-    let solution = fit(samples, step, count)?;
-    let harmonics = (0..count).map(|k| C64::new(solution[1 + 2 * k], -solution[2 + 2 * k])).collect();
-    let left: f64 = samples
-        .iter()
-        .enumerate()
-        .filter(|(_, y)| y.is_finite())
-        .map(|(k, y)| (y - dot(&regressors(k, step, count), &solution)).powi(2))
-        .sum();
-    Ok(Spectrum { mean: solution[0], harmonics, residual_rms: (left / usable as f64).sqrt() })
+
+    /// Returns the spectrum of the samples of a window; see [`spectrum`].
+    ///
+    /// # Errors
+    /// Fewer samples than unknowns, and a window in which they cannot be told apart.
+    pub fn spectrum(&self, samples: &[f64]) -> Result<Spectrum, Error> {
+        let usable = samples.iter().filter(|y| y.is_finite()).count();
+        if usable < self.unknowns() {
+            let expected = self.unknowns();
+            return Err(Error::Length { what: "the analyser's window", found: usable, expected });
+        }
+        let solution = self.fit(samples, usable)?;
+        let harmonics =
+            (0..self.count).map(|k| C64::new(solution[1 + 2 * k], -solution[2 + 2 * k])).collect();
+        let left: f64 = self.usable(samples).map(|(row, y)| (y - dot(row, &solution)).powi(2)).sum();
+        Ok(Spectrum { mean: solution[0], harmonics, residual_rms: (left / usable as f64).sqrt() })
+    }
+
+    fn unknowns(&self) -> usize {
+        1 + 2 * self.count
+    }
+
+    /// The rows of the samples that are numbers, and those samples.
+    fn usable<'a>(&'a self, samples: &'a [f64]) -> impl Iterator<Item = (&'a [f64], &'a f64)> {
+        self.rows.chunks_exact(self.unknowns()).zip(samples).filter(|(_, y)| y.is_finite())
+    }
+
+    fn fit(&self, samples: &[f64], usable: usize) -> Result<Vec<f64>, Error> {
+        let n = self.unknowns();
+        let mut right = Mat::zeros(n, 1);
+        for (row, y) in self.usable(samples) {
+            right.column_mut(0).iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry * y);
+        }
+        let partial = (usable < samples.len()).then(|| normal(self.usable(samples).map(|(row, _)| row), n));
+        let solution =
+            linalg::solve(partial.as_ref().unwrap_or(&self.normal), &right).map_err(|_| Error::Range {
+                what: "angle per sample, rad",
+                value: self.step,
+                allowed: "such that the window tells mean and harmonics apart",
+            })?;
+        Ok(solution.column(0).to_vec())
+    }
 }
 
 /// Returns the response between two sampled signals over the last whole cycles of their common length, at most
@@ -96,53 +157,84 @@ pub fn response(
     most_cycles: usize,
 ) -> Result<Response, Error> {
     let length = input.len().min(output.len());
-    let per_cycle = TAU / (frequency_rad_s * period_s);
-    let cycles = ((length as f64 + 0.5) / per_cycle).floor().min(most_cycles as f64);
-    if !(cycles >= 1.0 && per_cycle.is_finite()) {
-        let expected = if per_cycle.is_finite() { per_cycle.ceil() as usize } else { usize::MAX };
-        return Err(Error::Length { what: "one cycle of the recording", found: length, expected });
-    }
-    let window = length - ((cycles * per_cycle).round() as usize).min(length);
-    let input = spectrum(&input[window..length], period_s, frequency_rad_s)?;
-    let output = spectrum(&output[window..length], period_s, frequency_rad_s)?;
-    let (u, y) = (input.harmonics[0], output.harmonics[0]);
-    if u.norm() == 0.0 {
-        return Err(Error::Range { what: "amplitude of the input", value: 0.0, allowed: "above 0" });
-    }
-    Ok(Response { frequency_rad_s, value: y / u, input, output, cycles: cycles as usize })
+    let analyser = Analyser::new(length, period_s, frequency_rad_s, most_cycles)?;
+    analyser.response(&input[..length], &output[..length])
 }
 
-/// [1, cos, sin, cos 2, sin 2, ...] at sample k.
-fn regressors(k: usize, step: f64, count: usize) -> Vec<f64> {
-    let mut row = Vec::with_capacity(1 + 2 * count);
-    row.push(1.0);
+/// An analyser of signals of one length at one frequency.
+#[derive(Debug, Clone)]
+pub(crate) struct Analyser {
+    frequency_rad_s: f64,
+    cycles: usize,
+    harmonics: Harmonics,
+}
+
+impl Analyser {
+    /// Returns the analyser over the last whole cycles of signals of a length, at most `most_cycles`.
+    ///
+    /// # Errors
+    /// As [`response`].
+    pub fn new(
+        length: usize,
+        period_s: f64,
+        frequency_rad_s: f64,
+        most_cycles: usize,
+    ) -> Result<Self, Error> {
+        let per_cycle = TAU / (frequency_rad_s * period_s);
+        let cycles = ((length as f64 + 0.5) / per_cycle).floor().min(most_cycles as f64);
+        if !(cycles >= 1.0 && per_cycle.is_finite()) {
+            let expected = if per_cycle.is_finite() { per_cycle.ceil() as usize } else { usize::MAX };
+            return Err(Error::Length { what: "one cycle of the recording", found: length, expected });
+        }
+        let samples = ((cycles * per_cycle).round() as usize).min(length);
+        let harmonics = Harmonics::new(samples, period_s, frequency_rad_s)?;
+        Ok(Self { frequency_rad_s, cycles: cycles as usize, harmonics })
+    }
+
+    /// Returns the response between two signals of the analyser's length.
+    ///
+    /// # Errors
+    /// An input without a fundamental, fewer samples than unknowns.
+    pub fn response(&self, input: &[f64], output: &[f64]) -> Result<Response, Error> {
+        let last = |signal: &[f64]| {
+            let from = signal.len().saturating_sub(self.harmonics.samples());
+            self.harmonics.spectrum(&signal[from..])
+        };
+        let (input, output) = (last(input)?, last(output)?);
+        let (u, y) = (input.harmonics[0], output.harmonics[0]);
+        if u.norm() == 0.0 {
+            return Err(Error::Range { what: "amplitude of the input", value: 0.0, allowed: "above 0" });
+        }
+        Ok(Response {
+            frequency_rad_s: self.frequency_rad_s,
+            value: y / u,
+            input,
+            output,
+            cycles: self.cycles,
+        })
+    }
+}
+
+/// Appends \[1, cos, sin, cos 2, sin 2, ...\] at sample k.
+fn push_row(k: usize, step: f64, count: usize, rows: &mut Vec<f64>) {
+    rows.push(1.0);
     let turn = C64::from_polar(1.0, (k as f64 * step) % TAU);
     let mut power = turn;
     for _ in 0..count {
-        row.extend([power.re, power.im]);
+        rows.extend([power.re, power.im]);
         power *= turn;
     }
-    row
 }
 
-fn fit(samples: &[f64], step: f64, count: usize) -> Result<Vec<f64>, Error> {
-    let n = 1 + 2 * count;
-    let (mut normal, mut right) = (Mat::zeros(n, n), Mat::zeros(n, 1));
-    for (k, y) in samples.iter().enumerate().filter(|(_, y)| y.is_finite()) {
-        let row = regressors(k, step, count);
-        for i in 0..n {
-            right[(i, 0)] += row[i] * y;
-            for j in 0..n {
-                normal[(i, j)] += row[i] * row[j];
-            }
+/// Returns the sum of the products of rows with themselves.
+fn normal<'a>(rows: impl Iterator<Item = &'a [f64]>, n: usize) -> Mat {
+    let mut normal = Mat::zeros(n, n);
+    for row in rows {
+        for (j, factor) in row.iter().enumerate() {
+            normal.column_mut(j).iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry * factor);
         }
     }
-    let solution = linalg::solve(&normal, &right).map_err(|_| Error::Range {
-        what: "angle per sample, rad",
-        value: step,
-        allowed: "such that the window tells mean and harmonics apart",
-    })?;
-    Ok(solution.column(0).to_vec())
+    normal
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -177,5 +269,19 @@ mod tests {
         let found = response(&input, &output, 1e-3, w, 100).unwrap();
         assert!((found.value - C64::from_polar(3.0, -0.8)).norm() < 1e-9);
         assert_eq!(found.cycles, 5);
+    }
+
+    #[test]
+    fn samples_that_are_missing_are_left_out() {
+        let w = 37.3;
+        let exact = |k: i32| 5.0 + 2.0 * (w * f64::from(k) * 1e-3 + 0.3).cos();
+        let harmonics = Harmonics::new(1000, 1e-3, w).unwrap();
+        let gaps: Vec<f64> = (0..1000).map(|k| if k % 7 == 3 { f64::NAN } else { exact(k) }).collect();
+        let found = harmonics.spectrum(&gaps).unwrap();
+        assert!((found.mean - 5.0).abs() < 1e-10 && found.residual_rms < 1e-10);
+        assert!((found.harmonics[0] - C64::from_polar(2.0, 0.3)).norm() < 1e-10);
+        // a window without gaps does not remember those of the one before
+        let whole: Vec<f64> = (0..1000).map(exact).collect();
+        assert_eq!(harmonics.spectrum(&whole).unwrap(), spectrum(&whole, 1e-3, w).unwrap());
     }
 }

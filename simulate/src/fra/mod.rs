@@ -12,8 +12,10 @@ pub mod analyser;
 
 pub use analyser::{Response, Spectrum, response, spectrum};
 
+use crate::fra::analyser::Analyser;
 use crate::history::ReadingColumns;
 use crate::run::Simulator;
+use crate::tolerance::MOST_SAMPLES;
 use crate::{Detail, Error, Imperfections, Initial, PlatformMotion, Scenario, Signal, Sine};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::{OperatingPoint, Parameters, Plant};
@@ -113,8 +115,7 @@ pub fn measure(
         ..scenario_of(test, window.frequency_rad_s, amplitude, settings)
     };
     let mut simulator = Simulator::new(plant)?;
-    let mut settling =
-        Settling { test, window: &window, period, allowed: settings.settled_below, last: None };
+    let mut settling = Settling { test, window: &window, allowed: settings.settled_below, last: None };
     let mut goes_on = |readings: &ReadingColumns| settling.goes_on(readings);
     controller.reset();
     let history = match test {
@@ -126,8 +127,8 @@ pub fn measure(
         _ => simulator.run_while(controller, &scenario, window.samples, &mut goes_on)?,
     };
     let windows = history.len() / window.samples;
-    let last = window.response(test, &history.readings, windows - 1, period)?;
-    let before = window.response(test, &history.readings, windows - 2, period)?;
+    let last = window.response(test, &history.readings, windows - 1)?;
+    let before = window.response(test, &history.readings, windows - 2)?;
     let last_change = (last.value - before.value).norm() / last.value.norm();
     let settled = last_change <= settings.settled_below;
     Ok(Measurement {
@@ -143,7 +144,6 @@ pub fn measure(
 struct Settling<'a> {
     test: Test,
     window: &'a Window,
-    period: f64,
     allowed: f64,
     last: Option<Response>,
 }
@@ -151,7 +151,7 @@ struct Settling<'a> {
 impl Settling<'_> {
     fn goes_on(&mut self, readings: &ReadingColumns) -> bool {
         let windows = readings.control_v.len() / self.window.samples;
-        let found = self.window.response(self.test, readings, windows - 1, self.period).ok();
+        let found = self.window.response(self.test, readings, windows - 1).ok();
         let change = match (&found, &self.last) {
             (Some(now), Some(before)) if windows >= 3 => (now.value - before.value).norm() / now.value.norm(),
             _ => f64::INFINITY,
@@ -183,6 +183,7 @@ pub fn disconnected(parameters: &Parameters) -> Result<Parameters, Error> {
 struct Window {
     samples: usize,
     frequency_rad_s: f64,
+    analyser: Analyser,
 }
 
 impl Window {
@@ -195,24 +196,24 @@ impl Window {
         let wanted = settings.least_duration_s * frequency_rad_s / TAU;
         let cycles = wanted.ceil().max(settings.cycles.max(1) as f64);
         let samples = (cycles * TAU / (frequency_rad_s * period_s)).round();
-        Ok(Self { samples: samples as usize, frequency_rad_s: cycles * TAU / (samples * period_s) })
+        let most = settings.most_windows.max(3) as f64 * samples;
+        if most > MOST_SAMPLES {
+            let allowed = "up to 1e8 samples";
+            return Err(Error::Range { what: "duration_s", value: most * period_s, allowed });
+        }
+        let (frequency_rad_s, samples) = (cycles * TAU / (samples * period_s), samples as usize);
+        let analyser = Analyser::new(samples, period_s, frequency_rad_s, usize::MAX)?;
+        Ok(Self { samples, frequency_rad_s, analyser })
     }
 
-    fn response(
-        &self,
-        test: Test,
-        columns: &ReadingColumns,
-        index: usize,
-        period_s: f64,
-    ) -> Result<Response, Error> {
+    fn response(&self, test: Test, columns: &ReadingColumns, index: usize) -> Result<Response, Error> {
         let input = match test {
             Test::Plant => &columns.control_v,
             Test::ClosedLoop => &columns.demand_rad_s,
             Test::PlatformToHub => &columns.platform_rate_rad_s,
         };
         let range = index * self.samples..(index + 1) * self.samples;
-        let output = &columns.hub_rate_rad_s[range.clone()];
-        response(&input[range], output, period_s, self.frequency_rad_s, usize::MAX)
+        self.analyser.response(&input[range.clone()], &columns.hub_rate_rad_s[range])
     }
 }
 
