@@ -126,8 +126,10 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
     }
     let controller = typical();
     let per_count = converters().units_per_count();
-    let history =
-        counts().iter().map(|row| std::array::from_fn(|i| per_count[i] * f64::from(row[i]))).collect();
+    let history = counts()
+        .iter()
+        .map(|row| std::array::from_fn(|i| row.get(i).map_or(0.0, |n| per_count[i] * f64::from(*n))))
+        .collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
     let fixed = plan(&controller, &known, 2.5e-3, SAMPLES).unwrap();
     let kinds = [

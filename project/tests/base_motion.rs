@@ -97,8 +97,14 @@ fn a_surge_accelerometer_needs_that_of_heave_and_an_angle() {
     assert!(
         told(&file(UNIT, &[(section, &elevated)])).contains("needs [plant.sensors.platform_accelerometer]")
     );
-    let steep = ("hub_angle = 0.0", "hub_angle = 1.5");
-    assert!(told(&file(UNIT, &[(section, &second), steep])).contains("within +/- 1.47 rad"));
+    let steep =
+        |angle: f64| file(UNIT, &[(section, &second)]) + &format!("\n[model]\nhub_angle = {angle:?}\n");
+    assert!(told(&steep(1.5)).contains("within +/- 1.47 rad"), "{}", told(&steep(1.5)));
+    assert!(
+        told(&steep(0.6)).contains("within +/- 0.5 rad, where the resolver's converter ends"),
+        "{}",
+        told(&steep(0.6))
+    );
 }
 
 #[test]

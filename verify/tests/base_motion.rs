@@ -91,6 +91,8 @@ fn an_elevated_accelerometer_takes_surge_out() {
 /// Accelerometers of heave and surge on the platform, which the controller projects across the beam by the hub's angle.
 fn projected(model: Model, elevation_rad: f64, road: Road) -> f64 {
     let mut p = smooth(AccelerometerAxis::Vertical);
+    // 2 rad at the end of the converter: the rig's own resolver ends at 0.5 rad
+    p.sensors.hub_resolver.iter_mut().for_each(|resolver| resolver.scale_v_unit = 5.0);
     p.sensors.surge_accelerometer = Some(p.sensors.platform_accelerometer.clone());
     let projection = Projection {
         design_angle_rad: elevation_rad,

@@ -11,6 +11,9 @@ use crate::file::source::Remark;
 /// feels next to nothing of heave, and the design would divide by it.
 const LEAST_SHARE_OF_HEAVE: f64 = 0.1;
 
+/// Full range of every converter, V to either side.
+const CONVERTER_RANGE_V: f64 = 10.0;
+
 /// An accelerometer on the elevated mass turns with a hub that has an elevation.
 pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {
     let sensors = &project.plant.sensors;
@@ -65,6 +68,16 @@ pub(super) fn projected(findings: &mut Findings<'_>, project: &Project) {
     if sensors.hub_resolver.is_none() && !sensors.measured.is_position() {
         let allowed = "has no angle by which it is projected: the controller takes the elevation of the design, model.hub_angle, whatever the hub does; add [plant.sensors.hub_resolver]";
         say(Severity::Warning, section, allowed);
+    }
+    let angle = project.model.operating_point.hub_angle_rad;
+    if let Some(resolver) =
+        sensors.hub_resolver.as_ref().filter(|one| angle.abs() * one.scale_v_unit > CONVERTER_RANGE_V)
+    {
+        let most = CONVERTER_RANGE_V / resolver.scale_v_unit;
+        let allowed = format!(
+            "must be within +/- {most} rad, where the resolver's converter ends: heave and surge are projected by its reading; give [plant.sensors.hub_resolver] a smaller scale"
+        );
+        return say(Severity::Error, "model.hub_angle", &allowed);
     }
     let heave = &sensors.platform_accelerometer;
     let dynamics =
