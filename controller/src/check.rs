@@ -5,11 +5,12 @@ use std::collections::HashSet;
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::required::{Required, at_least_0, count, finite, positive, require};
-use crate::tolerance::{LONGEST_WINDOW, SAME_PERIOD};
+use crate::signal::{HUB_POSITION, HUB_RATE};
+use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
 use crate::{
-    DemandLimit, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, READINGS,
-    Scaling, Signal,
+    DemandLimit, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, Scaling,
+    Signal,
 };
 
 /// Names that target code uses itself, beside the words of its languages.
@@ -20,6 +21,7 @@ pub fn parts(parts: &Parts) -> Result<(), Error> {
     numbers(parts)?;
     names(parts)?;
     corrections(parts)?;
+    projection(parts)?;
     if let Some(prefilter) = &parts.prefilter {
         system("prefilter", prefilter, 1, parts.sample_period_s)?;
     }
@@ -106,7 +108,7 @@ fn name_problem(name: &str) -> Option<&'static str> {
 fn corrections(parts: &Parts) -> Result<(), Error> {
     for (i, each) in parts.corrections.iter().enumerate() {
         let twice = parts.corrections[..i].iter().any(|other| other.reading == each.reading);
-        let known = each.reading < READINGS && !twice;
+        let known = each.reading < parts.reading_count() && !twice;
         require(
             "corrected reading",
             each.reading as f64,
@@ -116,6 +118,24 @@ fn corrections(parts: &Parts) -> Result<(), Error> {
         finite("correction's offset", each.offset)?;
     }
     Ok(())
+}
+
+fn projection(parts: &Parts) -> Result<(), Error> {
+    let Some(projection) = parts.projection else { return Ok(()) };
+    let angle = projection.design_angle_rad;
+    let inside = angle.abs() <= HIGHEST_ELEVATION_RAD;
+    require(
+        "elevation of the projection's design (rad)",
+        angle,
+        Required { holds: inside, words: "within +/- 1.6" },
+    )?;
+    projection
+        .pitch_washout_s
+        .map_or(Ok(()), |time_s| positive("washout of the platform's pitch angle (s)", time_s))?;
+    let Some(reading) = projection.angle_reading else { return Ok(()) };
+    let is_angle = reading == HUB_RATE || reading == HUB_POSITION;
+    let words = "the hub's position, or the loop's own sensor where that is a position";
+    require("reading of the projection's angle", reading as f64, Required { holds: is_angle, words })
 }
 
 fn path(path: &Path, parts: &Parts) -> Result<(), Error> {

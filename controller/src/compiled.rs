@@ -45,6 +45,7 @@ pub struct Compiled<N> {
     operations: Vec<Flat<N>>,
     terms: Vec<FlatTerm<N>>,
     states: usize,
+    inputs: usize,
     memory: usize,
     output: Option<usize>,
 }
@@ -61,7 +62,7 @@ impl<N: Number> Compiled<N> {
         let mut terms = Vec::new();
         let operations = program.operations().map(|op| flatten(op, &place, &mut terms)).collect();
         let memory = states + inputs + program.locals.len();
-        Self { operations, terms, states, memory, output: program.output.map(place) }
+        Self { operations, terms, states, inputs, memory, output: program.output.map(place) }
     }
 
     /// Places of memory that the program needs.
@@ -101,7 +102,7 @@ impl<N: Number> Compiled<N> {
     }
 
     fn take(&self, memory: &mut [N], inputs: &[N]) {
-        for (place, input) in memory[self.states..].iter_mut().zip(inputs) {
+        for (place, input) in memory[self.states..][..self.inputs].iter_mut().zip(inputs) {
             *place = input.clone();
         }
     }

@@ -4,7 +4,7 @@ use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 use crate::number::Dual;
 use crate::program::Compiled;
-use crate::signal::{DEMAND, HUB_RATE};
+use crate::signal::{COMMON_READINGS, DEMAND, HUB_RATE};
 use crate::tolerance::LEARNT_AT_REST_S;
 use crate::{
     Correction, Error, Estimator, Learning, Number, Parts, Programs, READINGS, Runner, check, lower,
@@ -71,9 +71,11 @@ impl Controller {
         Self::new(parts)
     }
 
-    /// Returns the linear part at a set out-of-balance: from the readings, in the order of [`crate::READING_NAMES`], to the
+    /// Returns the linear part at a set out-of-balance: from the readings of every controller, in the order of [`crate::READING_NAMES`], to the
     /// control before the limiter, in volts of a linear drive. The program itself is differentiated at rest, so nothing can be left out. Friction
-    /// observers are taken as sliding (their force constant) and the estimator as standing still.
+    /// observers are taken as sliding (their force constant) and the estimator as standing still. A [`Projection`](crate::Projection) is
+    /// taken at the elevation of its design: as accelerations are 0 at rest, its derivative by the angle is 0. Its surge is no input: the linear loop takes
+    /// surge as a heave of -surge tan(theta), which the projection answers as it answers both accelerometers.
     ///
     /// # Errors
     /// [`Error::System`] if the program does not give a finite system.
@@ -83,6 +85,7 @@ impl Controller {
             parts.observers.iter_mut().for_each(|observer| observer.volts_per_nm = 0.0);
             parts.bias_v_per_kg_m = 0.0;
             parts.drive_curve.clear();
+            stand_at_design(parts);
         })?;
         let mut gains = Runner::<f64>::new(&sliding);
         gains.set_out_of_balance(out_of_balance_kg_m);
@@ -100,7 +103,8 @@ impl Controller {
     pub fn feedback_alone(&self) -> Result<Self, Error> {
         self.with(|parts| {
             parts.corrections.retain(|each| each.reading == DEMAND || each.reading == HUB_RATE);
-            let others = (0..READINGS).filter(|reading| *reading != DEMAND && *reading != HUB_RATE);
+            let others =
+                (0..parts.reading_count()).filter(|reading| *reading != DEMAND && *reading != HUB_RATE);
             let original = &self.parts.corrections;
             parts.corrections.extend(others.map(|reading| {
                 let offset =
@@ -125,6 +129,7 @@ impl Controller {
             parts.observers.iter_mut().for_each(|observer| observer.volts_per_nm = 0.0);
             parts.drive_curve.clear();
             parts.transfer_time_s = 0.0;
+            stand_at_design(parts);
             parts.estimator.iter_mut().for_each(|estimator| estimator.hold_band_kg_m = 0.0);
         })?;
         let mut runner = sliding.runner();
@@ -164,9 +169,9 @@ impl Controller {
         let n = next.len();
         let at = |row: &Dual, j: usize| row.slope.get(j).copied().unwrap_or(0.0);
         let A = Mat::from_fn(n, n, |i, j| at(next[i], j));
-        let B = Mat::from_fn(n, READINGS, |i, j| at(next[i], n + j));
+        let B = Mat::from_fn(n, COMMON_READINGS, |i, j| at(next[i], n + j));
         let C = Mat::from_fn(1, n, |_, j| at(output, j));
-        let D = Mat::from_fn(1, READINGS, |_, j| at(output, n + j));
+        let D = Mat::from_fn(1, COMMON_READINGS, |_, j| at(output, n + j));
         let timebase = Timebase::Discrete { period_s: self.parts.sample_period_s };
         Ok(StateSpace::new(A, B, C, D, timebase)?)
     }
@@ -189,4 +194,9 @@ impl Controller {
         let groups = self.programs.states.iter().filter(|group| !weighs(&group.name));
         groups.flat_map(|group| group.first..group.first + group.initial.len()).collect()
     }
+}
+
+/// Keeps a projection at the elevation of its design.
+fn stand_at_design(parts: &mut Parts) {
+    parts.projection.iter_mut().for_each(|projection| projection.angle_reading = None);
 }

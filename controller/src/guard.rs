@@ -13,7 +13,8 @@ use crate::{Number, Parts, READINGS};
 
 /// Flag of the first reading: bit i says that reading i was replaced at the last sample.
 pub const REPLACED: u32 = 0x3f;
-/// Bit 8 + i says that reading i has not changed for a second.
+/// Bit 8 + i says that reading i has not changed for a second. A controller that takes a seventh reading has one more bit in both masks:
+/// [`GuardSettings::replaced`] and [`GuardSettings::unchanged`].
 pub const UNCHANGED: u32 = 0x3f00;
 /// The states left every plausible size and were put back to their start; kept until a reset.
 pub const RESTARTED: u32 = 0x1_0000;
@@ -47,6 +48,8 @@ pub struct Status {
 pub struct GuardSettings {
     /// Largest magnitude of each reading, in its unit.
     pub limits: [f64; READINGS],
+    /// Number of readings that the controller takes.
+    pub readings: usize,
     /// Samples after which a reading counts as unchanged.
     pub unchanged_samples: u32,
     /// Change a sample of the share of the other sensors, when feedback takes over or gives back.
@@ -59,14 +62,27 @@ impl GuardSettings {
         let period_s = parts.sample_period_s;
         let unchanged_samples = (UNCHANGED_S / period_s).round().clamp(1.0, f64::from(u32::MAX / 2));
         let mut limits = parts.reading_limits;
-        if parts.estimator.as_ref().is_some_and(|estimator| estimator.gravity_m_s2 != 0.0) {
+        let projected =
+            parts.projection.is_some_and(|projection| projection.angle_reading == Some(HUB_POSITION));
+        if projected || parts.estimator.as_ref().is_some_and(|estimator| estimator.gravity_m_s2 != 0.0) {
             limits[HUB_POSITION] = limits[HUB_POSITION].min(FARTHEST_ANGLE_RAD);
         }
         Self {
             limits,
+            readings: parts.reading_count(),
             unchanged_samples: unchanged_samples as u32,
             share_step: period_s / HANDOVER_S.max(period_s),
         }
+    }
+
+    /// Returns the mask of the flags of replaced readings.
+    pub fn replaced(&self) -> u32 {
+        (1 << self.readings) - 1
+    }
+
+    /// Returns the mask of the flags of unchanged readings.
+    pub fn unchanged(&self) -> u32 {
+        self.replaced() << 8
     }
 }
 
@@ -74,6 +90,7 @@ impl GuardSettings {
 #[derive(Debug, Clone)]
 pub(crate) struct Guard<N> {
     limits: [N; READINGS],
+    readings: usize,
     unchanged_samples: u32,
     share_step: N,
     good: [N; READINGS],
@@ -90,6 +107,7 @@ impl<N: Number> Guard<N> {
         let zero = || N::from_f64(0.0);
         Self {
             limits: settings.limits.map(N::from_f64),
+            readings: settings.readings,
             unchanged_samples: settings.unchanged_samples,
             share_step: N::from_f64(settings.share_step),
             good: std::array::from_fn(|_| zero()),
@@ -140,6 +158,9 @@ impl<N: Number> Guard<N> {
             if self.is_alone() { N::from_f64(-1.0).times(&self.share_step) } else { self.share_step.clone() };
         self.share = self.share.plus(&step).clamped(&N::from_f64(0.0), &N::from_f64(1.0));
         std::array::from_fn(|i| {
+            if i >= self.readings {
+                return N::from_f64(0.0);
+            }
             let taken = self.reading(i, &readings[i]);
             if i == DEMAND || i == HUB_RATE { taken } else { self.share.times(&taken) }
         })

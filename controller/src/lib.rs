@@ -10,7 +10,7 @@
 //! [`number`], [`guard`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
-//! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
+//! use counterpoise_controller::{Controller, Parts, Path, Readings, SampledController, Scaling, Signal};
 //! use counterpoise_lti::{Mat, StateSpace, Timebase};
 //!
 //! // u = 2 e + integral of e, sampled at 1 kHz, limited to +/- 10 V
@@ -27,8 +27,9 @@
 //! let mut parts = Parts::new(1e-3, 10.0);
 //! parts.paths.push(path);
 //! let mut runner = Controller::new(parts).unwrap().runner();
-//! assert_eq!(runner.step_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 2.0);
-//! assert_eq!(runner.step_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 2.001);
+//! let readings = Readings { demand_rad_s: 1.0, ..Readings::default() };
+//! assert_eq!(runner.step(&readings), 2.0);
+//! assert_eq!(runner.step(&readings), 2.001);
 //! ```
 #![allow(non_snake_case)]
 
@@ -59,8 +60,8 @@ pub use estimator::{Estimator, Learning};
 pub use friction::{FrictionObserver, ObserverLaw};
 pub use guard::{GuardSettings, Sensors, Status};
 pub use number::Number;
-pub use parts::{Correction, DemandLimit, Parts, Path, Scaling};
+pub use parts::{Correction, DemandLimit, Parts, Path, Projection, Scaling};
 pub use program::Programs;
 pub use runner::Runner;
 pub use sampled::{ProportionalIntegral, Readings, SampledController};
-pub use signal::{READING_NAMES, READINGS, Signal};
+pub use signal::{COMMON_READINGS, READING_NAMES, READINGS, Signal};

@@ -4,7 +4,7 @@ use counterpoise_lti::StateSpace;
 use serde::{Deserialize, Serialize};
 
 use crate::tolerance::READING_LIMITS;
-use crate::{Estimator, FrictionObserver, READINGS, Signal};
+use crate::{COMMON_READINGS, Estimator, FrictionObserver, READINGS, Signal};
 
 /// A discrete transfer path from signals to volts
 ///
@@ -57,6 +57,26 @@ pub struct Correction {
     pub offset: f64,
 }
 
+/// Projection of the platform's heave and surge across the beam
+///
+/// ```text
+///     a = a_z cos(theta) - a_x sin(theta)
+/// ```
+///
+/// which is what the out-of-balance feels at the elevation theta. It takes the place of the heave reading in every path and in the estimator, so that
+/// the geometry schedules the heave feedforward over elevation. Sine and cosine are Taylor series to the ninth order within
+/// [`HIGHEST_ELEVATION_RAD`](crate::tolerance::HIGHEST_ELEVATION_RAD), at which theta is limited.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Projection {
+    /// Elevation of the design, rad: that of the linear part.
+    pub design_angle_rad: f64,
+    /// Index of the reading that is theta, in [`crate::READING_NAMES`]; `None` keeps theta at the elevation of the design.
+    pub angle_reading: Option<usize>,
+    /// Time constant, s, within which the platform's pitch angle is the integral of its gyroscope, added to the reading of the angle: theta is then
+    /// inertial for motion faster than this. A bias b of the gyroscope leaves an angle of b times this. `None` takes the reading as it is.
+    pub pitch_washout_s: Option<f64>,
+}
+
 /// How fast a loop of position follows its demand.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "most", rename_all = "kebab-case")]
@@ -75,6 +95,8 @@ pub struct Parts {
     pub sample_period_s: f64,
     /// Corrections of readings, at most one a reading; usually none.
     pub corrections: Vec<Correction>,
+    /// Projection of heave and surge across the beam; `None` where the heave reading is taken as it is.
+    pub projection: Option<Projection>,
     /// Reference prefilter from demand to demand, discrete, one input and one output.
     pub prefilter: Option<StateSpace>,
     /// How fast a loop of position follows its demand; `None` for a loop of rate, or without a limit.
@@ -111,6 +133,7 @@ impl Parts {
         Self {
             sample_period_s,
             corrections: Vec::new(),
+            projection: None,
             prefilter: None,
             demand_limit: None,
             paths: Vec::new(),
@@ -124,5 +147,10 @@ impl Parts {
             limit_v,
             reading_limits: READING_LIMITS,
         }
+    }
+
+    /// Returns the number of readings that the controller takes: those of every controller, and surge where it is projected.
+    pub fn reading_count(&self) -> usize {
+        if self.projection.is_some() { READINGS } else { COMMON_READINGS }
     }
 }

@@ -15,6 +15,8 @@ pub struct Readings {
     pub motor_rate_rad_s: f64,
     /// Hub angle relative to the platform, rad; 0 if no resolver is fitted.
     pub hub_position_rad: f64,
+    /// Second accelerometer on the platform (surge, forward), m/s^2, gravity removed; 0 if none is fitted.
+    pub platform_surge_m_s2: f64,
 }
 
 /// A controller that acts once a sample.

@@ -4,8 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::Readings;
 
-/// Number of readings: the inputs of a controller's step.
-pub const READINGS: usize = 6;
+/// Largest number of readings that the step of a controller takes.
+pub const READINGS: usize = 7;
+
+/// Number of readings that every controller takes, and that its linear part has as inputs. The one beyond them, the surge of the platform, is
+/// taken by controllers with a [`Projection`](crate::Projection) alone.
+pub const COMMON_READINGS: usize = 6;
 
 /// Names of the readings with their units, in the order of the step's inputs.
 pub const READING_NAMES: [&str; READINGS] = [
@@ -15,6 +19,7 @@ pub const READING_NAMES: [&str; READINGS] = [
     "platform_accel_m_s2",
     "motor_rate_rad_s",
     "hub_position_rad",
+    "platform_surge_m_s2",
 ];
 
 /// Index of the demand among the readings.
@@ -23,6 +28,12 @@ pub const DEMAND: usize = 0;
 pub const HUB_RATE: usize = 1;
 /// Index of the hub's angle among the readings.
 pub const HUB_POSITION: usize = 5;
+/// Index of the platform gyroscope among the readings.
+pub const PLATFORM_RATE: usize = 2;
+/// Index of the heave accelerometer among the readings.
+pub const PLATFORM_ACCELERATION: usize = 3;
+/// Index of the surge accelerometer among the readings.
+pub const PLATFORM_SURGE: usize = 6;
 
 /// A signal that a path of the controller uses. Its name in a file is [`Signal::name`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -96,12 +107,13 @@ impl Readings {
             self.platform_accel_m_s2,
             self.motor_rate_rad_s,
             self.hub_position_rad,
+            self.platform_surge_m_s2,
         ]
     }
 
     /// Readings from values in the order of [`READING_NAMES`].
     pub fn from_array(values: [f64; READINGS]) -> Self {
-        let [demand, hub, platform, accel, motor, position] = values;
+        let [demand, hub, platform, accel, motor, position, surge] = values;
         Self {
             demand_rad_s: demand,
             hub_rate_rad_s: hub,
@@ -109,6 +121,7 @@ impl Readings {
             platform_accel_m_s2: accel,
             motor_rate_rad_s: motor,
             hub_position_rad: position,
+            platform_surge_m_s2: surge,
         }
     }
 }

@@ -68,6 +68,12 @@ pub(crate) const LEAST_VARIANCE: f64 = 1e-12;
 /// See [`LEAST_VARIANCE`].
 pub(crate) const MOST_VARIANCE: f64 = 1e3;
 
+// ---- projection of accelerations ----
+
+/// Largest elevation at which heave and surge are projected across the beam, rad. The series of sine and cosine are good to 3e-5 up to here
+/// (the first term that is left out, 1.6^10 / 10!), and no machine elevates beyond the vertical.
+pub const HIGHEST_ELEVATION_RAD: f64 = 1.6;
+
 // ---- guard ----
 
 /// Largest sum of the magnitudes of all states; beyond it they cannot be right and go back to their start. Products of three
@@ -83,5 +89,5 @@ pub(crate) const UNCHANGED_S: f64 = 1.0;
 /// Time over which the share of the other sensors fades when feedback works alone, s: the control makes no step.
 pub(crate) const HANDOVER_S: f64 = 0.1;
 /// Largest magnitude of the readings where a design says nothing, in the order of [`crate::READING_NAMES`]: rad/s, rad/s, rad/s,
-/// m/s^2, rad/s, rad. No sensor of a stabilised mechanism gives more, and powers of them stay finite in single precision.
-pub(crate) const READING_LIMITS: [f64; 6] = [1e3, 1e3, 1e3, 1e4, 1e5, 1e3];
+/// m/s^2, rad/s, rad, m/s^2. No sensor of a stabilised mechanism gives more, and powers of them stay finite in single precision.
+pub(crate) const READING_LIMITS: [f64; 7] = [1e3, 1e3, 1e3, 1e4, 1e5, 1e3, 1e4];

@@ -27,7 +27,7 @@ fn observing(law: ObserverLaw, level: Vec<[f64; 2]>, period_s: f64) -> Controlle
 /// The torque after so many samples at a constant rate.
 fn torque(controller: &Controller, rate: f64, samples: usize) -> f64 {
     let mut runner = controller.runner();
-    (0..samples).map(|_| runner.step_array(&[0.0, rate, 0.0, 0.0, 0.0, 0.0])).last().unwrap()
+    (0..samples).map(|_| runner.step_array(&[0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0])).last().unwrap()
 }
 
 /// From rest 1 - F/F_c falls as (1 + s)^-1 for i = 2, as ((1 - s/2)+)^2 for i = 1/2, with s = sigma x / F_c.
@@ -72,7 +72,7 @@ fn the_reset_integrator_breaks_away_above_its_sliding_level() {
     let controller = observing(law, Vec::new(), 1e-3);
     let mut runner = controller.runner();
     let run: Vec<f64> =
-        (0..400).map(|_| runner.step_array(&[0.0, 0.005, 0.0, 0.0, 0.0, 0.0]) / COULOMB).collect();
+        (0..400).map(|_| runner.step_array(&[0.0, 0.005, 0.0, 0.0, 0.0, 0.0, 0.0]) / COULOMB).collect();
     let most = run.iter().copied().fold(0.0, f64::max);
     assert!((1.3..1.4).contains(&most), "{most}");
     assert!((run[399] - 1.0).abs() < 1e-12);
@@ -113,7 +113,8 @@ fn no_law_exceeds_its_level_at_any_rate() {
         let mut runner = observing(law.clone(), vec![[0.0, 1.2], [0.1, 1.0]], 1e-3).runner();
         for k in 0..2000_i32 {
             let rate = f64::from(k) * 0.37;
-            let volts = runner.step_array(&[0.0, 40.0 * rate.sin() * (0.1 * rate).cos(), 0.0, 0.0, 0.0, 0.0]);
+            let volts =
+                runner.step_array(&[0.0, 40.0 * rate.sin() * (0.1 * rate).cos(), 0.0, 0.0, 0.0, 0.0, 0.0]);
             assert!(volts.abs() <= 1.2 * COULOMB * (1.0 + 1e-12), "{law:?}: {volts}");
         }
     }
@@ -136,7 +137,7 @@ fn the_drive_gets_the_control_that_its_curve_needs() {
     parts.drive_curve = vec![[0.2, 0.5], [0.5, 0.8], [3.0, 3.0]];
     let controller = Controller::new(parts).unwrap();
     let mut runner = controller.runner();
-    let mut control = |volts: f64| runner.step_array(&[volts, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let mut control = |volts: f64| runner.step_array(&[volts, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     for (volts, expected) in [
         (0.0, 0.0),
         (0.1, 0.25),
@@ -179,13 +180,13 @@ fn used(controller: &Controller, states: &[f64]) -> f64 {
 }
 
 /// Readings of a machine of 90 kg m whose control holds the imbalance, friction and a constant.
-fn machine(k: usize, gravity: f64, constant: f64) -> [f64; 6] {
+fn machine(k: usize, gravity: f64, constant: f64) -> [f64; 7] {
     let t = k as f64 * 1e-3;
     let (rate, accel) = (0.1 * (3.0 * t).sin() + 0.05, 2.0 * (7.0 * t).sin());
     let angle = 0.2 * t.sin();
     let volts =
         0.002 * 90.0 * (gravity * angle.cos() + accel) + 0.6 * rate / (rate.abs() + 0.01) + 0.3 * rate;
-    [volts + constant, rate, 0.0, accel, 0.0, angle]
+    [volts + constant, rate, 0.0, accel, 0.0, angle, 0.0]
 }
 
 /// Least squares find the imbalance exactly, with gravity and without: there a constant is told from it.
@@ -222,7 +223,7 @@ fn inside_the_dead_band_least_squares_stand_still() {
     let mut runner = controller.runner();
     for k in 0..200_000 {
         let noise = 0.01 * (f64::from(k) * 1.7).sin();
-        runner.step_array(&[0.5 + noise, 0.1, 0.0, noise, 0.0, 0.0]);
+        runner.step_array(&[0.5 + noise, 0.1, 0.0, noise, 0.0, 0.0, 0.0]);
     }
     assert_eq!(used(&controller, &runner.states()), 150.0);
     assert!(runner.states().iter().all(|state| state.abs() < 2e3));
@@ -233,7 +234,7 @@ fn inside_the_dead_band_least_squares_stand_still() {
 fn the_mean_of_a_window_gives_the_out_of_balance_at_its_end() {
     let controller = estimating(Learning::Mean { window_samples: 500 }, 9.81);
     let mut runner = controller.runner();
-    let readings = [0.002 * 90.0 * 9.81 * 0.3_f64.cos(), 0.0, 0.0, 0.0, 0.0, 0.3];
+    let readings = [0.002 * 90.0 * 9.81 * 0.3_f64.cos(), 0.0, 0.0, 0.0, 0.0, 0.3, 0.0];
     for k in 1..=1200 {
         runner.step_array(&readings);
         let now = used(&controller, &runner.states());
@@ -251,7 +252,7 @@ fn a_held_estimate_is_used_only_after_its_time() {
     let controller = controller.with(|parts| parts.estimator.as_mut().unwrap().hold_samples = 1000).unwrap();
     let mut runner = controller.runner();
     for k in 1..=1100 {
-        runner.step_array(&[0.002 * 90.0 * 9.81, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        runner.step_array(&[0.002 * 90.0 * 9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let expected = if k <= 1000 { 150.0 } else { 90.0 };
         assert!((used(&controller, &runner.states()) - expected).abs() < 1e-6, "{k}");
     }

@@ -60,7 +60,7 @@ fn the_linear_part_gives_what_the_runner_gives() {
     assert_eq!(linear.order(), 6);
     let mut x = Mat::zeros(linear.order(), 1);
     for k in 0..200 {
-        let u = Mat::col(&readings(k));
+        let u = Mat::col(&readings(k)[..counterpoise_controller::COMMON_READINGS]);
         let y = (&(&linear.C * &x) + &(&linear.D * &u))[(0, 0)] + 0.019 * 100.0;
         x = &(&linear.A * &x) + &(&linear.B * &u);
         assert!((runner.step_array(&readings(k)) - y).abs() < 1e-12, "sample {k}");
@@ -73,7 +73,7 @@ fn the_limiter_holds_and_anti_windup_lets_go() {
     parts.limit_v = 2.0;
     let wound = |parts: Parts| {
         let mut runner = Controller::new(parts).unwrap().runner();
-        let error = |e: f64| [e, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let error = |e: f64| [e, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         for _ in 0..2000 {
             assert!(runner.step_array(&error(5.0)).abs() <= 2.0);
         }
@@ -89,7 +89,7 @@ fn a_changed_out_of_balance_makes_no_step_and_then_has_its_effect() {
     let mut parts = parts();
     parts.transfer_time_s = 0.05;
     let mut runner = Controller::new(parts.clone()).unwrap().runner();
-    let still = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    let still = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
     let before = (0..300).map(|_| runner.step_array(&still)).last().unwrap();
     runner.set_out_of_balance(75.0);
     let first = runner.step_array(&still);
@@ -135,7 +135,7 @@ fn the_friction_observer_follows_dahl() {
         let mut runner = Controller::new(parts).unwrap().runner();
         let samples = (0.1 / period).round() as usize;
         let volts =
-            (0..samples).map(|_| runner.step_array(&[0.0, 0.005, 0.0, 0.0, 0.0, 0.0])).last().unwrap();
+            (0..samples).map(|_| runner.step_array(&[0.0, 0.005, 0.0, 0.0, 0.0, 0.0, 0.0])).last().unwrap();
         (volts - 0.117 * (1.0 - (-2.4e5 * 0.0005 / 117.0_f64).exp())).abs()
     };
     let (coarse, fine) = (error(1e-3), error(1e-4));
@@ -171,7 +171,7 @@ fn the_estimator_finds_the_out_of_balance_under_friction() {
         let t = k as f64 * T;
         let (rate, accel) = (0.1 * (3.0 * t).sin() + 0.05, 2.0 * (7.0 * t).sin());
         let volts = 0.002 * 90.0 * (9.81 + accel) + 0.6 * rate / (rate.abs() + 0.01) + 0.3 * rate;
-        runner.step_array(&[volts, rate, 0.0, accel, 0.0, 0.0]);
+        runner.step_array(&[volts, rate, 0.0, accel, 0.0, 0.0, 0.0]);
     }
     let found = runner.states()[place];
     assert!((found - 90.0).abs() < 1.0, "{found}");

@@ -7,7 +7,7 @@ use minijinja::{Environment, context};
 use crate::guard::{flags, guard, guard_bytes, guard_instructions, marked};
 use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
-use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
+use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
 
 /// The controller as C99 source
 ///
@@ -33,7 +33,9 @@ pub fn c99<'a>(
     check_name(&options.name)?;
     check_range(controller, options.precision)?;
     let header = provenance.header(source);
-    let board = provenance.converters.block(&|value| literal(value, options.precision, Dialect::C));
+    let board = provenance
+        .converters
+        .block(source.controller(), &|value| literal(value, options.precision, Dialect::C));
     let data = context! { board, ..data(controller, &header, options) };
     let environment = Environment::new();
     let data = with_guard(&environment, data)?;
@@ -86,7 +88,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         provenance => provenance.to_vec(),
         verified => line_with(provenance, "verified:"),
         hash => line_with(provenance, "project-hash:"),
-        readings => READING_FIELDS,
+        readings => reading_fields(controller),
         states => state_fields(controller),
         restart => initial(controller, options.precision, OnRestart::Restart),
         keep => initial(controller, options.precision, OnRestart::Keep),
@@ -99,11 +101,11 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         multiplications => programs.step.multiplications(),
         additions => programs.step.additions(),
         state_count => programs.state_count(),
-        state_bytes => programs.state_count() * number_bytes + guard_bytes(number_bytes),
+        state_bytes => programs.state_count() * number_bytes + guard_bytes(controller, number_bytes),
         flags => flags(controller),
         guard => guard(controller, options.precision, Dialect::C),
         needed => needed(controller),
-        vectors => shipped(controller, options.precision).iter().map(|v| row(v, options.precision)).collect::<Vec<_>>(),
+        vectors => shipped(controller, options.precision).iter().map(|v| row(v, controller, options.precision)).collect::<Vec<_>>(),
     }
 }
 
@@ -111,7 +113,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
 /// coefficient, every state is loaded and stored. The guard comes on top.
 fn needed(controller: &Controller) -> usize {
     let (step, states) = (&controller.programs().step, controller.programs().state_count());
-    2 * step.multiplications() + step.additions() + 2 * states + guard_instructions(states)
+    2 * step.multiplications() + step.additions() + 2 * states + guard_instructions(controller)
 }
 
 /// The line of the header that begins with a word.
@@ -167,9 +169,10 @@ pub(crate) fn assignments(programs: &Programs, first: usize, values: &[String]) 
     }
 }
 
-fn row(vector: &Vector, precision: Precision) -> String {
+fn row(vector: &Vector, controller: &Controller, precision: Precision) -> String {
     let number = |value: f64| literal(value, precision, Dialect::C);
-    let readings: Vec<String> = vector.readings.iter().map(|value| number(*value)).collect();
+    let taken = vector.readings.iter().take(controller.parts().reading_count());
+    let readings: Vec<String> = taken.map(|value| number(*value)).collect();
     let set = vector.set_out_of_balance_kg_m;
     let (sets, value) = (u8::from(set.is_some()), number(set.unwrap_or(0.0)));
     format!("{{ {sets}, {value}, {{ {} }}, {} }}", readings.join(", "), number(vector.control_v))

@@ -1,12 +1,12 @@
 //! A board's converters: from counts to SI units and from volts to counts, for the block that goes into the sampling interrupt.
 
-use counterpoise_controller::READINGS;
+use counterpoise_controller::{Controller, READINGS};
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
 use minijinja::{Value, context};
 
 use crate::fixed::unit;
-use crate::{READING_FIELDS, fixed::Fixed};
+use crate::{fixed::Fixed, reading_fields};
 
 /// What the converters of a board make of the readings and of the control. Input converters and the output converter take
 /// +/- 10 V, their counts are signed.
@@ -52,6 +52,7 @@ impl Converters {
                 s.platform_accelerometer.scale_v_unit,
                 optional(&s.motor_tachometer),
                 optional(&s.hub_resolver),
+                optional(&s.surge_accelerometer),
             ],
             origin: "as the project describes sensors and converters",
         }
@@ -74,8 +75,9 @@ impl Converters {
     }
 
     /// What the block in floating point needs, with numbers as the code writes them.
-    pub(crate) fn block(&self, literal: &dyn Fn(f64) -> String) -> Value {
-        let rows = READING_FIELDS.iter().zip(self.units_per_count());
+    pub(crate) fn block(&self, controller: &Controller, literal: &dyn Fn(f64) -> String) -> Value {
+        let fields = reading_fields(controller);
+        let rows = fields.iter().zip(self.units_per_count());
         let row = |(&(field, says), per_count): (&(&str, &str), f64)| {
             context! { field, macro => macro_name(field), says, per_count => literal(per_count) }
         };
@@ -91,7 +93,8 @@ impl Converters {
 
     /// The same in integers: each factor with the bits by which its product is shifted down.
     pub(crate) fn fixed_block(&self, fixed: &Fixed) -> Value {
-        let rows = READING_FIELDS.iter().zip(self.units_per_count()).zip(&fixed.step.inputs);
+        let fields = reading_fields(&fixed.controller);
+        let rows = fields.iter().zip(self.units_per_count()).zip(&fixed.step.inputs);
         let row = |((&(field, says), per_count), bits): ((&(&str, &str), f64), &i32)| {
             let (factor, shift) = factor(per_count / unit(*bits));
             let per_count = format!("{per_count:?}");

@@ -1,32 +1,33 @@
 //! What the printed guard of a controller needs: limits of the readings, states to look after, and the mark of the set.
 
-use counterpoise_controller::guard::{ALONE, REFUSED, REPLACED, RESTARTED, STICKY, UNCHANGED};
+use counterpoise_controller::guard::{ALONE, REFUSED, RESTARTED, STICKY};
 use counterpoise_controller::program::{OnRestart, StateGroup};
 use counterpoise_controller::tolerance::{FLUSHED_DOUBLE, FLUSHED_SINGLE, MOST_STATES};
 use counterpoise_controller::{Controller, GuardSettings};
 use minijinja::{Value, context};
 
 use crate::print::{Dialect, literal};
-use crate::{File, Precision, READING_FIELDS};
+use crate::{File, Precision};
 
-/// Bytes of a guard beside its real numbers: a count for each reading, the count of replaced readings, and the flags.
-const GUARD_WORDS: usize = 8;
-/// Real numbers of a guard: the last good readings, the control, and the share of the other sensors.
-const GUARD_NUMBERS: usize = 8;
+/// Words of a guard beside one for each reading: the count of replaced readings, and the flags.
+const GUARD_WORDS: usize = 2;
+/// Real numbers of a guard beside the last good readings: the control, and the share of the other sensors.
+const GUARD_NUMBERS: usize = 2;
 
 /// Instructions that the guard of a reading needs, about.
 const A_READING: usize = 45;
 /// Instructions that looking after a state needs, about.
 const A_STATE: usize = 15;
 
-/// Bytes of memory that a guard takes.
-pub(crate) fn guard_bytes(number_bytes: usize) -> usize {
-    GUARD_NUMBERS * number_bytes + 4 * GUARD_WORDS
+/// Bytes of memory that the guard of a controller takes.
+pub(crate) fn guard_bytes(controller: &Controller, number_bytes: usize) -> usize {
+    let readings = controller.parts().reading_count();
+    (readings + GUARD_NUMBERS) * number_bytes + 4 * (readings + GUARD_WORDS)
 }
 
-/// Instructions that the guard adds to a step, about.
-pub(crate) fn guard_instructions(states: usize) -> usize {
-    READING_FIELDS.len() * A_READING + states * A_STATE
+/// Instructions that the guard of a controller adds to a step, about.
+pub(crate) fn guard_instructions(controller: &Controller) -> usize {
+    controller.parts().reading_count() * A_READING + controller.programs().state_count() * A_STATE
 }
 
 /// What every template needs of the guard: the flags as hexadecimal literals, and counts.
@@ -34,7 +35,7 @@ pub(crate) fn flags(controller: &Controller) -> Value {
     let settings = GuardSettings::of(controller.parts());
     let bit = |mask: u32| format!("0x{mask:X}");
     context! {
-        replaced => bit(REPLACED), unchanged => bit(UNCHANGED), restarted => bit(RESTARTED),
+        replaced => bit(settings.replaced()), unchanged => bit(settings.unchanged()), restarted => bit(RESTARTED),
         refused => bit(REFUSED), alone => bit(ALONE), sticky => bit(STICKY),
         unchanged_samples => settings.unchanged_samples,
     }
@@ -47,7 +48,7 @@ pub(crate) fn guard(controller: &Controller, precision: Precision, dialect: Dial
     let tiny = if precision == Precision::Double { FLUSHED_DOUBLE } else { FLUSHED_SINGLE };
     let groups = &controller.programs().states;
     context! {
-        limits => settings.limits.iter().map(|limit| text(*limit)).collect::<Vec<_>>(),
+        limits => settings.limits.iter().take(settings.readings).map(|limit| text(*limit)).collect::<Vec<_>>(),
         share_step => text(settings.share_step),
         tiny => text(tiny),
         most => text(MOST_STATES),

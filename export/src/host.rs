@@ -4,6 +4,8 @@
 //! Code that answers every reading of a closed loop's run as its model does moves the plant as the model does: the first
 //! control is the same, so is the next reading, and so on.
 
+use counterpoise_controller::{READING_NAMES, READINGS};
+
 use crate::fixed::{Fixed, to_integer, unit};
 use crate::targets::Record;
 use crate::{File, Numbers};
@@ -42,9 +44,12 @@ pub fn c_replay(name: &str, numbers: Numbers) -> File {
     File { name: "replay.c".into(), text: text.replace("axis", name).replace("AXIS", &name.to_uppercase()) }
 }
 
-/// The program that replays readings through the Rust crate compiled as [`RUST_CRATE`]: `replay.rs`.
-pub fn rust_replay() -> File {
-    File { name: "replay.rs".into(), text: include_str!("../target/replay.rs").replace("axis", RUST_CRATE) }
+/// The program that replays readings through the Rust crate compiled as [`RUST_CRATE`]: `replay.rs`, for a controller that takes so many readings.
+pub fn rust_replay(readings: usize) -> File {
+    let not_taken = |line: &&str| READING_NAMES[readings..].iter().any(|name| line.contains(name));
+    let lines = include_str!("../target/replay.rs").lines().filter(|line| !not_taken(line));
+    let text: String = lines.flat_map(|line| [line, "\n"]).collect();
+    File { name: "replay.rs".into(), text: text.replace("axis", RUST_CRATE) }
 }
 
 /// Returns a C file of a fixed name that is nothing but the generated file `included`, given with its folder: a project may call its
@@ -58,11 +63,11 @@ pub fn including(name: &str, included: &str) -> File {
 pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
     let number = |value: f64, i: usize| match fixed {
         None => value,
-        Some(fixed) => to_integer(value, fixed.step.inputs[i]) as f64,
+        Some(fixed) => fixed.step.inputs.get(i).map_or(0.0, |bits| to_integer(value, *bits) as f64),
     };
     let mut bytes = Vec::new();
     for record in records {
-        bytes.extend([f64::NAN; 6].iter().flat_map(|value| value.to_ne_bytes()));
+        bytes.extend([f64::NAN; READINGS].iter().flat_map(|value| value.to_ne_bytes()));
         for readings in &record.readings {
             bytes.extend(readings.iter().enumerate().flat_map(|(i, value)| number(*value, i).to_ne_bytes()));
         }

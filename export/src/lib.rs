@@ -59,9 +59,9 @@ pub use rust_crate::rust_crate;
 pub use source::Source;
 pub use targets::{Numbers, Record, TargetFigures, Targets, fixed_form, targets};
 
-use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;
 use counterpoise_controller::words::is_word;
+use counterpoise_controller::{Controller, READINGS};
 
 /// A file of generated code.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -103,14 +103,20 @@ impl Options {
 }
 
 /// Name and meaning of each reading, in order.
-pub(crate) const READING_FIELDS: [(&str, &str); 6] = [
+pub(crate) const READING_FIELDS: [(&str, &str); READINGS] = [
     ("demand_rad_s", "demanded hub rate, rad/s"),
     ("hub_rate_rad_s", "hub gyroscope, rad/s, positive nose-up, inertial"),
     ("platform_rate_rad_s", "platform gyroscope, rad/s, inertial"),
     ("platform_accel_m_s2", "platform accelerometer (heave, upwards), m/s^2, without gravity"),
     ("motor_rate_rad_s", "motor tachometer, rad/s relative to the platform"),
     ("hub_position_rad", "hub angle relative to the platform, rad"),
+    ("platform_surge_m_s2", "second platform accelerometer (surge, forwards), m/s^2, without gravity"),
 ];
+
+/// Returns name and meaning of the readings that a controller takes.
+pub(crate) fn reading_fields(controller: &Controller) -> Vec<(&'static str, &'static str)> {
+    READING_FIELDS[..controller.parts().reading_count()].to_vec()
+}
 
 /// Refuses a name that is no short lower-case identifier.
 pub(crate) fn check_name(name: &str) -> Result<(), Error> {

@@ -160,6 +160,7 @@ pub(crate) fn meaning(group: &StateGroup) -> String {
         "bias_v" => "control that holds it, V".to_owned(),
         "transfer_v" => "what is left of the step of the last change, V".to_owned(),
         "previous_control_v" => "limited control of the sample before, V".to_owned(),
+        "platform_pitch_rad" => "pitch angle of the platform, rad".to_owned(),
         "prefilter" => "reference prefilter".to_owned(),
         "liveliness" => "estimator: mean square of its first regressor, (m/s^2)^2".to_owned(),
         _ if name.starts_with("estimate_") => "estimator: a parameter".to_owned(),

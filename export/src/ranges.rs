@@ -35,6 +35,7 @@ pub struct Measured {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranges {
     states: usize,
+    inputs: usize,
     largest: Vec<f64>,
     runs: Vec<Run>,
 }
@@ -78,8 +79,10 @@ impl Ranges {
     /// The readings are those of closed-loop runs: open loop, an integrator would wander out of any range.
     pub fn from_readings(controller: &Controller, histories: &[Vec<[f64; READINGS]>], margin: f64) -> Self {
         let states = controller.programs().state_count();
-        let count = states + READINGS + controller.programs().step.locals.len();
-        let mut ranges = Self { states, largest: vec![0.0; count], runs: runs(controller, histories) };
+        let inputs = controller.programs().step.inputs.len();
+        let count = states + inputs + controller.programs().step.locals.len();
+        let mut ranges =
+            Self { states, inputs, largest: vec![0.0; count], runs: runs(controller, histories) };
         for run in &ranges.runs {
             watch(&mut ranges.largest, controller, run);
         }
@@ -128,7 +131,7 @@ impl Ranges {
         match slot {
             Slot::State(i) => i,
             Slot::Input(i) => self.states + i,
-            Slot::Local(i) => self.states + READINGS + i,
+            Slot::Local(i) => self.states + self.inputs + i,
         }
     }
 

@@ -7,7 +7,7 @@ use minijinja::{Environment, context};
 use crate::guard::{flags, guard, marked};
 use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
-use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
+use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
 
 /// The controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`, `src/lib.rs` and
 /// `tests/vectors.rs`, the same arithmetic and the same vectors as [`crate::c99()`].
@@ -53,7 +53,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         name => options.name.as_str(),
         number => if precision == Precision::Double { "f64" } else { "f32" },
         provenance => provenance.to_vec(),
-        readings => READING_FIELDS,
+        readings => reading_fields(controller),
         states => state_fields(controller),
         start => start(controller, precision),
         restart => initial(controller, precision, OnRestart::Restart),
@@ -65,7 +65,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         reads_input => reads_input(&programs.step),
         period => literal(controller.sample_period_s(), precision, Dialect::Rust),
         limit => literal(controller.limit_v(), precision, Dialect::Rust),
-        vectors => shipped(controller, precision).iter().map(|v| row(v, precision)).collect::<Vec<_>>(),
+        vectors => shipped(controller, precision).iter().map(|v| row(v, controller, precision)).collect::<Vec<_>>(),
     }
 }
 
@@ -110,9 +110,10 @@ fn initial(controller: &Controller, precision: Precision, which: OnRestart) -> V
         .collect()
 }
 
-fn row(vector: &Vector, precision: Precision) -> String {
+fn row(vector: &Vector, controller: &Controller, precision: Precision) -> String {
     let number = |value: f64| literal(value, precision, Dialect::Rust);
-    let readings: Vec<String> = vector.readings.iter().map(|value| number(*value)).collect();
+    let taken = vector.readings.iter().take(controller.parts().reading_count());
+    let readings: Vec<String> = taken.map(|value| number(*value)).collect();
     let set =
         vector.set_out_of_balance_kg_m.map_or("None".to_owned(), |value| format!("Some({})", number(value)));
     format!("({set}, [{}], {})", readings.join(", "), number(vector.control_v))

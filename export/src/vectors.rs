@@ -19,7 +19,7 @@ pub struct Vector {
 }
 
 /// Largest readings of the generated vectors, in the order of the controller's readings.
-pub const LARGEST: [f64; READINGS] = [0.8, 0.8, 0.5, 8.0, 100.0, 0.4];
+pub const LARGEST: [f64; READINGS] = [0.8, 0.8, 0.5, 8.0, 100.0, 0.4, 6.0];
 
 /// Vectors for a controller in the numbers N: irregular readings that fill [`LARGEST`], a stretch of large demand that
 /// reaches the limiter, and two changes of the out-of-balance. The same for every call.
@@ -28,9 +28,12 @@ pub fn vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector
     let mut source = Source(0x2545_F491_4F6C_DD1D);
     let (low, high) = controller.parts().out_of_balance_range_kg_m;
     let design = controller.parts().design_out_of_balance_kg_m;
+    let taken = controller.parts().reading_count();
     (0..samples)
         .map(|k| {
-            let readings = LARGEST.map(|largest| single(largest * source.next()));
+            let mut readings = [0.0; READINGS];
+            let pairs = readings.iter_mut().zip(LARGEST).take(taken);
+            pairs.for_each(|(reading, largest)| *reading = single(largest * source.next()));
             let set = match k {
                 k if k == samples / 3 => Some(single((0.7 * design).clamp(low, high))),
                 k if k == 2 * samples / 3 => Some(single((1.3 * design + 1.0).clamp(low, high))),

@@ -1,4 +1,4 @@
-/* Replays readings through a controller called axis: six doubles a sample in, one double out, in the machine's own byte
+/* Replays readings through a controller called axis: seven doubles a sample in, one double out, in the machine's own byte
  * order. A sample whose first reading is no number starts the controller anew. */
 #include <stdio.h>
 
@@ -12,7 +12,7 @@ static axis_state state;
 
 int main(void)
 {
-    double in[6];
+    double in[7];
     axis_init(&state);
     while (fread(in, sizeof in, 1, stdin) == 1) {
         double out = 0.0;
@@ -20,12 +20,10 @@ int main(void)
             axis_init(&state);
         } else {
             axis_readings r;
-            r.demand_rad_s = (axis_real)in[0];
-            r.hub_rate_rad_s = (axis_real)in[1];
-            r.platform_rate_rad_s = (axis_real)in[2];
-            r.platform_accel_m_s2 = (axis_real)in[3];
-            r.motor_rate_rad_s = (axis_real)in[4];
-            r.hub_position_rad = (axis_real)in[5];
+            axis_real *const each = (axis_real *)&r;
+            for (unsigned int i = 0; i < sizeof r / sizeof each[0]; i++) {
+                each[i] = (axis_real)in[i];
+            }
             out = (double)axis_step(&state, &r);
         }
         if (fwrite(&out, sizeof out, 1, stdout) != 1) {

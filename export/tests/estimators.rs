@@ -69,7 +69,7 @@ fn motion(seed: u64) -> Vec<[f64; READINGS]> {
             let heave = 2.0 * (9.4 * t).sin() + noise(0.01);
             let pitch = 0.2 * (6.3 * t).sin() + noise(4e-4);
             let hub = 0.01 * (1.1 * t).cos() + 2e-3 * (9.4 * t).sin() + noise(4e-4);
-            [0.0, hub, pitch, heave, -200.0 * pitch, 0.03 * (6.3 * t).cos()]
+            [0.0, hub, pitch, heave, -200.0 * pitch, 0.03 * (6.3 * t).cos(), 0.0]
         })
         .collect()
 }

@@ -158,7 +158,7 @@ fn a_reset_cures_everything() {
 #[test]
 fn flags_and_counts_say_what_happened() {
     let mut runner = typical().runner();
-    let good = [0.1, 0.1, 0.02, 0.5, 1.0, 0.01];
+    let good = [0.1, 0.1, 0.02, 0.5, 1.0, 0.01, 0.0];
     runner.step_array(&good);
     assert_eq!((runner.status().flags & REPLACED, runner.status().replaced), (0, 0));
     let mut bad = good;
@@ -188,7 +188,7 @@ fn states_that_run_away_are_put_back() {
     let (mut double, mut single) = (controller.runner(), controller.runner_in::<f32>());
     let mut restarts = 0;
     for _ in 0..5000 {
-        let readings = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let readings = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         for control in [double.step_array(&readings), single.step_array(&readings)] {
             assert!(control.abs() <= 10.0);
         }
@@ -202,7 +202,8 @@ fn states_that_run_away_are_put_back() {
 fn a_handover_ends_at_feedback_alone() {
     let controller = typical();
     let (mut runner, mut certified) = (controller.runner(), controller.feedback_alone().unwrap().runner());
-    let readings = |k: usize| [0.02, 0.018, 0.05, 1.0, 3.0, 0.01].map(|x: f64| x * (0.01 * k as f64).cos());
+    let readings =
+        |k: usize| [0.02, 0.018, 0.05, 1.0, 3.0, 0.01, 0.0].map(|x: f64| x * (0.01 * k as f64).cos());
     let mut largest = 0.0_f64;
     let mut before = runner.step_array(&readings(0));
     certified.step_array(&readings(0));

@@ -12,8 +12,8 @@ use counterpoise_export::{
     Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan, single_precision, vectors::LARGEST,
 };
 use support::{
-    Random, Request, STRICT, assert_answers, folder, is_there, provenance, random_controller, run, server_in,
-    typical, write,
+    Random, Request, STRICT, assert_answers, folder, is_there, projecting, provenance, random_controller,
+    run, server_in, typical, write,
 };
 
 const SAMPLES: usize = 2000;
@@ -60,10 +60,18 @@ fn measure(
 
 #[test]
 fn the_typical_controller_in_fixed_point_keeps_its_prediction() {
-    let controller = typical();
-    let fixed = plan(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+    keeps_its_prediction(&typical());
+}
+
+#[test]
+fn heave_and_surge_projected_in_fixed_point_keep_their_prediction() {
+    keeps_its_prediction(&projecting());
+}
+
+fn keeps_its_prediction(controller: &Controller) {
+    let fixed = plan(controller, &ranges(controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
     let mut runner = FixedRunner::new(&fixed);
-    let (worst, rms, free) = measure(&controller, &mut |readings| runner.step_array(readings), 0.05);
+    let (worst, rms, free) = measure(controller, &mut |readings| runner.step_array(readings), 0.05);
     let predicted = fixed.deviation;
     println!(
         "fixed: worst {worst:.2e} of {:.2e} V, RMS {rms:.2e} of {:.2e} V",
@@ -208,7 +216,7 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
         return support::skipped("no C compiler");
     }
     let controllers: Vec<Controller> =
-        std::iter::once(typical()).chain((0..40).map(random_controller)).collect();
+        [typical(), projecting()].into_iter().chain((0..40).map(random_controller)).collect();
     let known = |controller: &Controller| Ranges::from_readings(controller, &[few(3), few(4)], 4.0);
     let planned = |controller: &Controller| plan(controller, &known(controller), 1.0, FEW);
     let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();

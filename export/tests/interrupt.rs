@@ -9,7 +9,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use counterpoise_controller::{Controller, READINGS};
+use counterpoise_controller::{COMMON_READINGS, Controller, READINGS};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan};
 use counterpoise_models::reference;
@@ -63,7 +63,7 @@ fn origin() -> Provenance {
 }
 
 /// Counts of small readings, sample by sample.
-fn counts() -> Vec<[i32; READINGS]> {
+fn counts() -> Vec<[i32; COMMON_READINGS]> {
     let mut random = Random(11);
     let per_count = converters().units_per_count();
     let sample = |readings: [f64; READINGS]| {
@@ -98,8 +98,10 @@ fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
 fn expected(controller: &Controller) -> Vec<i32> {
     let (per_count, per_volt) = (converters().units_per_count(), converters().counts_per_volt());
     let mut runner = controller.runner();
-    let answer = |row: [i32; READINGS]| {
-        let readings: [f64; READINGS] = std::array::from_fn(|i| per_count[i] * f64::from(row[i]));
+    let answer = |row: [i32; COMMON_READINGS]| {
+        let mut readings = [0.0; READINGS];
+        let pairs = readings.iter_mut().zip(per_count).zip(row);
+        pairs.for_each(|((reading, one), count)| *reading = one * f64::from(count));
         (runner.step_array(&readings) * per_volt).round().clamp(-2047.0, 2047.0) as i32
     };
     counts().into_iter().map(answer).collect()
@@ -124,8 +126,10 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
     }
     let controller = typical();
     let per_count = converters().units_per_count();
-    let history =
-        counts().iter().map(|row| std::array::from_fn(|i| per_count[i] * f64::from(row[i]))).collect();
+    let history = counts()
+        .iter()
+        .map(|row| std::array::from_fn(|i| row.get(i).map_or(0.0, |n| per_count[i] * f64::from(*n))))
+        .collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
     let fixed = plan(&controller, &known, 2.5e-3, SAMPLES).unwrap();
     let kinds = [

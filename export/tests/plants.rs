@@ -14,11 +14,12 @@ use std::process::{Command, Stdio};
 use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AmplifierDynamics, Axis, Friction, FrictionLaw, LearnedElement, LearnedPlace, LearnedQuantity, MapPoint,
-    Measured, OperatingPoint, Parameters, Plant, RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
+    AccelerometerAxis, AmplifierDynamics, Axis, Friction, FrictionLaw, LearnedElement, LearnedPlace,
+    LearnedQuantity, MapPoint, Measured, OperatingPoint, Parameters, Plant, RegimeVariable, Ripple, Sensor,
+    StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
-use counterpoise_simulate::{PlatformMotion, Playback, Scenario, Signal, Simulator};
+use counterpoise_simulate::{FurtherMotion, PlatformMotion, Playback, Scenario, Signal, Simulator};
 use support::{STRICT, folder, is_there, provenance, run, write};
 
 /// Samples of a run.
@@ -42,7 +43,9 @@ struct Machine {
 }
 
 /// What is compared: readings and truths, sample by sample.
-type Columns = Vec<[f64; 8]>;
+type Columns = Vec<[f64; COLUMNS]>;
+/// Readings and truths; the last one is the second accelerometer, 0 for a machine without one.
+const COLUMNS: usize = 9;
 
 fn machine(name: &str, change: impl FnOnce(&mut Parameters)) -> Machine {
     let mut parameters = reference::rig();
@@ -63,8 +66,12 @@ fn controls(machine: &Machine) -> Vec<f64> {
 }
 
 /// Straight lines from sample to sample, with corners at samples: what the unit is given over a step is exact.
-fn platform(period_s: f64) -> PlatformMotion {
+fn platform(machine: &Machine) -> PlatformMotion {
+    let period_s = machine.plant.parameters().interface.sample_period_s;
+    let surge_m_s2 = Signal::Triangle { amplitude: 2.0, period_s: 320.0 * period_s };
+    let further = FurtherMotion { surge_m_s2, roll_rate_rad_s: Signal::ZERO, yaw_rate_rad_s: Signal::ZERO };
     PlatformMotion {
+        further: machine.plant.parameters().sensors.measures_surge().then_some(further),
         pitch_rate_rad_s: Signal::Triangle { amplitude: 0.05, period_s: 400.0 * period_s },
         heave_m_s2: Signal::Triangle { amplitude: 0.6, period_s: 240.0 * period_s },
         ..PlatformMotion::STILL
@@ -75,7 +82,7 @@ fn platform(period_s: f64) -> PlatformMotion {
 fn simulated(machine: &Machine, parts: usize) -> Columns {
     let mut parameters = machine.plant.parameters().clone();
     let held = controls(machine).into_iter().flat_map(|control| std::iter::repeat_n(control, parts));
-    let motion = platform(parameters.interface.sample_period_s);
+    let motion = platform(machine);
     parameters.interface.sample_period_s /= parts as f64;
     parameters.interface.output_delay_samples *= parts;
     let plant = Plant::with_whole_body(&parameters, machine.plant.body().clone()).unwrap();
@@ -89,7 +96,10 @@ fn simulated(machine: &Machine, parts: usize) -> Columns {
         let readings = [r.hub_rate_rad_s[k], r.platform_rate_rad_s[k], r.platform_accel_m_s2[k]];
         let relative = [r.motor_rate_rad_s[k], r.hub_position_rad[k]];
         let truths = [t.hub_rate_rad_s[k], t.tip_rate_rad_s[k], t.current_a[k]];
-        std::array::from_fn(|i| readings.iter().chain(&relative).chain(&truths).copied().nth(i).unwrap())
+        let surge = [r.platform_surge_m_s2.get(k).copied().unwrap_or(0.0)];
+        let all = readings.iter().chain(&relative).chain(&truths).chain(&surge);
+        let row: Vec<f64> = all.copied().collect();
+        row.try_into().unwrap()
     };
     (0..SAMPLES).map(|k| at(k * parts)).collect()
 }
@@ -103,21 +113,31 @@ int main(void)
     rig_inputs in;
     double period;
     double next[2];
+    double surge[2];
     int first = 1;
     if (scanf("%lf", &period) != 1) {
         return 1;
     }
-    while (scanf("%lf %lf %lf %lf %lf", &in.control_v, &in.heave_m_s2, &next[0], &in.pitch_rate_rad_s, &next[1]) == 5) {
+    while (scanf("%lf %lf %lf %lf %lf %lf %lf", &in.control_v, &in.heave_m_s2, &next[0], &in.pitch_rate_rad_s, &next[1],
+        &surge[0], &surge[1]) == 7) {
         rig_outputs o;
         if (first) {
+#ifdef SURGE
+            rig_begin(&s, 0.0, in.heave_m_s2, in.pitch_rate_rad_s, surge[0]);
+#else
             rig_begin(&s, 0.0, in.heave_m_s2, in.pitch_rate_rad_s);
+#endif
             first = 0;
         }
         rig_read(&s, &o);
-        printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", o.hub_rate_rad_s, o.platform_rate_rad_s,
+        printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", o.hub_rate_rad_s, o.platform_rate_rad_s,
             o.platform_accel_m_s2, o.motor_rate_rad_s, o.hub_position_rad, o.true_hub_rate_rad_s,
-            o.true_tip_rate_rad_s, o.current_a);
+            o.true_tip_rate_rad_s, o.current_a, SECOND);
         in.heave_slope_m_s3 = (next[0] - in.heave_m_s2) / period;
+#ifdef SURGE
+        in.surge_m_s2 = surge[0];
+        in.surge_slope_m_s3 = (surge[1] - surge[0]) / period;
+#endif
         in.pitch_slope_rad_s2 = (next[1] - in.pitch_rate_rad_s) / period;
         rig_move(&s, &in, period);
     }
@@ -133,12 +153,15 @@ fn program(machine: &Machine, folder: &Path, refined: f64) -> PathBuf {
     std::fs::write(sources.join("driver.c"), DRIVER).unwrap();
     let name = format!("driver{refined}");
     let flags = ["-O2", "-ffp-contract=off", "rig.c", "driver.c", "-lm", "-o", &name];
-    let define = format!("-DREFINED={refined:?}");
+    let sensors = &machine.plant.parameters().sensors;
+    let second = if sensors.surge_accelerometer.is_some() { "o.platform_surge_m_s2" } else { "0.0" };
+    let mut define = vec![format!("-DREFINED={refined:?}"), format!("-DSECOND={second}")];
+    define.extend(sensors.measures_surge().then(|| "-DSURGE".to_owned()));
     let said = run(Command::new("cc")
         .current_dir(&sources)
         .args(&STRICT[2..])
         .arg("-std=c99")
-        .arg(define)
+        .args(define)
         .args(flags));
     assert_eq!(said, "", "{}", machine.name);
     sources.join(name)
@@ -146,13 +169,19 @@ fn program(machine: &Machine, folder: &Path, refined: f64) -> PathBuf {
 
 fn in_c(machine: &Machine, folder: &Path, refined: f64) -> Columns {
     let period_s = machine.plant.parameters().interface.sample_period_s;
-    let motion = platform(period_s);
+    let motion = platform(machine);
+    let surge = motion.further.as_ref().map_or(Signal::ZERO, |further| further.surge_m_s2.clone());
     let mut rows = format!("{period_s:?}\n");
     for (k, control) in controls(machine).iter().enumerate() {
         let [now, next] = [k, k + 1].map(|k| k as f64 * period_s);
         let [heave, heave_next] = [now, next].map(|t| motion.heave_m_s2.at(t));
         let [rate, rate_next] = [now, next].map(|t| motion.pitch_rate_rad_s.at(t));
-        writeln!(rows, "{control:?} {heave:?} {heave_next:?} {rate:?} {rate_next:?}").unwrap();
+        let [forward, forward_next] = [now, next].map(|t| surge.at(t));
+        writeln!(
+            rows,
+            "{control:?} {heave:?} {heave_next:?} {rate:?} {rate_next:?} {forward:?} {forward_next:?}"
+        )
+        .unwrap();
     }
     let mut started = Command::new(program(machine, folder, refined))
         .stdin(Stdio::piped())
@@ -182,7 +211,7 @@ fn difference(a: &Columns, b: &Columns) -> (f64, usize) {
         });
         (if worst == 0.0 { 0.0 } else { worst / largest }, column)
     };
-    (0..8).map(of).fold((0.0, 0), |most, one| if one.0 <= most.0 { most } else { one })
+    (0..COLUMNS).map(of).fold((0.0, 0), |most, one| if one.0 <= most.0 { most } else { one })
 }
 
 /// Compares the C with the simulator; tells what is wrong.
@@ -244,6 +273,22 @@ fn friction_that_sticks_at_motor_and_pivot() {
                 |coulomb_nm, stick_rate_rad_s| FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s };
             p.motor_friction = sticking(karnopp(0.3, 0.1), 1.2, 0.002);
             p.pivot_friction = sticking(karnopp(117.0, 1e-3), 1.2, 60.0);
+        }),
+    ]);
+}
+
+#[test]
+fn a_platform_that_surges() {
+    let offset = |p: &mut Parameters| p.lumped.as_mut().unwrap().vertical_offset_kg_m = 40.0;
+    all_equal(&[
+        machine("accelerometer on the elevated mass", |p| {
+            offset(p);
+            p.sensors.accelerometer_axis = AccelerometerAxis::Elevated;
+        }),
+        machine("accelerometers of heave and surge", |p| {
+            offset(p);
+            let second = Sensor { delay_s: 2e-3, gain: 1.02, ..p.sensors.platform_accelerometer.clone() };
+            p.sensors.surge_accelerometer = Some(second);
         }),
     ]);
 }

@@ -57,7 +57,7 @@ fn a_step_costs_what_its_multiplications_need() {
                 // state; the rest is call, limits and addresses.
                 let states = controller.programs().state_count();
                 // The guard takes about 45 instructions a reading and 15 a state.
-                let guard = READINGS * 45 + states * 15;
+                let guard = controller.parts().reading_count() * 45 + states * 15;
                 let needed = (2 * multiplications + additions + 2 * states + guard) as u64;
                 let found = cost.step_instructions;
                 assert!(found < 2000, "{cost:?}");

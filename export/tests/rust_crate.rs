@@ -33,7 +33,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBu
         run(rustc().current_dir(&folder).args(flags));
         writeln!(modules, "extern crate {name};").unwrap();
         writeln!(starts, "let mut state_{i} = {name}::Controller::new();").unwrap();
-        let fields: Vec<String> = READING_NAMES
+        let fields: Vec<String> = READING_NAMES[..controller.parts().reading_count()]
             .iter()
             .enumerate()
             .map(|(k, field)| format!("{field}: v[{}] as _", k + 2))
@@ -46,7 +46,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBu
         .unwrap();
     }
     let text = format!(
-        "{modules}\nuse std::io::{{Read, Write}};\nfn main() {{\n{starts}\nlet mut bytes = [0u8; 64];\nwhile std::io::stdin().read_exact(&mut bytes).is_ok() {{\nlet v: Vec<f64> = bytes.chunks(8).map(|c| f64::from_ne_bytes(c.try_into().unwrap())).collect();\nlet out: f64 = match v[0] as i32 {{ {arms} _ => 0.0 }};\nstd::io::stdout().write_all(&out.to_ne_bytes()).unwrap();\n}}\nstd::io::stdout().flush().unwrap();\n}}\n"
+        "{modules}\nuse std::io::{{Read, Write}};\nfn main() {{\n{starts}\nlet mut bytes = [0u8; 72];\nwhile std::io::stdin().read_exact(&mut bytes).is_ok() {{\nlet v: Vec<f64> = bytes.chunks(8).map(|c| f64::from_ne_bytes(c.try_into().unwrap())).collect();\nlet out: f64 = match v[0] as i32 {{ {arms} _ => 0.0 }};\nstd::io::stdout().write_all(&out.to_ne_bytes()).unwrap();\n}}\nstd::io::stdout().flush().unwrap();\n}}\n"
     );
     std::fs::write(folder.join("server.rs"), text).unwrap();
     run(rustc().current_dir(&folder).args(["--edition=2021", "-L.", "server.rs", "-o", "server"]));

@@ -139,6 +139,7 @@ fn sensors() -> Sensors {
         },
         accelerometer_lever_arm_m: 0.0,
         accelerometer_axis: AccelerometerAxis::Vertical,
+        surge_accelerometer: None,
         motor_tachometer: Some(Sensor { scale_v_unit: 0.1, noise_rms: 2.0e-2, ..Sensor::IDEAL }),
         hub_resolver: Some(Sensor { scale_v_unit: 20.0, noise_rms: 2.0e-5, ..Sensor::IDEAL }),
     }

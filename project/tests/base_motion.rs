@@ -87,6 +87,27 @@ fn an_elevated_accelerometer_stands_at_the_pivot_of_a_hub_that_is_not_upright() 
 }
 
 #[test]
+fn a_surge_accelerometer_needs_that_of_heave_and_an_angle() {
+    let section = "[plant.sensors.platform_accelerometer]";
+    let second = format!("[plant.sensors.surge_accelerometer]\nnoise = 5.0e-3\n\n{section}");
+    let project = read(&file(UNIT, &[(section, &second)])).unwrap();
+    assert_eq!(project.plant.sensors.surge_accelerometer.as_ref().unwrap().noise_rms, 5.0e-3);
+    assert_eq!(read(&project.to_text()).unwrap(), project);
+    let elevated = format!("{second}\naxis = \"elevated\"");
+    assert!(
+        told(&file(UNIT, &[(section, &elevated)])).contains("needs [plant.sensors.platform_accelerometer]")
+    );
+    let steep =
+        |angle: f64| file(UNIT, &[(section, &second)]) + &format!("\n[model]\nhub_angle = {angle:?}\n");
+    assert!(told(&steep(1.5)).contains("within +/- 1.47 rad"), "{}", told(&steep(1.5)));
+    assert!(
+        told(&steep(0.6)).contains("within +/- 0.5 rad, where the resolver's converter ends"),
+        "{}",
+        told(&steep(0.6))
+    );
+}
+
+#[test]
 fn the_line_of_sight_survives_the_file() {
     let text = file(UNIT, &[]) + "\n[verify.line_of_sight]\nexposure = 0.005\n";
     let project = read(&text).unwrap();

@@ -21,11 +21,13 @@ pub enum Channel {
     MotorPosition,
     /// Motor current, A.
     MotorCurrent,
+    /// Second platform accelerometer: surge, m/s^2.
+    PlatformSurge,
 }
 
 impl Channel {
     /// All channels.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Demand,
         Self::Control,
         Self::HubRate,
@@ -35,6 +37,7 @@ impl Channel {
         Self::HubPosition,
         Self::MotorPosition,
         Self::MotorCurrent,
+        Self::PlatformSurge,
     ];
 
     /// Returns the channel's name in files and results.
@@ -49,6 +52,7 @@ impl Channel {
             Self::HubPosition => "hub_position",
             Self::MotorPosition => "motor_position",
             Self::MotorCurrent => "motor_current",
+            Self::PlatformSurge => "platform_surge",
         }
     }
 
@@ -57,7 +61,7 @@ impl Channel {
         match self {
             Self::Demand | Self::HubRate | Self::PlatformRate | Self::MotorRate => "rad/s",
             Self::Control => "V",
-            Self::PlatformAccel => "m/s^2",
+            Self::PlatformAccel | Self::PlatformSurge => "m/s^2",
             Self::HubPosition | Self::MotorPosition => "rad",
             Self::MotorCurrent => "A",
         }

@@ -37,6 +37,8 @@ pub struct ReadingColumns {
     pub motor_rate_rad_s: Vec<f64>,
     /// Hub resolver, rad; zeros if none is fitted.
     pub hub_position_rad: Vec<f64>,
+    /// Second platform accelerometer (surge), m/s^2; empty if none is fitted.
+    pub platform_surge_m_s2: Vec<f64>,
 }
 
 /// What was true at each sample.
@@ -88,6 +90,7 @@ impl ReadingColumns {
             platform_accel_m_s2: column(),
             motor_rate_rad_s: column(),
             hub_position_rad: column(),
+            platform_surge_m_s2: Vec::new(),
         }
     }
 
@@ -101,6 +104,7 @@ impl ReadingColumns {
             Channel::PlatformAccel => &self.platform_accel_m_s2,
             Channel::MotorRate => &self.motor_rate_rad_s,
             Channel::HubPosition => &self.hub_position_rad,
+            Channel::PlatformSurge => &self.platform_surge_m_s2,
             Channel::MotorPosition | Channel::MotorCurrent => &[],
         }
     }
@@ -115,13 +119,15 @@ impl ReadingColumns {
             Channel::PlatformAccel => &mut self.platform_accel_m_s2,
             Channel::MotorRate => &mut self.motor_rate_rad_s,
             Channel::HubPosition => &mut self.hub_position_rad,
+            Channel::PlatformSurge => &mut self.platform_surge_m_s2,
             Channel::MotorPosition | Channel::MotorCurrent => &mut [],
         }
     }
 
     /// Returns the recording that a machine like the simulated one would have left of the run.
     pub fn recording(&self, name: &str, sample_period_s: f64) -> Recording {
-        let recorded = Channel::ALL.into_iter().filter(|c| !UNREAD.contains(c));
+        let is_fitted = |c: &Channel| *c != Channel::PlatformSurge || !self.channel(*c).is_empty();
+        let recorded = Channel::ALL.into_iter().filter(|c| !UNREAD.contains(c) && is_fitted(c));
         recorded.fold(Recording::new(name, sample_period_s), |recording, channel| {
             recording.with(channel, self.channel(channel).to_vec())
         })

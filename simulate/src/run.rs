@@ -306,6 +306,9 @@ impl<'a> Lap<'a> {
         columns.platform_accel_m_s2.push(readings.platform_accel_m_s2);
         columns.motor_rate_rad_s.push(readings.motor_rate_rad_s);
         columns.hub_position_rad.push(readings.hub_position_rad);
+        if self.plant.parameters().sensors.surge_accelerometer.is_some() {
+            columns.platform_surge_m_s2.push(readings.platform_surge_m_s2);
+        }
     }
 
     fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, stepper: &Stepper) {

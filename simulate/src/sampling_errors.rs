@@ -11,6 +11,8 @@ use crate::tolerance::{FLICKER_LONGEST_S, FLICKER_RATIO};
 const CLOCK_STREAM: u64 = 1;
 /// The first stream of a sensor's drift.
 pub(crate) const DRIFT_STREAM: u64 = 2;
+/// Stream of the white noise of the surge accelerometer: fitting one leaves the noise of the other sensors as it was.
+pub(crate) const SURGE_STREAM: u64 = 16;
 
 /// What happens to one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]

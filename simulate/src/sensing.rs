@@ -2,7 +2,7 @@
 
 use crate::engine::filter::Filter;
 use crate::motion::MotionSample;
-use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, is_missing};
+use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, SURGE_STREAM, is_missing};
 use counterpoise_controller::Readings;
 use counterpoise_models::plant::SinCos;
 use counterpoise_models::{AccelerometerAxis, Interface, Parameters, Sensor};
@@ -218,6 +218,14 @@ pub(crate) struct Sensing {
     axis: AccelerometerAxis,
     tachometer: Option<Chain>,
     resolver: Option<Chain>,
+    surge: Option<Surge>,
+}
+
+/// The accelerometer of surge with its own noise.
+#[derive(Debug, Clone)]
+struct Surge {
+    sensor: PlatformSensor,
+    noise: Option<Noise>,
 }
 
 impl Sensing {
@@ -239,6 +247,15 @@ impl Sensing {
             axis: sensors.accelerometer_axis,
             tachometer: sensors.motor_tachometer.as_ref().map(|sensor| chain(sensor, 3)),
             resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4)),
+            surge: sensors.surge_accelerometer.as_ref().map(|sensor| Surge {
+                sensor: driven(sensor, 5),
+                noise: match imperfections {
+                    Imperfections::NoiseAndQuantisation { seed } => {
+                        Some(Noise::on_stream(seed, SURGE_STREAM))
+                    }
+                    _ => None,
+                },
+            }),
         }
     }
 
@@ -251,6 +268,9 @@ impl Sensing {
             AccelerometerAxis::Elevated => along_normal(motion, 0.0, hub_angle_rad.sin_cos().into()),
         };
         self.accelerometer.state = [felt, 0.0];
+        if let Some(surge) = &mut self.surge {
+            surge.sensor.state = [motion.further_at(0.0).unwrap_or_default().surge, 0.0];
+        }
         for sensor in [&mut self.hub_heave, &mut self.platform_gyro, &mut self.accelerometer] {
             sensor.heave = [start.heave, 0.0];
         }
@@ -274,6 +294,7 @@ impl Sensing {
                 .resolver
                 .as_mut()
                 .map_or(0.0, |c| c.read(truth.hub_position, 0.0, noise[4])),
+            platform_surge_m_s2: self.surge.as_mut().map_or(0.0, |surge| surge.read(offset)),
         }
     }
 
@@ -294,11 +315,23 @@ impl Sensing {
         }
         self.platform_gyro.filter.advance(0, &mut self.platform_gyro.state, &rate);
         self.accelerometer.filter.advance(0, &mut self.accelerometer.state, &felt);
+        if let Some(surge) = &mut self.surge {
+            let felt =
+                crate::engine::moments::NODES.map(|node| motion.further_at(node).unwrap_or_default().surge);
+            surge.sensor.filter.advance(0, &mut surge.sensor.state, &felt);
+        }
         for sensor in [&mut self.hub_heave, &mut self.platform_gyro] {
             if sensor.chain.sensor.g_sensitivity != 0.0 {
                 sensor.filter.advance(0, &mut sensor.heave, &heave);
             }
         }
+    }
+}
+
+impl Surge {
+    fn read(&mut self, offset: f64) -> f64 {
+        let at = Instant { noise: self.noise.as_mut().map_or(0.0, Noise::next), offset };
+        self.sensor.chain.read(self.sensor.state[0], 0.0, at)
     }
 }
 

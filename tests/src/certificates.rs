@@ -248,6 +248,7 @@ fn run(
             sensed(&truth.accelerometer, x[14], dice),
             read(others[0], x[3], bits, dice),
             read(others[1], x[4] - now.angle, bits, dice),
+            0.0,
         ];
         let control = quantised(runner.step_array(&readings), p.interface.output_bits);
         let h = period / STEPS as f64;

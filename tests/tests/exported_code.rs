@@ -156,7 +156,7 @@ fn single_and_fixed_move_the_rig_nearly_as_the_reference_does() {
     }
 }
 
-fn readings(run: &TimeHistory) -> Vec<[f64; 6]> {
+fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
     let r = &run.readings;
     let at = |k: usize| {
         [
@@ -166,6 +166,7 @@ fn readings(run: &TimeHistory) -> Vec<[f64; 6]> {
             r.platform_accel_m_s2[k],
             r.motor_rate_rad_s[k],
             r.hub_position_rad[k],
+            0.0,
         ]
     };
     (0..run.len()).map(at).collect()
@@ -293,7 +294,7 @@ impl Design {
             &folder,
             &rust_crate(Unverified(&self.controller), &provenance(), &Options::double("axis")).unwrap(),
         );
-        write(&folder, &[rust_replay()]);
+        write(&folder, &[rust_replay(self.controller.parts().reading_count())]);
         let rustc =
             |arguments: &[&str]| run(Command::new(RUST_COMPILER).current_dir(&folder).args(arguments));
         let name = format!("--crate-name={RUST_CRATE}");
@@ -394,7 +395,7 @@ fn the_reference_rigs_step_costs_what_its_multiplications_need() {
     let step = &controller.programs().step;
     let states = controller.programs().state_count();
     let needed = (2 * step.multiplications() + step.additions() + 2 * states) as u64;
-    let guard = (GUARD_OF_STATE * states + GUARD_OF_READING * READINGS) as u64;
+    let guard = (GUARD_OF_STATE * states + GUARD_OF_READING * controller.parts().reading_count()) as u64;
     let files = c99(Unverified(&controller), &provenance(), &Options::single("axis")).unwrap();
     let found = target::cost(&CORES[0], "reference_rig", ("axis", Numbers::Single), &files);
     println!("{} multiplications, {} additions, {states} states", step.multiplications(), step.additions());

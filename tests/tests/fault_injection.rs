@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use counterpoise_controller::program::Compiled;
-use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
+use counterpoise_controller::{COMMON_READINGS, Controller, READINGS, Readings, SampledController};
 use counterpoise_export::{FixedRunner, Ranges, plan};
 use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::{model, reduce, synthesise};
@@ -108,7 +108,8 @@ fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
         &r.motor_rate_rad_s,
         &r.hub_position_rad,
     ];
-    (0..run.len()).map(|k| columns.map(|column| column[k])).collect()
+    let row = |k: usize| std::array::from_fn(|i| columns.get(i).map_or(0.0, |column| column[k]));
+    (0..run.len()).map(row).collect()
 }
 
 /// The bare programs give the same controls for good readings, to the last bit: the guard changes nothing.
@@ -152,7 +153,7 @@ impl<'a> Example<'a> {
     fn slowest_recovery(&mut self, numbers: &str, start: &Start) -> f64 {
         let undisturbed = self.drive(start().as_mut());
         let mut slowest = 0.0_f64;
-        for channel in 0..READINGS {
+        for channel in 0..COMMON_READINGS {
             for kind in KINDS {
                 for length in LENGTHS {
                     let took_s = self.recovery_s_after((channel, kind, length), start(), &undisturbed);

@@ -48,7 +48,7 @@ fn gain_margin_db(verified: &VerifiedController) -> f64 {
 }
 
 /// Small readings, so that the limiter stays out.
-fn readings() -> Vec<[f64; 6]> {
+fn readings() -> Vec<[f64; counterpoise_controller::READINGS]> {
     let mut random = Random(3);
     (0..1500).map(|_| random.readings().map(|value| 0.02 * value)).collect()
 }

@@ -144,7 +144,9 @@ fn fixed_point(plant: &Plant, controller: &Controller) -> Result<Fixed, FixedErr
         Channel::HubPosition,
     ];
     let columns = channels.map(|channel| recording.samples(channel).unwrap());
-    let readings = (0..recording.len()).map(|k| columns.map(|column| column[k])).collect::<Vec<_>>();
+    // no machine of these has an accelerometer of surge, the seventh reading
+    let row = |k: usize| std::array::from_fn(|i| columns.get(i).map_or(0.0, |column| column[k]));
+    let readings = (0..recording.len()).map(row).collect::<Vec<_>>();
     let ranges = Ranges::from_readings(controller, &[readings], RANGE_MARGIN);
     let half_step_v = 10.0 / f64::from(plant.parameters().interface.output_bits).exp2();
     plan(controller, &ranges, half_step_v, recording.len())

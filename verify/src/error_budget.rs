@@ -217,7 +217,10 @@ fn switch_off(source: ErrorSource, p: &mut Parameters, procedure: &mut Procedure
         }
         ErrorSource::HubGyro => exact(&mut p.sensors.hub_gyro),
         ErrorSource::PlatformGyro => exact(&mut p.sensors.platform_gyro),
-        ErrorSource::Accelerometer => exact(&mut p.sensors.platform_accelerometer),
+        ErrorSource::Accelerometer => {
+            exact(&mut p.sensors.platform_accelerometer);
+            p.sensors.surge_accelerometer.iter_mut().for_each(exact);
+        }
         ErrorSource::OtherSensors => {
             p.sensors.motor_tachometer.iter_mut().chain(&mut p.sensors.hub_resolver).for_each(exact);
         }

@@ -3,12 +3,14 @@
 
 mod support;
 
-use counterpoise_controller::Controller;
+use counterpoise_controller::signal::HUB_POSITION;
+use counterpoise_controller::{Controller, Projection};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_models::{AccelerometerAxis, Friction, FrictionLaw, Parameters};
+use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
     Arrangement, ErrorSource, Figure, FurtherRoad, Limit, LineOfSight, Model, Procedure, Quantity,
-    Requirement, Road, SightFigure, Source, Verdict, verify,
+    Requirement, Road, SightFigure, Source, Value, Verdict, verify,
 };
 use support::{controller, rig};
 
@@ -84,6 +86,51 @@ fn an_elevated_accelerometer_takes_surge_out() {
     let (upright, elevated) =
         (of(AccelerometerAxis::Vertical, &road()), of(AccelerometerAxis::Elevated, &road()));
     assert!(upright > 3.0 * none && elevated < 1.3 * none, "{none} {upright} {elevated}");
+}
+
+/// Accelerometers of heave and surge on the platform, which the controller projects across the beam by the hub's angle.
+fn projected(model: Model, elevation_rad: f64, road: Road) -> f64 {
+    let mut p = smooth(AccelerometerAxis::Vertical);
+    // 2 rad at the end of the converter: the rig's own resolver ends at 0.5 rad
+    p.sensors.hub_resolver.iter_mut().for_each(|resolver| resolver.scale_v_unit = 5.0);
+    p.sensors.surge_accelerometer = Some(p.sensors.platform_accelerometer.clone());
+    let projection = Projection {
+        design_angle_rad: elevation_rad,
+        angle_reading: Some(HUB_POSITION),
+        pitch_washout_s: Some(10.0),
+    };
+    let acting = controller().with(|parts| parts.projection = Some(projection)).unwrap();
+    let operating_point = OperatingPoint { hub_angle_rad: elevation_rad, platform_angle_rad: 0.0 };
+    let asked = Procedure { operating_point, ..procedure(road) };
+    let found = verify(&Plant::lumped(&p).unwrap(), &acting, &asked, &[]).unwrap();
+    let figure = Figure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
+    found.verification().value(figure).unwrap()
+}
+
+#[test]
+fn two_accelerometers_projected_by_the_hubs_angle_take_surge_out_at_every_elevation() {
+    let still = Road { further: None, ..road() };
+    for elevation_rad in [0.0, 5.0_f64.to_radians(), 15.0_f64.to_radians(), 40.0_f64.to_radians()] {
+        let none = projected(Model::Nonlinear, elevation_rad, still.clone());
+        let with = projected(Model::Nonlinear, elevation_rad, road());
+        assert!(with < 1.3 * none, "{elevation_rad}: {none} {with}");
+        let linear = projected(Model::Linear, elevation_rad, road());
+        assert!((linear / with - 1.0).abs() < 0.15, "{elevation_rad}: {linear} {with}");
+    }
+}
+
+#[test]
+fn a_sweep_has_surge_in_its_linear_figures() {
+    for axis in [AccelerometerAxis::Vertical, AccelerometerAxis::Elevated] {
+        let plant = Plant::lumped(&smooth(axis)).unwrap();
+        for arrangement in [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated] {
+            let figure = Figure::Disturbance(Model::Linear, Source::Road, arrangement, Quantity::HubRms);
+            let found = figures_of(&plant, &fitting(axis), &procedure(road()), &[figure]).unwrap();
+            let whole = verify(&plant, &fitting(axis), &procedure(road()), &[]).unwrap();
+            let wanted = Value::Is(whole.verification().value(figure).unwrap());
+            assert_eq!(found[0], wanted, "{axis:?} {arrangement:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! From a controller's parts to its straight lines of arithmetic.
 //!
-//! Order of a step: corrections, limit of the demand's rate, prefilter, derived signals, friction observers, outputs of the paths, their gains, the
+//! Order of a step: corrections, projection of heave and surge, limit of the demand's rate, prefilter, derived signals, friction observers, outputs of the paths, their gains, the
 //! sum, the limiter, the drive's curve, new states. Coefficients that are exactly 0 are left out here, once for all back ends.
 
 mod curve;
 mod estimate;
 mod observe;
+mod project;
 mod schedule;
 mod squares;
 mod step;
@@ -214,6 +215,6 @@ impl Writer {
 }
 
 /// Returns the names of the step's inputs.
-pub(crate) fn reading_names() -> Vec<&'static str> {
-    READING_NAMES.to_vec()
+pub(crate) fn reading_names(parts: &Parts) -> Vec<&'static str> {
+    READING_NAMES[..parts.reading_count()].to_vec()
 }

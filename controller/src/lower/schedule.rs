@@ -240,8 +240,8 @@ mod tests {
         parts.design_out_of_balance_kg_m = 150.0;
         parts.bias_v_per_kg_m = 0.02;
         let mut runner: Runner = Controller::new(parts).unwrap().runner();
-        assert_eq!(runner.step_array(&[0.0; 6]), 3.0);
+        assert_eq!(runner.step_array(&[0.0; crate::READINGS]), 3.0);
         runner.set_out_of_balance(50.0);
-        assert_eq!(runner.step_array(&[0.0; 6]), 1.0);
+        assert_eq!(runner.step_array(&[0.0; crate::READINGS]), 1.0);
     }
 }

@@ -6,9 +6,10 @@ use crate::check;
 use crate::lower::estimate::{self, Seen};
 use crate::lower::schedule::Layout;
 use crate::lower::{
-    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, reading_names,
+    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, project, reading_names,
 };
 use crate::program::{OnRestart, Program, Slot};
+use crate::signal::PLATFORM_ACCELERATION;
 use crate::{DemandLimit, FrictionObserver, Parts, Path, READINGS, Signal};
 
 /// Where each signal of this step is found.
@@ -50,13 +51,18 @@ struct Control {
 }
 
 /// A state update: the new value waits in a local until all have been computed.
-type Pending = Vec<(Slot, Slot)>;
+pub(super) type Pending = Vec<(Slot, Slot)>;
 
 /// Writes the program of a sample and hands out the states it needs.
 pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Program {
-    let mut writer = Writer::new(&reading_names());
+    let mut writer = Writer::new(&reading_names(parts));
     let mut pending = Pending::new();
     let mut signals = corrected(parts, &mut writer);
+    if let Some(projection) = parts.projection {
+        let given = project::Given { readings: &signals.readings, sample_period_s: parts.sample_period_s };
+        let across = project::across(projection, &given, states, &mut writer, &mut pending);
+        signals.readings[PLATFORM_ACCELERATION] = across;
+    }
     demand_rate(parts, &mut signals, states, &mut writer, &mut pending);
     prefilter(parts, &mut signals, states, &mut writer, &mut pending);
     derive(parts, &mut signals, states, &mut writer);

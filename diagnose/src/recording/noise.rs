@@ -91,6 +91,7 @@ fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
         Channel::PlatformAccel => Some(&s.platform_accelerometer),
         Channel::MotorRate => s.motor_tachometer.as_ref(),
         Channel::HubPosition => s.hub_resolver.as_ref(),
+        Channel::PlatformSurge => s.surge_accelerometer.as_ref(),
     }
 }
 
@@ -103,6 +104,7 @@ fn sensor_mut(p: &mut Parameters, channel: Channel) -> Option<&mut Sensor> {
         Channel::PlatformAccel => Some(&mut s.platform_accelerometer),
         Channel::MotorRate => s.motor_tachometer.as_mut(),
         Channel::HubPosition => s.hub_resolver.as_mut(),
+        Channel::PlatformSurge => s.surge_accelerometer.as_mut(),
     }
 }
 

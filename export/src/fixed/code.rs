@@ -1,7 +1,7 @@
 //! The fixed-point controller in C99.
 
+use counterpoise_controller::READING_NAMES;
 use counterpoise_controller::program::{OnRestart, Program, Slot};
-use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
 use crate::c99::{assignments, line_with, with_guard};
@@ -12,7 +12,7 @@ use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::guard::{flags, guard_bytes, marked};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, vectors};
-use crate::{Error, File, Provenance, READING_FIELDS, Ranges, Source, check_name};
+use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields};
 
 /// The controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and of the control.
 ///
@@ -51,7 +51,7 @@ pub fn fixed_c99<'a>(
 fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     let programs = fixed.controller.programs();
     let guard = FixedSettings::of(fixed);
-    let readings: Vec<(&str, i32, &str, String)> = READING_FIELDS
+    let readings: Vec<(&str, i32, &str, String)> = reading_fields(&fixed.controller)
         .iter()
         .zip(&fixed.step.inputs)
         .map(|(field, bits)| (field.0, *bits, field.1, full_scale(*bits)))
@@ -77,10 +77,10 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         control_full => full_scale(fixed.control_bits()),
         set_full => full_scale(fixed.set_out_of_balance.inputs[0]),
         limit => format!("{:?}", fixed.controller.limit_v()),
-        state_bytes => 4 * programs.state_count() + guard_bytes(4),
+        state_bytes => 4 * programs.state_count() + guard_bytes(&fixed.controller, 4),
         flags => flags(&fixed.controller),
         guard => context! {
-            limits => guard.limits.to_vec(), share_step => guard.share_step, share_bits => SHARE_BITS,
+            limits => guard.limits[..fixed.step.inputs.len()].to_vec(), share_step => guard.share_step, share_bits => SHARE_BITS,
             whole => 1 << SHARE_BITS,
         },
         set_bits => fixed.set_out_of_balance.inputs[0],
@@ -126,10 +126,10 @@ fn rows(fixed: &Fixed) -> Vec<String> {
         if let Some(set) = set {
             runner.set_integer(set);
         }
-        let readings: [i64; READINGS] =
-            std::array::from_fn(|i| to_integer(vector.readings[i], fixed.step.inputs[i]));
+        let readings = fixed.step.integers(&vector.readings);
         let control = runner.step_integers(&readings);
-        let list: Vec<String> = readings.iter().map(ToString::to_string).collect();
+        let list: Vec<String> =
+            readings.iter().take(fixed.step.inputs.len()).map(ToString::to_string).collect();
         format!(
             "{{ {}, {}, {{ {} }}, {control} }}",
             u8::from(set.is_some()),

@@ -20,6 +20,8 @@ const UNMOVED_BITS: i32 = 60;
 pub(crate) struct FixedSettings {
     /// Largest magnitude of each reading in its format. A saturated reading is beyond it.
     pub limits: [i64; READINGS],
+    /// Number of readings that the controller takes.
+    pub readings: usize,
     /// Samples after which a reading counts as unchanged.
     pub unchanged_samples: u32,
     /// Change a sample of the share of the other sensors.
@@ -31,13 +33,14 @@ impl FixedSettings {
     pub fn of(fixed: &Fixed) -> Self {
         let settings = GuardSettings::of(fixed.controller.parts());
         let bits = &fixed.step.inputs;
-        let limit = |i: usize| match bits[i] {
+        let limit = |i: usize| match bits.get(i).copied().unwrap_or(UNMOVED_BITS) {
             unmoved if unmoved >= UNMOVED_BITS => FULL,
             bits => to_integer(settings.limits[i], bits).min(FULL - 1),
         };
         let whole = f64::from(SHARE_BITS).exp2();
         Self {
             limits: std::array::from_fn(limit),
+            readings: bits.len(),
             unchanged_samples: settings.unchanged_samples,
             share_step: ((settings.share_step * whole) as i64).min((1 << SHARE_BITS) - 1),
         }
@@ -93,6 +96,9 @@ impl FixedGuard {
         let moved = self.share + if self.status.flags & ALONE != 0 { -step } else { step };
         self.share = moved.clamp(0, 1 << SHARE_BITS);
         std::array::from_fn(|i| {
+            if i >= self.settings.readings {
+                return 0;
+            }
             let taken = self.reading(i, readings[i]);
             if i == DEMAND || i == HUB_RATE { taken } else { narrow(self.share * taken, SHARE_BITS) }
         })

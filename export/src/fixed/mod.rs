@@ -19,6 +19,7 @@ pub(crate) use format::{to_integer, unit};
 pub use plan::{Fixed, plan};
 pub use runner::FixedRunner;
 
+use counterpoise_controller::READINGS;
 use counterpoise_controller::program::Slot;
 
 /// Largest magnitude of a stored number.
@@ -93,6 +94,13 @@ pub struct FixedProgram {
     pub locals: Vec<i32>,
     /// Operations in order, one for each of the controller's program.
     pub operations: Vec<FixedOperation>,
+}
+
+impl FixedProgram {
+    /// Returns readings as integers in the formats of the inputs; 0 for one that the program does not take.
+    pub fn integers(&self, readings: &[f64; READINGS]) -> [i64; READINGS] {
+        std::array::from_fn(|i| self.inputs.get(i).map_or(0, |bits| to_integer(readings[i], *bits)))
+    }
 }
 
 /// floor(value / 2^shift + 1/2), kept within +/- [`FULL`].

@@ -1,7 +1,7 @@
 //! The fixed-point form of a controller: formats from ranges, integer operations, and how far they are from the reference.
 
+use counterpoise_controller::Controller;
 use counterpoise_controller::program::Slot;
-use counterpoise_controller::{Controller, READINGS};
 use counterpoise_lti::poles;
 
 use crate::Ranges;
@@ -48,8 +48,9 @@ pub fn plan(
         if largest > 0.0 { Ok(bits_for(largest)) } else { Err(FixedError::NeverMoved { name: name() }) }
     });
     let states: Vec<i32> = states.collect::<Result<_, _>>()?;
-    let inputs: Vec<i32> =
-        (0..READINGS).map(|i| bits_for(ranges.of(Slot::Input(i)).max(f64::MIN_POSITIVE))).collect();
+    let inputs: Vec<i32> = (0..controller.parts().reading_count())
+        .map(|i| bits_for(ranges.of(Slot::Input(i)).max(f64::MIN_POSITIVE)))
+        .collect();
     let mut step = Writer::new(controller, &programs.step, &states, inputs);
     step.all(|slot| ranges.of(slot))?;
     let (low, high) = controller.parts().out_of_balance_range_kg_m;

@@ -155,8 +155,7 @@ impl<'a> Unrounded<'a> {
     }
 
     fn step(&mut self, readings: &[f64; READINGS]) -> f64 {
-        let bits = &self.fixed.step.inputs;
-        let inputs: [f64; READINGS] = std::array::from_fn(|i| to_integer(readings[i], bits[i]) as f64);
+        let inputs = self.fixed.step.integers(readings).map(|integer| integer as f64);
         self.run(&self.fixed.step, &inputs);
         let program: &Program = &self.fixed.controller.programs().step;
         let control = program.output.map_or(0.0, |slot| self.read(slot, &inputs));

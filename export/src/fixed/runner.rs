@@ -38,10 +38,9 @@ impl FixedRunner {
 
     /// One sample: readings are rounded to their formats first. One that is no finite number lies beyond every limit.
     pub fn step_array(&mut self, readings: &[f64; READINGS]) -> f64 {
-        let bits = &self.fixed.step.inputs;
-        let integer =
-            |i: usize| if readings[i].is_finite() { to_integer(readings[i], bits[i]) } else { BEYOND };
-        let integers: [i64; READINGS] = std::array::from_fn(integer);
+        let mut integers = self.fixed.step.integers(readings);
+        let pairs = integers.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_finite());
+        pairs.for_each(|(integer, _)| *integer = BEYOND);
         self.step_integers(&integers) as f64 * unit(self.fixed.control_bits())
     }
 

@@ -1,9 +1,10 @@
 //! The controller as a co-simulation unit.
 
+use counterpoise_controller::{Controller, READINGS};
 use minijinja::{Environment, context};
 
 use crate::fmi::{Unit, Variable};
-use crate::{Error, File, Options, Provenance, READING_FIELDS, Source, c99};
+use crate::{Error, File, Options, Provenance, Source, c99, reading_fields};
 
 /// The controller as an FMI 3.0 co-simulation unit, in a folder of the options' name.
 ///
@@ -24,7 +25,10 @@ pub fn controller_unit<'a>(
     let placed = own.map(|file| File { name: format!("{}/sources/{}", options.name, file.name), ..file });
     let mut variables = vec![Variable::time()];
     variables.extend(
-        READING_FIELDS.iter().zip(UNITS).map(|(field, unit)| Variable::input(field.0, unit, field.1)),
+        reading_fields(controller)
+            .iter()
+            .zip(UNITS)
+            .map(|(field, unit)| Variable::input(field.0, unit, field.1)),
     );
     variables.push(Variable::output("control_v", "V", "control, held from sample to sample"));
     let design = controller.parts().design_out_of_balance_kg_m;
@@ -40,24 +44,25 @@ pub fn controller_unit<'a>(
         provenance: &provenance.header(source),
         variables: &variables,
         period_s: controller.sample_period_s(),
-        behaviour: behaviour(&options.name, controller.sample_period_s())?,
+        behaviour: behaviour(&options.name, controller)?,
     };
     Ok(placed.chain(unit.files()?).collect())
 }
 
 /// Units of the readings.
-const UNITS: [&str; 6] = ["rad/s", "rad/s", "rad/s", "m/s2", "rad/s", "rad"];
+const UNITS: [&str; READINGS] = ["rad/s", "rad/s", "rad/s", "m/s2", "rad/s", "rad", "m/s2"];
 
-fn behaviour(name: &str, period_s: f64) -> Result<String, Error> {
+fn behaviour(name: &str, controller: &Controller) -> Result<String, Error> {
+    let (period_s, fields) = (controller.sample_period_s(), reading_fields(controller));
     let data = context! {
         name,
         real => format!("{name}_real"),
         period => format!("{period_s:?}"),
-        readings => READING_FIELDS,
-        control => READING_FIELDS.len() + 1,
-        setting => READING_FIELDS.len() + 2,
-        status => READING_FIELDS.len() + 3,
-        replaced => READING_FIELDS.len() + 4,
+        readings => fields.clone(),
+        control => fields.len() + 1,
+        setting => fields.len() + 2,
+        status => fields.len() + 3,
+        replaced => fields.len() + 4,
     };
     Ok(Environment::new().render_str(include_str!("../../templates/fmu_controller.c.jinja"), data)?)
 }

@@ -4,7 +4,8 @@ use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
-    AmplifierDynamics, Axis, Friction, FrictionLaw, IDEAL_LAG_S, Measured, Ripple, Sensor, StribeckCurve,
+    AccelerometerAxis, AmplifierDynamics, Axis, Friction, FrictionLaw, IDEAL_LAG_S, Measured, Ripple, Sensor,
+    StribeckCurve,
 };
 
 /// Motor rate over which the direction of the power through the mesh changes, rad/s.
@@ -16,14 +17,20 @@ const PARTS: u32 = 65_536;
 /// The same where bristles snap: each makes a jump, and there are too many to find all.
 const BRISTLED_PARTS: u32 = 4096;
 
-/// The states before the modes, in order, as the header's enumeration names them; a transmission with hysteresis has one more.
+/// The states before the modes, in order, as the header's enumeration names them; a transmission with hysteresis and a second accelerometer have one more each.
 pub(crate) fn states(plant: &Plant) -> Vec<&'static str> {
     let mut states = STATES.to_vec();
+    if plant.parameters().sensors.surge_accelerometer.is_some() {
+        states.insert(states.len() - 1, SURGE);
+    }
     if plant.gear_hysteresis().is_some() {
         states.insert(states.len() - 1, "GEAR");
     }
     states
 }
+
+/// State of the second accelerometer, where the machine has one.
+const SURGE: &str = "SURGE_ACCELEROMETER";
 
 const STATES: [&str; 16] = [
     "VOLTAGE",
@@ -48,7 +55,7 @@ const STATES: [&str; 16] = [
 const CORE: usize = state::MODES;
 /// Two of friction, the hose, the platform's angle.
 const BESIDE: usize = 4;
-/// Five filters of second order.
+/// Five filters of second order, without that of a second accelerometer.
 const FILTERS: usize = 5;
 
 /// A number in C.
@@ -159,6 +166,10 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     minijinja::context! {
         rigid => plant.is_rigid(),
         linear => p.axis == Axis::Linear,
+        surge => p.sensors.measures_surge() && p.axis == Axis::Rotary,
+        elevated => p.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
+        projected => p.sensors.surge_accelerometer.is_some(),
+        last_sensor => if p.sensors.surge_accelerometer.is_some() { SURGE } else { "PLATFORM_GYRO_HEAVE" },
         wavy => p.gearbox.kinematic_error.amplitude != 0.0,
         hysteresis => gear.is_some(),
         gear_level => of_gear(|hose| hose.level_nm),
@@ -358,18 +369,21 @@ pub(crate) fn shortest_parts(plant: &Plant) -> String {
     format!("{:?}", f64::from(parts))
 }
 
-/// Hub gyroscope, platform gyroscope, accelerometer, tachometer, resolver; a sensor that is not fitted reads 0.
-fn fitted(plant: &Plant) -> [Sensor; 5] {
+/// Hub gyroscope, platform gyroscope, accelerometer, tachometer, resolver, and the second accelerometer if there is one; another sensor that is
+/// not fitted reads 0.
+fn fitted(plant: &Plant) -> Vec<Sensor> {
     let s = &plant.parameters().sensors;
     let absent = Sensor { gain: 0.0, ..Sensor::IDEAL };
     let optional = |sensor: &Option<Sensor>| sensor.clone().unwrap_or_else(|| absent.clone());
-    [
+    let mut all = vec![
         s.hub_gyro.clone(),
         s.platform_gyro.clone(),
         s.platform_accelerometer.clone(),
         optional(&s.motor_tachometer),
         optional(&s.hub_resolver),
-    ]
+    ];
+    all.extend(s.surge_accelerometer.clone());
+    all
 }
 
 /// The sensors, as the structure `sensor` lists them.
@@ -389,14 +403,16 @@ fn frequency(sensor: &Sensor) -> f64 {
 /// How many values a delayed signal keeps.
 pub(crate) fn past(plant: &Plant) -> usize {
     let interface = &plant.parameters().interface;
-    let late = fitted(plant).map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);
-    2 + late.into_iter().fold(interface.output_delay_samples, usize::max)
+    let late =
+        fitted(plant).into_iter().map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);
+    2 + late.fold(interface.output_delay_samples, usize::max)
 }
 
 /// The states at rest with the hub level.
 pub(crate) fn rest(plant: &Plant) -> Vec<String> {
     let core = plant.equilibrium(&OperatingPoint::default()).core_state;
-    let beside = vec![0.0; BESIDE + 2 * FILTERS + usize::from(plant.gear_hysteresis().is_some())];
+    let further = usize::from(plant.parameters().sensors.surge_accelerometer.is_some());
+    let beside = vec![0.0; BESIDE + 2 * (FILTERS + further) + usize::from(plant.gear_hysteresis().is_some())];
     let all = core[..CORE].iter().chain(&beside).chain(&core[CORE..]);
     all.copied().map(number).collect()
 }
@@ -416,8 +432,9 @@ pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
     sizes.extend(laws(plant).iter().map(|(_, law)| dry_size(law)));
     sizes.push(plant.hose().map_or(1.0, |hose| hose.level_nm));
     sizes.push(angle);
-    let [hub, platform, accelerometer, ..] = fitted(plant);
-    for sensor in [&hub, &platform, &accelerometer, &hub, &platform] {
+    let sensors = fitted(plant);
+    let filtered = [0, 1, 2, 0, 1].into_iter().filter_map(|place| sensors.get(place)).chain(sensors.get(5));
+    for sensor in filtered {
         sizes.extend([rate, rate * frequency(sensor).max(1.0)]);
     }
     sizes.extend(plant.gear_hysteresis().map(|hose| hose.level_nm));

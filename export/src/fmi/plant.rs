@@ -1,6 +1,5 @@
 //! The nonlinear plant as a co-simulation unit: all the physics that the simulator has.
 
-use counterpoise_models::AccelerometerAxis;
 use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
@@ -36,11 +35,6 @@ pub enum PlantUnitError {
         /// How many the unit holds.
         most: f64,
     },
-    /// The unit's platform heaves and pitches, and its accelerometer stands upright.
-    #[error(
-        "the plant unit's platform heaves and pitches alone: it has no accelerometer on the elevated mass (axis = \"elevated\")"
-    )]
-    Elevated,
     /// The unit could not be written.
     #[error(transparent)]
     Export(#[from] Error),
@@ -51,18 +45,15 @@ pub enum PlantUnitError {
 /// It holds what [`counterpoise_simulate`] simulates: amplifier with limits, map and dead zone or a current source; armature,
 /// cogging, torque ripple; gear with backlash, ripple and loss; the structure with its modes, gravity, spring and hose; every law
 /// of friction, also those that truly stick; sensors with dynamics, faults and delays; the delay of the control. Inputs: control,
-/// heave, pitch rate. Outputs: readings without noise or quantisation, true rates, current. The equations are those of the
+/// heave, pitch rate, and surge where a sensor feels it. Outputs: readings without noise or quantisation, true rates, current. The equations are those of the
 /// models, solved by another method: Dormand and Prince's pair with the instants of switching found.
 ///
 /// # Errors
-/// [`PlantUnitError::Elevated`] for an accelerometer on the elevated mass, [`PlantUnitError::Memory`] where a delay or a number of bristles is larger than the unit's memory, [`PlantUnitError::Export`]
+/// [`PlantUnitError::Memory`] where a delay or a number of bristles is larger than the unit's memory, [`PlantUnitError::Export`]
 /// for a bad name.
 pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>, PlantUnitError> {
     let PlantUnit { plant, name } = asked;
     check_name(name)?;
-    if plant.parameters().sensors.accelerometer_axis == AccelerometerAxis::Elevated {
-        return Err(PlantUnitError::Elevated);
-    }
     let past = machine::past(plant);
     let bonds = machine::bristles(plant);
     within("delay in samples", past as f64, MOST_DELAY_SAMPLES)?;
@@ -95,7 +86,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         description: DESCRIPTION,
         tool: &provenance.generator,
         provenance: &provenance.lines(),
-        variables: &variables(),
+        variables: &variables(plant),
         period_s,
         behaviour: behaviour.map_err(Error::from)?,
     };
@@ -113,10 +104,10 @@ fn within(what: &'static str, value: f64, most: f64) -> Result<(), PlantUnitErro
     if value <= most { Ok(()) } else { Err(PlantUnitError::Memory { what, value, most }) }
 }
 
-fn variables() -> Vec<Variable> {
+fn variables(plant: &Plant) -> Vec<Variable> {
     let local =
         |name, unit, says| Variable { causality: "local", start: None, ..Variable::output(name, unit, says) };
-    vec![
+    let mut all = vec![
         Variable::time(),
         Variable::input("control_v", "V", "control after the output converter, held over a step"),
         Variable::input("heave_m_s2", "m/s2", "upward acceleration of the pivot, without gravity"),
@@ -131,5 +122,18 @@ fn variables() -> Vec<Variable> {
         Variable::output("current_a", "A", "armature current"),
         local("last_heave_m_s2", "m/s2", "heave of the step before"),
         local("last_pitch_rate_rad_s", "rad/s", "pitch rate of the step before"),
-    ]
+    ];
+    let sensors = &plant.parameters().sensors;
+    if sensors.measures_surge() {
+        all.push(Variable::input(
+            "surge_m_s2",
+            "m/s2",
+            "forward acceleration of the pivot, along an axis that stays level",
+        ));
+        all.push(local("last_surge_m_s2", "m/s2", "surge of the step before"));
+    }
+    if sensors.surge_accelerometer.is_some() {
+        all.push(Variable::output("platform_surge_m_s2", "m/s2", "second platform accelerometer (surge)"));
+    }
+    all
 }

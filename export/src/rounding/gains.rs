@@ -2,7 +2,7 @@
 
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::program::Compiled;
-use counterpoise_controller::{Controller, Number, READINGS, Runner};
+use counterpoise_controller::{Controller, Number, Runner};
 
 /// A limit that no control reaches.
 const UNLIMITED_V: f64 = 1e30;
@@ -34,7 +34,8 @@ impl ErrorSystem {
     fn of(controller: &Controller, set_kg_m: Option<f64>) -> Self {
         let programs = controller.programs();
         let n = programs.state_count();
-        let errors = programs.step.operations().count() + READINGS;
+        let inputs = programs.step.inputs.len();
+        let errors = programs.step.operations().count() + inputs;
         let unit = |i: usize, value: f64| {
             let mut slope = vec![0.0; n + errors];
             slope[i] = 1.0;
@@ -45,7 +46,7 @@ impl ErrorSystem {
         for (i, (place, value)) in memory.iter_mut().zip(start(controller, set_kg_m)).enumerate() {
             *place = unit(i, value);
         }
-        let readings: Vec<Dual> = (0..READINGS).map(|j| unit(n + errors - READINGS + j, 0.0)).collect();
+        let readings: Vec<Dual> = (0..inputs).map(|j| unit(n + errors - inputs + j, 0.0)).collect();
         let touch = |number: usize, written: &mut Dual| *written = written.plus(&unit(n + number, 0.0));
         let output = step.run_touched(&mut memory, &readings, touch).unwrap_or(Dual::from_f64(0.0));
         let at = |row: &Dual, j: usize| row.slope.get(j).copied().unwrap_or(0.0);

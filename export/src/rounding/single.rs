@@ -1,7 +1,7 @@
 //! Single precision.
 
 use counterpoise_controller::program::{Operation, Slot, Term};
-use counterpoise_controller::{Controller, Number, READINGS};
+use counterpoise_controller::{Controller, Number};
 
 use super::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 use crate::Ranges;
@@ -36,7 +36,9 @@ impl Arithmetic for Single<'_> {
         let operations = self.controller.programs().step.operations();
         let own = operations.map(|operation| UNIT * (self.magnitudes(operation) + self.stored(operation)));
         let mut worst: Vec<f64> = own.zip(self.left()).map(|(own, left)| own + left).collect();
-        worst.extend((0..READINGS).map(|i| UNIT * self.ranges.of(Slot::Input(i))));
+        worst.extend(
+            (0..self.controller.parts().reading_count()).map(|i| UNIT * self.ranges.of(Slot::Input(i))),
+        );
         worst
     }
 

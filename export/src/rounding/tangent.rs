@@ -68,8 +68,9 @@ impl<'a> Tangent<'a> {
     /// Runs the program once; `states` become those after it. Derivatives that are as they were are not computed anew.
     pub fn run(&mut self, states: &mut [f64], inputs: &[f64]) {
         self.values[..self.states].copy_from_slice(states);
-        self.values[self.states..self.states + inputs.len()].copy_from_slice(inputs);
         let first = self.values.len() - self.operations.len();
+        let taken = first - self.states;
+        self.values[self.states..first].copy_from_slice(&inputs[..taken]);
         let mut any = false;
         for number in 0..self.operations.len() {
             let places = self.first_reads[number]..self.first_reads[number + 1];
@@ -253,7 +254,7 @@ mod tests {
 
     fn readings(k: usize) -> [f64; READINGS] {
         let angle = k as f64 * 0.1;
-        [0.0, 0.1 * angle.sin(), 0.0, 1.5 * (0.7 * angle).sin(), 0.0, 0.01 * angle.cos()]
+        [0.0, 0.1 * angle.sin(), 0.0, 1.5 * (0.7 * angle).sin(), 0.0, 0.01 * angle.cos(), 0.0]
     }
 
     /// Central differences of a whole step, after a stretch of motion.

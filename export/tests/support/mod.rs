@@ -5,9 +5,10 @@ use std::io::{Read, Write};
 use std::path::{Path as FilePath, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
+use counterpoise_controller::signal::{HUB_POSITION, PLATFORM_SURGE};
 use counterpoise_controller::{
-    Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw, Parts, Path,
-    READINGS, Readings, SampledController, Scaling, Signal,
+    COMMON_READINGS, Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw,
+    Parts, Path, Projection, READINGS, Readings, SampledController, Scaling, Signal,
 };
 use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
@@ -95,13 +96,22 @@ pub fn typical() -> Controller {
     Controller::new(parts).unwrap()
 }
 
-/// Every block that a controller can have: besides those of [`typical`], corrected readings, two designs that the
+/// The controller of [`typical`] with heave and surge projected across the beam by the hub's angle.
+pub fn projecting() -> Controller {
+    let projection =
+        Projection { design_angle_rad: 0.1, angle_reading: Some(HUB_POSITION), pitch_washout_s: Some(10.0) };
+    typical().with(|parts| parts.projection = Some(projection)).unwrap()
+}
+
+/// Every block that a controller can have: besides those of [`typical`], corrected readings, heave and surge projected across the beam, two designs that the
 /// out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
 pub fn complete() -> Controller {
     let with = |parts: &mut Parts| {
+        parts.projection = projecting().parts().projection;
         parts.corrections = vec![
             Correction { reading: 1, gain: 1.02, offset: -3e-4 },
             Correction { reading: 3, gain: 0.97, offset: 0.012 },
+            Correction { reading: 6, gain: 1.01, offset: -0.02 },
         ];
         parts.paths[1].scaling =
             Scaling::Scheduled { below_kg_m: None, at_kg_m: 60.0, above_kg_m: Some(180.0) };
@@ -220,13 +230,17 @@ impl Random {
         2.0 * self.unit() - 1.0
     }
 
-    /// Readings that fill the usual ranges.
+    /// Readings that fill the usual ranges: those of every controller at random, and a surge that follows the heave in the opposite sense.
     pub fn readings(&mut self) -> [f64; READINGS] {
-        counterpoise_export::vectors::LARGEST.map(|largest| largest * self.signed())
+        let largest = counterpoise_export::vectors::LARGEST;
+        let mut readings = [0.0; READINGS];
+        (0..COMMON_READINGS).for_each(|i| readings[i] = largest[i] * self.signed());
+        readings[PLATFORM_SURGE] = -largest[PLATFORM_SURGE] / largest[3] * readings[3];
+        readings
     }
 }
 
-/// A program that steps controllers on request: (which, kind, six doubles) in, one double out.
+/// A program that steps controllers on request: (which, kind, seven doubles) in, one double out.
 pub struct Target {
     child: Child,
     to: Option<ChildStdin>,
@@ -306,7 +320,7 @@ impl Drop for Target {
 fn encode(which: usize, request: Request) -> Vec<u8> {
     let (kind, values) = match request {
         Request::Reset => (0.0, [0.0; READINGS]),
-        Request::Set(value) => (1.0, [value, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        Request::Set(value) => (1.0, [value, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         Request::Step(readings) => (2.0, readings),
     };
     [which as f64, kind].iter().chain(&values).flat_map(|value| value.to_ne_bytes()).collect()
@@ -326,13 +340,14 @@ pub fn server_in(names: &[String], kind: impl Fn(&str) -> String) -> String {
         text += &format!(
             "static double serve_{name}(int kind, const double *v)\n{{\n    if (kind == 0) {{ {name}_reset(&state_{name}); return 0.0; }}\n    if (kind == 1) {{ {name}_set_out_of_balance(&state_{name}, ({real})v[0]); return 0.0; }}\n"
         );
-        text += &format!("    {{\n        {name}_readings in;\n");
-        for (i, reading) in counterpoise_controller::READING_NAMES.iter().enumerate() {
-            text += &format!("        in.{reading} = ({real})v[{i}];\n");
-        }
+        text +=
+            &format!("    {{\n        {name}_readings in;\n        {real} *const each = ({real} *)&in;\n");
+        text += &format!(
+            "        for (unsigned int i = 0; i < sizeof in / sizeof each[0]; i++) {{ each[i] = ({real})v[i]; }}\n"
+        );
         text += &format!("        return (double){name}_step(&state_{name}, &in);\n    }}\n}}\n");
     }
-    text += "int main(void)\n{\n    double in[8];\n";
+    text += "int main(void)\n{\n    double in[9];\n";
     for name in names {
         text += &format!("    {name}_init(&state_{name});\n");
     }
@@ -378,7 +393,8 @@ impl SampledController for FixedInLoop {
     fn step(&mut self, readings: &Readings) -> f64 {
         let (values, bits) = (readings.to_array(), &self.fixed.step.inputs);
         let largest = 2147483647.0;
-        let integer = |i: usize| (values[i] * f64::from(bits[i]).exp2()).round().clamp(-largest, largest);
+        let scale = |i: usize| bits.get(i).map_or(0.0, |bits| f64::from(*bits).exp2());
+        let integer = |i: usize| (values[i] * scale(i)).round().clamp(-largest, largest);
         let control = self.target.ask(0, Request::Step(std::array::from_fn(integer)));
         control * f64::from(-self.fixed.control_bits()).exp2()
     }

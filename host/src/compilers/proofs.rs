@@ -63,7 +63,7 @@ fn build_rust(code: &TargetCode, folder: &Path) -> Result<(), String> {
     let library = code.files.iter().find(|file| file.name.ends_with("src/lib.rs"));
     let library = library.ok_or("the crate has no lib.rs")?;
     files::write(&folder.join("generated.rs"), library.text.as_bytes()).map_err(|error| error.to_string())?;
-    write(folder, &[rust_replay()])?;
+    write(folder, &[rust_replay(code.readings)])?;
     let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
     silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
     silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)

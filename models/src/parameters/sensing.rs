@@ -53,6 +53,25 @@ pub struct Sensors {
     pub motor_tachometer: Option<Sensor>,
     /// Resolver at the hub, relative to the platform; absent if none is fitted.
     pub hub_resolver: Option<Sensor>,
+    /// Second accelerometer on the platform, at the pivot (surge, forward, gravity removed); absent if none is fitted. The controller projects its
+    /// reading and that of heave across the beam.
+    pub surge_accelerometer: Option<Sensor>,
+}
+
+impl Sensors {
+    /// Returns what the heave reading that the controller takes has of heave at a hub angle, per m/s^2: the cosine of the angle for an
+    /// accelerometer on the elevated mass and for a projection of heave and surge.
+    pub fn share_of_heave(&self, hub_angle_rad: f64) -> f64 {
+        if self.surge_accelerometer.is_some() {
+            return hub_angle_rad.cos();
+        }
+        self.accelerometer_axis.share_of_heave(hub_angle_rad)
+    }
+
+    /// Returns whether the heave feedforward sees surge as the out-of-balance feels it.
+    pub fn measures_surge(&self) -> bool {
+        self.accelerometer_axis == AccelerometerAxis::Elevated || self.surge_accelerometer.is_some()
+    }
 }
 
 /// Along which axis the accelerometer of the platform's motion measures, gravity removed.

@@ -160,6 +160,7 @@ fn sensors(parameters: &Parameters) -> Result<(), Error> {
         ("sensors.platform_accelerometer", Some(&sensors.platform_accelerometer)),
         ("sensors.motor_tachometer", sensors.motor_tachometer.as_ref()),
         ("sensors.hub_resolver", sensors.hub_resolver.as_ref()),
+        ("sensors.surge_accelerometer", sensors.surge_accelerometer.as_ref()),
     ];
     finite("sensors.accelerometer_lever_arm_m", sensors.accelerometer_lever_arm_m)?;
     named.into_iter().filter_map(|(path, sensor)| Some((path, sensor?))).try_for_each(|(p, s)| sensor(p, s))

@@ -4,8 +4,8 @@
 //! replay of recordings.
 
 use counterpoise_controller::{
-    Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, READING_NAMES, READINGS, Scaling,
-    Signal,
+    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, Projection,
+    READING_NAMES, Scaling, Signal,
 };
 use serde::Serialize;
 
@@ -34,10 +34,13 @@ pub struct ControllerResult {
     pub transfer_time_s: f64,
     /// Volts that hold one kg m against gravity, V/(kg m).
     pub bias_v_per_kg_m: f64,
-    /// Largest magnitude of each reading, in the order of the inputs of `linear`.
-    pub reading_limits: [f64; READINGS],
+    /// Largest magnitude of each reading that the controller takes: those of the inputs of `linear`, then that of surge where it is projected.
+    pub reading_limits: Vec<f64>,
     /// Corrections of readings before anything else.
     pub corrections: Vec<Correction>,
+    /// Projection of heave and surge across the beam; absent if the heave reading is taken as it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub projection: Option<Projection>,
     /// Filter of the demand; `None` if there is none.
     pub prefilter: Option<SystemResult>,
     /// How fast a loop of position follows its demand; absent if nothing limits it.
@@ -84,8 +87,9 @@ impl ControllerResult {
             out_of_balance_range_kg_m: parts.out_of_balance_range_kg_m.into(),
             transfer_time_s: parts.transfer_time_s,
             bias_v_per_kg_m: parts.bias_v_per_kg_m,
-            reading_limits: parts.reading_limits,
+            reading_limits: parts.reading_limits[..parts.reading_count()].to_vec(),
             corrections: parts.corrections.clone(),
+            projection: parts.projection,
             prefilter: parts.prefilter.as_ref().map(|system| {
                 SystemResult::new("prefilter", system, &["demand_rad_s"], &["filtered_demand_rad_s"])
             }),
@@ -96,7 +100,12 @@ impl ControllerResult {
             estimator: parts.estimator.clone(),
             drive_curve: parts.drive_curve.clone(),
             linear: linear.map(|system| {
-                SystemResult::new("linear controller", &system, &READING_NAMES, &["control_v"])
+                SystemResult::new(
+                    "linear controller",
+                    &system,
+                    &READING_NAMES[..COMMON_READINGS],
+                    &["control_v"],
+                )
             }),
         }
     }

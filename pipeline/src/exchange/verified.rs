@@ -1,6 +1,6 @@
 //! What a verification measured its figures on: the sampled plant, the controller, the loop, and the time histories.
 
-use counterpoise_controller::{Controller, READING_NAMES};
+use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::linear::SampledPlant;
@@ -78,12 +78,9 @@ pub fn verified_loop(
     {
         let Some(part) = arranged(controller, arrangement)? else { continue };
         let closed = Closed::new(&sampled, Some(&part), moment)?;
-        systems.extend(
-            closed
-                .controller
-                .as_ref()
-                .map(|system| SystemResult::new(name, system, &READING_NAMES, &["control_v"])),
-        );
+        systems.extend(closed.controller.as_ref().map(|system| {
+            SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])
+        }));
         if arrangement == Arrangement::Compensated {
             systems.extend(
                 closed
@@ -104,7 +101,8 @@ pub fn verified_loop(
 
 fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {
     const TRUTHS: [&str; 4] = ["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s", "current_a"];
-    let readings = READING_NAMES.map(|name| format!("reading_of_{name}"));
+    let readings: Vec<String> =
+        READING_NAMES[..COMMON_READINGS].iter().map(|name| format!("reading_of_{name}")).collect();
     let readings: Vec<&str> = readings.iter().map(String::as_str).collect();
     let continuous: Vec<&str> = TRUTHS.iter().copied().chain(readings[1..].iter().copied()).collect();
     let discrete: Vec<&str> =

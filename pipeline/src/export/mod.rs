@@ -133,6 +133,8 @@ pub struct TargetCode {
     pub numbers: Numbers,
     /// What every name of the code starts with.
     pub name: String,
+    /// Number of readings that it takes.
+    pub readings: usize,
     /// Code and self test.
     pub files: Vec<File>,
 }
@@ -150,7 +152,9 @@ pub fn every_target(
 ) -> Result<Vec<TargetCode>, PipelineError> {
     let origin = provenance(project, verified, world);
     let name = project.export.options.name.clone();
-    let code = |language, numbers, files| TargetCode { language, numbers, name: name.clone(), files };
+    let readings = verified.controller().parts().reading_count();
+    let code =
+        |language, numbers, files| TargetCode { language, numbers, name: name.clone(), readings, files };
     let mut all = Vec::new();
     for (numbers, options) in
         [(Numbers::Double, Options::double(&name)), (Numbers::Single, Options::single(&name))]

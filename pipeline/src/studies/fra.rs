@@ -388,7 +388,7 @@ impl Analyser {
 
     /// The controller's gain from each reading.
     fn gains(&self, rate: f64, period: f64) -> Result<Vec<C64>, PipelineError> {
-        let mut gains = vec![C64::new(0.0, 0.0); counterpoise_controller::READINGS];
+        let mut gains = vec![C64::new(0.0, 0.0); counterpoise_controller::COMMON_READINGS];
         match &self.acting {
             Acting::Absent => {}
             Acting::Designed(_, linear) => {

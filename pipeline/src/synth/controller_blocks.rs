@@ -1,6 +1,9 @@
 //! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
 
-use counterpoise_controller::{Correction, Estimator, FrictionObserver, Learning, Parts, READINGS, Signal};
+use counterpoise_controller::signal::{HUB_POSITION, HUB_RATE};
+use counterpoise_controller::{
+    Correction, Estimator, FrictionObserver, Learning, Parts, Projection, READINGS, Signal,
+};
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
@@ -18,6 +21,9 @@ use counterpoise_project::resolve::synthesis_options::{
 
 /// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
 const LOOSE: f64 = 10.0;
+/// Time within which the platform's pitch angle is the integral of its gyroscope, s. Vehicles and ships pitch faster than this; a bias of 1e-3 rad/s
+/// leaves 0.01 rad, a hundredth of surge. A longer time would follow slower pitch and let more of the bias through.
+const PITCH_WASHOUT_S: f64 = 10.0;
 /// A stretch of a measured curve is at least this share of its reach.
 const SHORTEST: f64 = 0.03;
 /// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
@@ -52,17 +58,39 @@ pub(crate) fn surrounded(
     };
     let corrections = corrections(asked, &modelled.parameters.sensors);
     let bare = prefilter.is_none() && observers.is_empty() && estimator.is_none() && drive_curve.is_empty();
-    if bare && corrections.is_empty() {
+    let projection = projection(asked, modelled);
+    if bare && corrections.is_empty() && projection.is_none() {
         return Ok(sampled);
     }
     let change = |parts: &mut Parts| {
         (parts.prefilter, parts.observers, parts.estimator) = (prefilter, observers, estimator);
         (parts.drive_curve, parts.corrections) = (drive_curve, corrections);
+        parts.projection = projection;
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
     let plant = sensed(plant, &modelled.parameters.sensors, hub_angle_rad)?;
     Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
+}
+
+/// The projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of heave. The
+/// angle is that of the resolver, or of the loop's own sensor; without either it stays that of the design. With a
+/// gyroscope on the platform its pitch angle is added, so that the angle is inertial.
+fn projection(asked: &Synthesis, modelled: &Modelled) -> Option<Projection> {
+    let sensors = &modelled.parameters.sensors;
+    sensors.surge_accelerometer.as_ref()?;
+    asked.specification.heave.as_ref()?;
+    let angle_reading = match (&sensors.hub_resolver, sensors.measured.is_position()) {
+        (Some(_), _) => Some(HUB_POSITION),
+        (None, true) => Some(HUB_RATE),
+        (None, false) => None,
+    };
+    let pitches = angle_reading.is_some() && sensors.platform_gyro.is_fitted();
+    Some(Projection {
+        design_angle_rad: modelled.linear.equilibrium.point.hub_angle_rad,
+        angle_reading,
+        pitch_washout_s: pitches.then_some(PITCH_WASHOUT_S),
+    })
 }
 
 /// What takes the known gain and bias of each sensor out of its reading, where the project asks for it.
@@ -76,6 +104,7 @@ fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
         Some(&sensors.platform_accelerometer),
         sensors.motor_tachometer.as_ref(),
         sensors.hub_resolver.as_ref(),
+        sensors.surge_accelerometer.as_ref().filter(|_| asked.specification.heave.is_some()),
     ];
     let wrong = |sensor: &Sensor| sensor.gain != 0.0 && (sensor.gain != 1.0 || sensor.bias != 0.0);
     let each = fitted.into_iter().enumerate().filter_map(|(i, sensor)| {
@@ -107,6 +136,7 @@ fn reading_limits(sensors: &Sensors, usual: [f64; READINGS]) -> [f64; READINGS] 
         Some(&sensors.platform_accelerometer),
         sensors.motor_tachometer.as_ref(),
         sensors.hub_resolver.as_ref(),
+        sensors.surge_accelerometer.as_ref(),
     ];
     std::array::from_fn(|i| match fitted[i] {
         Some(sensor) if sensor.scale_v_unit != 0.0 => {

@@ -25,7 +25,10 @@ pub fn design_plant(
         pitch: vec![LinearPlant::PITCH_RATE],
         rate: modelled.linear.measured,
         hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(heave_sensor(&sensors, modelled.linear.equilibrium.point.hub_angle_rad)?),
+        heave_sensor: Some(heave_sensor(
+            &sensors,
+            sensors.share_of_heave(modelled.linear.equilibrium.point.hub_angle_rad),
+        )?),
         pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
         delay_s: asked.delay_samples * modelled.parameters.interface.sample_period_s,
         pade_order: asked.pade_order,
@@ -57,15 +60,14 @@ fn rate_loop(
     Ok(Some(RateLoop { plant, period_s }))
 }
 
-/// The accelerometer as the heave feedforward knows it: on the elevated mass it reads the share of heave that the out-of-balance feels.
-fn heave_sensor(sensors: &Sensors, hub_angle_rad: f64) -> Result<StateSpace, PipelineError> {
+/// The accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the projection of two.
+fn heave_sensor(sensors: &Sensors, share: f64) -> Result<StateSpace, PipelineError> {
     let mut sensor = sensors.platform_accelerometer.dynamics()?;
-    let share = sensors.accelerometer_axis.share_of_heave(hub_angle_rad);
     (sensor.C, sensor.D) = (sensor.C.scale(share), sensor.D.scale(share));
     Ok(sensor)
 }
 
-/// The design plant with its sensors as they are.
+/// The design plant with its sensors as they are: what a projection makes of them is part of the controller.
 pub(crate) fn sensed(
     plant: &DesignPlant,
     sensors: &Sensors,
@@ -73,7 +75,7 @@ pub(crate) fn sensed(
 ) -> Result<DesignPlant, PipelineError> {
     Ok(DesignPlant {
         hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(heave_sensor(sensors, hub_angle_rad)?),
+        heave_sensor: Some(heave_sensor(sensors, sensors.accelerometer_axis.share_of_heave(hub_angle_rad))?),
         pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
         ..plant.clone()
     })

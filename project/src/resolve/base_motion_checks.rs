@@ -1,6 +1,6 @@
 //! What the elevated accelerometer and the motion of the base need of the rest of the project.
 
-use counterpoise_models::{AccelerometerAxis, Axis};
+use counterpoise_models::{AccelerometerAxis, Axis, Sensor};
 
 use super::checks::Findings;
 use super::{Project, platform::PlatformSource};
@@ -10,6 +10,9 @@ use crate::file::source::Remark;
 /// Least cosine of the elevation at which a feedforward from an elevated accelerometer can be designed on heave: 84 degrees. Beyond, the sensor
 /// feels next to nothing of heave, and the design would divide by it.
 const LEAST_SHARE_OF_HEAVE: f64 = 0.1;
+
+/// Full range of every converter, V to either side.
+const CONVERTER_RANGE_V: f64 = 10.0;
 
 /// An accelerometer on the elevated mass turns with a hub that has an elevation.
 pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {
@@ -34,6 +37,54 @@ pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {
     if angle.cos() < LEAST_SHARE_OF_HEAVE {
         let allowed = "must be within +/- 1.47 rad where the accelerometer's axis is \"elevated\": beyond, it feels next to nothing of heave";
         complain("model.hub_angle", angle.to_string(), allowed);
+    }
+}
+
+/// A second accelerometer needs the first one, and an angle by which both are projected across the beam.
+pub(super) fn projected(findings: &mut Findings<'_>, project: &Project) {
+    let sensors = &project.plant.sensors;
+    let Some(surge) = &sensors.surge_accelerometer else { return };
+    let section = "plant.sensors.surge_accelerometer";
+    let mut say = |severity: Severity, path: &str, allowed: &str| {
+        findings.add(severity, Remark::new(Problem::Conflict, path, allowed.to_owned()));
+    };
+    if project.plant.axis == Axis::Linear {
+        return say(
+            Severity::Error,
+            section,
+            "must be left out where plant.axis is \"linear\": a slide does not feel surge",
+        );
+    }
+    if !sensors.platform_accelerometer.is_fitted()
+        || sensors.accelerometer_axis == AccelerometerAxis::Elevated
+    {
+        let allowed = "needs [plant.sensors.platform_accelerometer] with axis = \"vertical\": the controller projects heave and surge across the beam";
+        return say(Severity::Error, section, allowed);
+    }
+    if project.model.operating_point.hub_angle_rad.cos() < LEAST_SHARE_OF_HEAVE {
+        let allowed = "must be within +/- 1.47 rad where heave and surge are projected across the beam: beyond, it feels next to nothing of heave";
+        return say(Severity::Error, "model.hub_angle", allowed);
+    }
+    if sensors.hub_resolver.is_none() && !sensors.measured.is_position() {
+        let allowed = "has no angle by which it is projected: the controller takes the elevation of the design, model.hub_angle, whatever the hub does; add [plant.sensors.hub_resolver]";
+        say(Severity::Warning, section, allowed);
+    }
+    let angle = project.model.operating_point.hub_angle_rad;
+    if let Some(resolver) =
+        sensors.hub_resolver.as_ref().filter(|one| angle.abs() * one.scale_v_unit > CONVERTER_RANGE_V)
+    {
+        let most = CONVERTER_RANGE_V / resolver.scale_v_unit;
+        let allowed = format!(
+            "must be within +/- {most} rad, where the resolver's converter ends: heave and surge are projected by its reading; give [plant.sensors.hub_resolver] a smaller scale"
+        );
+        return say(Severity::Error, "model.hub_angle", &allowed);
+    }
+    let heave = &sensors.platform_accelerometer;
+    let dynamics =
+        |sensor: &Sensor| (sensor.natural_frequency_rad_s, sensor.damping_ratio, sensor.delay_s, sensor.gain);
+    if dynamics(surge) != dynamics(heave) {
+        let allowed = "differs from the platform_accelerometer in its dynamics, delay or gain: linear figures take both as alike, the simulation takes them as they are";
+        say(Severity::Warning, section, allowed);
     }
 }
 

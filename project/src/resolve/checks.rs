@@ -65,6 +65,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     delays(&mut findings, plant);
     base_motion_checks::elevated(&mut findings, project);
     base_motion_checks::slide(&mut findings, project);
+    base_motion_checks::projected(&mut findings, project);
     recorded_period(&mut findings, project);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);
@@ -269,6 +270,7 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
         ("platform_accelerometer", Some(&sensors.platform_accelerometer)),
         ("motor_tachometer", sensors.motor_tachometer.as_ref()),
         ("hub_resolver", sensors.hub_resolver.as_ref()),
+        ("surge_accelerometer", sensors.surge_accelerometer.as_ref()),
     ];
     for (name, sensor) in all {
         let delay_s = sensor.map_or(0.0, |sensor| sensor.delay_s);
@@ -311,7 +313,11 @@ fn without_effect(findings: &mut Findings<'_>, plant: &Parameters) {
         warn(format!("plant.sensors.{name}.natural_frequency"), sensor.natural_frequency_rad_s, why);
     }
     let accelerometer = ("platform_accelerometer", &sensors.platform_accelerometer);
-    for (name, sensor) in given.chain([accelerometer]).filter(|(_, sensor)| sensor.g_sensitivity != 0.0) {
+    for (name, sensor) in given
+        .chain([accelerometer])
+        .chain(sensors.surge_accelerometer.iter().map(|sensor| ("surge_accelerometer", sensor)))
+        .filter(|(_, sensor)| sensor.g_sensitivity != 0.0)
+    {
         let why = "only the gyroscopes feel heave besides what they measure";
         warn(format!("plant.sensors.{name}.g_sensitivity"), sensor.g_sensitivity, why);
     }

@@ -1,7 +1,8 @@
 //! The file `controller.json` that an export writes, read back: the same controller to the last bit.
 
 use counterpoise_controller::{
-    Controller, Correction, DemandLimit, Estimator, FrictionObserver, Parts, Path, READINGS, Scaling, Signal,
+    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Parts, Path,
+    Projection, READINGS, Scaling, Signal,
 };
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 use serde::Deserialize;
@@ -29,8 +30,10 @@ struct ControllerFile {
     out_of_balance_range_kg_m: [f64; 2],
     transfer_time_s: f64,
     bias_v_per_kg_m: f64,
-    reading_limits: [f64; READINGS],
+    reading_limits: Vec<f64>,
     corrections: Vec<Correction>,
+    #[serde(default)]
+    projection: Option<Projection>,
     prefilter: Option<System>,
     #[serde(default)]
     demand_limit: Option<DemandLimit>,
@@ -79,9 +82,11 @@ pub(crate) fn parse(text: &str) -> Result<ControllerContent, String> {
             "the schema is \"{found}\", not {SCHEMA}1: give the controller.json of an export"
         ));
     }
+    let reading_limits = reading_limits(&file)?;
     let parts = Parts {
         sample_period_s: file.sample_time_s,
         corrections: file.corrections,
+        projection: file.projection,
         prefilter: file.prefilter.as_ref().map(System::state_space).transpose()?,
         demand_limit: file.demand_limit,
         paths: file.paths.iter().map(FilePath::path).collect::<Result<_, _>>()?,
@@ -93,10 +98,25 @@ pub(crate) fn parse(text: &str) -> Result<ControllerContent, String> {
         estimator: file.estimator,
         drive_curve: file.drive_curve,
         limit_v: file.limit_v,
-        reading_limits: file.reading_limits,
+        reading_limits,
     };
     let controller = Controller::new(parts).map_err(|error| error.to_string())?;
     Ok(ControllerContent { controller, project_hash: file.project_hash })
+}
+
+/// Returns the limits of all readings: one that the controller does not take keeps the usual limit.
+fn reading_limits(file: &ControllerFile) -> Result<[f64; READINGS], String> {
+    let mut limits = Parts::new(file.sample_time_s, file.limit_v).reading_limits;
+    let given = &file.reading_limits;
+    let wanted = if file.projection.is_some() { READINGS } else { COMMON_READINGS };
+    if given.len() != wanted {
+        return Err(format!(
+            "reading_limits has {} values; this controller takes {wanted} readings",
+            given.len()
+        ));
+    }
+    limits.iter_mut().zip(given).for_each(|(limit, value)| *limit = *value);
+    Ok(limits)
 }
 
 impl FilePath {

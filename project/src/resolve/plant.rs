@@ -48,6 +48,7 @@ pub(crate) fn blank() -> Parameters {
             accelerometer_axis: AccelerometerAxis::Vertical,
             motor_tachometer: None,
             hub_resolver: None,
+            surge_accelerometer: None,
         },
         interface: Interface {
             sample_period_s: f64::NAN,
@@ -285,6 +286,10 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, |v, s| sensor(v, s, "rad/s"));
     let resolver = TableField::optional("hub_resolver", "angle of the hub on the platform");
     optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
+    let surge =
+        "surge, gravity removed: the controller projects heave and surge across the beam by the hub's angle";
+    let surge = TableField::optional("surge_accelerometer", surge);
+    optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, |v, s| sensor(v, s, "m/s^2"));
     v.leave();
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use counterpoise_controller::signal::{PLATFORM_RATE, PLATFORM_SURGE};
 use counterpoise_controller::{Controller, READINGS, Runner};
 use counterpoise_recordings::Recording;
 
@@ -27,7 +28,15 @@ impl ExportedController {
             response.iter().map(|g| (g - settled) * (g - settled)).sum::<f64>().sqrt()
         };
         let noise_gains = std::array::from_fn(|j| gain(&responses[j]));
-        let reads = std::array::from_fn(|j| responses[j].iter().any(|g| *g != 0.0));
+        // a projection reads surge and an angle, to which the control at rest does not respond
+        let projection = controller.parts().projection;
+        let projected = |j: usize| {
+            projection.is_some_and(|each| {
+                let pitches = each.pitch_washout_s.is_some() && j == PLATFORM_RATE;
+                j == PLATFORM_SURGE || each.angle_reading == Some(j) || pitches
+            })
+        };
+        let reads = std::array::from_fn(|j| projected(j) || responses[j].iter().any(|g| *g != 0.0));
         Self { controller, noise_gains, reads }
     }
 

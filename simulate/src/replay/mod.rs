@@ -391,6 +391,7 @@ impl Floors<'_> {
             Channel::PlatformAccel => Some(floor(&sensors.platform_accelerometer)),
             Channel::MotorRate => sensors.motor_tachometer.as_ref().map(floor),
             Channel::HubPosition => sensors.hub_resolver.as_ref().map(floor),
+            Channel::PlatformSurge => sensors.surge_accelerometer.as_ref().map(floor),
             Channel::Control => {
                 let Loop::Closed(controller) = self.control else { return None };
                 Some(controller.control_floor(self.parameters))

@@ -36,6 +36,8 @@ pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> Platfo
 pub(crate) struct Sensed {
     rate: Deconvolved,
     heave: Deconvolved,
+    /// That of surge, if the machine has one.
+    surge: Option<Deconvolved>,
     /// Mean of the recorded hub position, rad; 0 if it was not recorded.
     elevation_rad: f64,
 }
@@ -90,9 +92,15 @@ impl Sensed {
         let heave = Column { values: recording.samples(Channel::PlatformAccel), period_s };
         let gyro = before.map(|b| &b.rate);
         let accelerometer = before.map(|b| &b.heave);
+        let surge = Column { values: recording.samples(Channel::PlatformSurge), period_s };
+        let forward = before.and_then(|b| b.surge.as_ref());
         Self {
             rate: Deconvolved::new(&sensors.platform_gyro, interface, &rate, gyro),
             heave: Deconvolved::new(&sensors.platform_accelerometer, interface, &heave, accelerometer),
+            surge: sensors
+                .surge_accelerometer
+                .as_ref()
+                .map(|sensor| Deconvolved::new(sensor, interface, &surge, forward)),
             elevation_rad: mean_position(recording),
         }
     }
@@ -102,7 +110,16 @@ impl Sensed {
         let sensors = &parameters.sensors;
         let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
         let heave = self.heave.corrected(&sensors.platform_accelerometer, period_s);
-        let motion = combined(parameters, rate, heave, period_s);
+        let mut motion = combined(parameters, rate, heave, period_s);
+        let surge = self.surge.as_ref().zip(sensors.surge_accelerometer.as_ref());
+        if let Some(values) = surge.and_then(|(found, sensor)| found.corrected(sensor, period_s)) {
+            let surge_m_s2 = Signal::Samples { period_s, values };
+            motion.further = Some(FurtherMotion {
+                surge_m_s2,
+                roll_rate_rad_s: Signal::ZERO,
+                yaw_rate_rad_s: Signal::ZERO,
+            });
+        }
         match sensors.accelerometer_axis {
             AccelerometerAxis::Vertical => motion,
             AccelerometerAxis::Elevated => along_normal(motion, self.elevation_rad),

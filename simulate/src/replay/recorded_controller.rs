@@ -32,6 +32,7 @@ const READ: [Channel; READINGS] = [
     Channel::PlatformAccel,
     Channel::MotorRate,
     Channel::HubPosition,
+    Channel::PlatformSurge,
 ];
 
 impl RecordedController {
@@ -60,7 +61,7 @@ impl RecordedController {
         Ok(match self {
             Self::ProportionalIntegral(controller) => Box::new(with_fitted_integral(controller, recording)),
             Self::Exported(controller) => {
-                let platform = [Channel::PlatformRate, Channel::PlatformAccel]
+                let platform = [Channel::PlatformRate, Channel::PlatformAccel, Channel::PlatformSurge]
                     .map(|channel| recording.samples(channel).unwrap_or_default());
                 Box::new(WithRecordedPlatform { runner: fitted.of(controller, recording), platform, next: 0 })
             }
@@ -191,8 +192,8 @@ fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], c
 /// An exported controller that reads the recorded platform sensors.
 struct WithRecordedPlatform<'r> {
     runner: Runner,
-    /// Recorded platform rate and acceleration; empty if not recorded.
-    platform: [&'r [f64]; 2],
+    /// Recorded platform rate, heave and surge; empty if not recorded.
+    platform: [&'r [f64]; 3],
     next: usize,
 }
 
@@ -209,6 +210,7 @@ impl SampledController for WithRecordedPlatform<'_> {
         let read = Readings {
             platform_rate_rad_s: recorded(self.platform[0], readings.platform_rate_rad_s),
             platform_accel_m_s2: recorded(self.platform[1], readings.platform_accel_m_s2),
+            platform_surge_m_s2: recorded(self.platform[2], readings.platform_surge_m_s2),
             ..*readings
         };
         self.next += 1;

@@ -14,7 +14,7 @@ pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written,
 pub use row::{Row, scored};
 pub use truth::{Concealed, Family, Sealed};
 
-use counterpoise_controller::{Controller, ProportionalIntegral};
+use counterpoise_controller::{Controller, ProportionalIntegral, Runner};
 use counterpoise_models::{Parameters, reference};
 use machine::Machine;
 
@@ -121,10 +121,22 @@ pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, control
     let one = |machine: &Machine, k: usize| {
         let (experiment, mut dice) = experiment_of(seed, k);
         let mut runner = controller.runner();
-        record_under(machine, &recorder, &mut |readings| runner.step_array(readings), &experiment, &mut dice)
+        record_under(
+            machine,
+            &recorder,
+            &mut |readings| step_of(&mut runner, readings),
+            &experiment,
+            &mut dice,
+        )
     };
     let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
     Case { recordings: all(&machine), without: without.iter().map(all).collect(), sealed }
+}
+
+/// Runs a controller that takes no surge on the six readings of a recorder.
+fn step_of(runner: &mut Runner, readings: &[f64; 6]) -> f64 {
+    let [demand, hub, platform, accel, motor, position] = *readings;
+    runner.step_array(&[demand, hub, platform, accel, motor, position, 0.0])
 }
 
 /// The control of a controller whose readings are all 0, V.

@@ -8,8 +8,8 @@ use counterpoise_models::plant::LinearPlant;
 use crate::Error;
 use crate::tolerance::MOST_DELAY_STATES;
 
-/// Readings of a controller, in the order of [`counterpoise_controller::READING_NAMES`].
-const READINGS: usize = counterpoise_controller::READINGS;
+/// Readings of the linear part of a controller, in the order of [`counterpoise_controller::READING_NAMES`].
+const READINGS: usize = counterpoise_controller::COMMON_READINGS;
 
 /// Outputs of [`SampledPlant::continuous`] before the sensors.
 const TRUTHS: usize = 4;
@@ -98,7 +98,7 @@ impl SampledPlant {
             holding_v: plant.equilibrium.control_v,
             controls_position: parameters.sensors.measured.is_position(),
             hub_angle_rad,
-            surge_is_measured: parameters.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
+            surge_is_measured: parameters.sensors.measures_surge(),
             delays,
         })
     }

@@ -8,7 +8,7 @@ use counterpoise_simulate::Simulator;
 use crate::history::Experiment;
 use crate::line_of_sight;
 use crate::linear::closed::resolver_use;
-use crate::linear::{Closed, SampledPlant, arranged};
+use crate::linear::{Closed, SampledPlant, arranged, surge};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
 use crate::{Arrangement, Error, Figure, Model, Procedure, nonlinear};
@@ -138,13 +138,24 @@ impl<'a> Linear<'a> {
                     Experiment::Disturbance(_, arrangement) => arrangement,
                     Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
                 };
-                let history =
-                    linear_history(&self.sampled, &self.closed(arrangement)?, procedure, experiment)?;
-                Ok(history.map_or_else(
-                    || diverged(Model::Linear, experiment),
-                    |history| history_figures(&history, procedure.settle_s),
-                ))
+                let closed = self.closed(arrangement)?;
+                let Some(mut history) = linear_history(&self.sampled, &closed, procedure, experiment)? else {
+                    return Ok(diverged(Model::Linear, experiment));
+                };
+                let loops = self.surging(arrangement, closed)?;
+                surge::add(&mut history, &self.sampled, &loops, procedure)?;
+                Ok(history_figures(&history, procedure.settle_s))
             }
         }
+    }
+
+    /// Returns the loop of an arrangement with the one that meets surge, where that is another.
+    fn surging(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<(Arrangement, Closed)>, Error> {
+        let meets = surge::acting(&self.sampled, arrangement);
+        let mut loops = vec![(arrangement, closed)];
+        if meets != arrangement {
+            loops.push((meets, self.closed(meets)?));
+        }
+        Ok(loops)
     }
 }

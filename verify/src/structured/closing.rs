@@ -1,6 +1,6 @@
 //! The loop closed with a perturbation, exactly as it is sampled: the judge of what the bounds say.
 
-use counterpoise_controller::{Controller, READINGS};
+use counterpoise_controller::{COMMON_READINGS, Controller};
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, append, lft, poles, series};
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::{
@@ -58,7 +58,7 @@ pub fn outermost_pole(
     let [input, output] = errors.at.map(|error| with_error(error, errors.rate_rad_s * period_s, period_s));
     let discrete = Timebase::Discrete { period_s };
     let before = append(&StateSpace::gain(Mat::eye(1), discrete)?, &output?)?;
-    let readings = append(&before, &StateSpace::gain(Mat::eye(READINGS - 2), discrete)?)?;
+    let readings = append(&before, &StateSpace::gain(Mat::eye(COMMON_READINGS - 2), discrete)?)?;
     let system = lft(&plant.sampled, &series(&series(&readings, &K)?, &input?)?)?;
     let all: Vec<C64> = if dry.springs == [0.0; 2] {
         poles(&system)?

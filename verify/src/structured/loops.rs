@@ -12,7 +12,7 @@
 
 use std::collections::HashMap;
 
-use counterpoise_controller::{Controller, READINGS};
+use counterpoise_controller::{COMMON_READINGS, Controller};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{C64, CMat, Mat, Response, StateSpace, Timebase, feedback};
 use counterpoise_models::parameters::Parameters;
@@ -170,7 +170,7 @@ impl UncertainLoop {
     fn closed(&self, rate: f64, G: &CMat, P: &CMat, K: &CMat) -> CMat {
         let m = self.channels;
         let zero = C64::new(0.0, 0.0);
-        let KP: C64 = (0..READINGS).map(|i| K[(0, i)] * P[(i, 0)]).sum();
+        let KP: C64 = (0..COMMON_READINGS).map(|i| K[(0, i)] * P[(i, 0)]).sum();
         let open = C64::new(1.0, 0.0) / (C64::new(1.0, 0.0) - KP);
         let late = |i: usize| {
             let samples = self.plant.delays.readings[i] as f64;
@@ -188,7 +188,7 @@ impl UncertainLoop {
             let error = (j >= m).then(|| kinds[j - m]);
             let computed = open
                 * match error {
-                    None => (0..READINGS).map(|i| K[(0, i)] * tone(i, j)).sum::<C64>(),
+                    None => (0..COMMON_READINGS).map(|i| K[(0, i)] * tone(i, j)).sum::<C64>(),
                     Some(0) => KP,
                     Some(_) => K[(0, HUB_GYRO)],
                 };
