@@ -183,7 +183,8 @@ fn diagnose_of(
     let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
-    let searcher = Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes, base), seeds, sizes };
+    let searcher =
+        Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes, base), seeds, sizes };
     let search = searcher.search();
     if pool.cancelled() {
         return Err(Error::Cancelled);
@@ -346,8 +347,9 @@ fn qualified(
             repair,
         }));
         for mut part in repaired.parts {
-            let remarks =
-                read_signals(&part, measured).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
+            let remarks = read_signals(&part, measured)
+                .map(|m| check_signals(&part.name, &m, ratio))
+                .unwrap_or_default();
             for remark in remarks {
                 let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
                 let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };
