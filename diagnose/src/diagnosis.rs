@@ -320,8 +320,9 @@ fn qualified(
             repair,
         }));
         for mut part in repaired.parts {
-            let remarks =
-                read_signals(&part, measured).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
+            let remarks = read_signals(&part, measured)
+                .map(|m| check_signals(&part.name, &m, ratio))
+                .unwrap_or_default();
             for remark in remarks {
                 let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
                 let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };

@@ -77,9 +77,7 @@ pub(crate) fn can_have(p: &Parameters, effect: &Effect) -> bool {
     has_component(p, effect.component)
         && match effect.component {
             Component::Structure => structure_can_have(p, effect),
-            Component::Gearbox => {
-                !p.gearbox.is_rigid() || effect.effect == EffectName::MeshRipple
-            }
+            Component::Gearbox => !p.gearbox.is_rigid() || effect.effect == EffectName::MeshRipple,
             Component::Motor => motor_can_have(p, effect.effect),
             Component::Amplifier => amplifier_can_have(p, effect.effect),
             Component::Pivot => friction_can_have(&p.pivot_friction.law, effect),

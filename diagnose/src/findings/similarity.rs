@@ -13,9 +13,9 @@ use counterpoise_recordings::{Channel, Recording};
 use crate::findings::answer::{Answer, Basis, Channels};
 use crate::learning::reading::read;
 use crate::library::{Component, EffectName, Parameter, find_effects, list_textbook_effects};
-use crate::machine::SteadyDrive;
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
+use crate::machine::SteadyDrive;
 use crate::selection::sizes::Sizes;
 
 /// Regime variables that are torques or the motor's angle: their values on the scaled machine are not the machine's own.

@@ -14,6 +14,8 @@ pub struct Block<'a> {
     pub counts: &'a [bool],
     /// Variance of the noise in each column.
     pub noise: Vec<f64>,
+    /// Covariance of the noise in each column with the noise in the target.
+    pub shared: Vec<f64>,
     /// Samples over which residuals are correlated.
     pub memory: usize,
 }
@@ -34,13 +36,14 @@ pub struct Fit {
 /// min |y - X b|^2 over the rows that count, the noise of the regressors taken off:
 ///
 /// ```text
-///     (X'X - sum D) b = X'y,   cov b = (X'X - sum D)^-1 S (X'X - sum D)^-1,
+///     (X'X - sum D) b = X'y - sum c,   cov b = (X'X - sum D)^-1 S (X'X - sum D)^-1,
 ///     S = 1/L sum_t s_t s_t',  s_t = sum of x r over the L rows from t on
 /// ```
 ///
-/// D is the diagonal of noise variances; S is Newey and West's estimate with Bartlett's weights over L rows in time, written as
-/// sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows). An unknown whose column is
-/// 0 throughout is not a number. Returns `None` if the other columns cannot be told apart.
+/// D is the diagonal of noise variances, c the covariances of that noise with the target's; S is Newey and West's estimate with
+/// Bartlett's weights over L rows in time, written as sums over windows (Econometrica 55, 1987). The quantile grows with
+/// 1 / (number of independent windows). An unknown whose column is 0 throughout is not a number. Returns `None` if the other columns
+/// cannot be told apart.
 pub fn fit(blocks: &[Block]) -> Option<Fit> {
     let n = blocks.first()?.columns.len();
     let mut normal = Mat::zeros(n, n);
@@ -100,6 +103,7 @@ fn accumulate(block: &Block, normal: &mut Mat, right: &mut Mat, noise: &mut [f64
     }
     let rows = counted(block);
     noise.iter_mut().zip(&block.noise).for_each(|(sum, variance)| *sum += rows * variance);
+    block.shared.iter().enumerate().for_each(|(i, covariance)| right[(i, 0)] -= rows * covariance);
 }
 
 fn add_spread(block: &Block, residual: &[f64], spread: &mut Mat) {
@@ -170,7 +174,8 @@ mod tests {
 
     fn block<'a>(columns: &[&'a [f64]], target: &'a [f64], counts: &'a [bool]) -> Block<'a> {
         let columns: Vec<_> = columns.iter().map(|c| Some(*c)).collect();
-        Block { noise: vec![0.0; columns.len()], columns, target, counts, memory: 10 }
+        let none = || vec![0.0; columns.len()];
+        Block { noise: none(), shared: none(), columns, target, counts, memory: 10 }
     }
 
     #[test]

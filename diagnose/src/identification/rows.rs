@@ -14,7 +14,7 @@ use counterpoise_recordings::{Channel, Recording};
 
 use super::signal::{Chain, Kernel};
 use crate::Error;
-use crate::machine::{cosine, sine};
+use crate::machine::{SteadyDrive, cosine, sine};
 use crate::recording::series::derivative;
 use crate::tolerance::identification::*;
 
@@ -41,6 +41,8 @@ pub struct Rows {
     pub turning: Vec<bool>,
     /// Variance of the noise in rate and acceleration after the filter.
     pub noise: [f64; 2],
+    /// Covariance of that noise with the noise in the torque: the motor's rate follows from the same reading if it has no sensor.
+    pub noise_in_torque: [f64; 2],
     /// Sample period, s.
     pub period_s: f64,
 }
@@ -102,6 +104,8 @@ impl Maker<'_> {
         };
         let noise = variance(&channels.hub);
         let [kept, steep] = kernel.noise_gains();
+        let variances = [variance(&rate) * kept, noise * steep];
+        let shared = if channels.motor.is_none() { self.losses_of_rate() } else { [0.0; 2] };
         Ok(Rows {
             torque: self.torque(&chain, &kernel, &channels, &motor),
             regressors: [
@@ -117,7 +121,8 @@ impl Maker<'_> {
             control_v: channels.control,
             direction,
             turning,
-            noise: [variance(&rate) * kept, noise * steep],
+            noise: variances,
+            noise_in_torque: [-shared[0] * variances[0], -shared[1] * variances[1]],
             period_s,
         })
     }
@@ -135,6 +140,14 @@ impl Maker<'_> {
         let known = kernel.smooth(&self.known(chain, c));
         let inertia = ratio * p.motor.inertia_kg_m2;
         (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
+    }
+
+    /// Torque at the hub per rate of the joint that the back-EMF takes, N m s/rad, and per acceleration that the rotor takes, kg m^2.
+    fn losses_of_rate(&self) -> [f64; 2] {
+        let (p, drive) = (self.p, SteadyDrive::of(self.p));
+        let square = p.gearbox.ratio * p.gearbox.ratio;
+        let back = p.motor.torque_constant_nm_a * drive.back_emf / drive.loss;
+        [square * back, square * p.motor.inertia_kg_m2]
     }
 
     /// The voltage that the amplifier's map makes of the control.

@@ -93,7 +93,14 @@ impl Filter {
         let (output, direct) = (output.clone(), *direct);
         if n == 0 {
             let none = || Mat::zeros(0, 1);
-            return Some(Self { Ad: Mat::zeros(0, 0), held: none(), ramp: none(), start: none(), output, direct });
+            return Some(Self {
+                Ad: Mat::zeros(0, 0),
+                held: none(),
+                ramp: none(),
+                start: none(),
+                output,
+                direct,
+            });
         }
         // with the input as one more state, its slope is the input
         let mut wide = Mat::zeros(n + 1, n + 1);
@@ -117,7 +124,9 @@ impl Filter {
         let mut out = Vec::with_capacity(input.len());
         for (k, u) in input.iter().enumerate() {
             let shown: f64 = self.output.iter().enumerate().map(|(i, c)| c * x[(i, 0)]).sum();
-            out.push(shown + self.direct * u);
+            // at the instant of a sample a held input jumps: a symmetric low-pass sees the mean of both sides
+            let before = if between == Between::Held { input[k.saturating_sub(1)] } else { *u };
+            out.push(shown + self.direct * 0.5 * (before + u));
             let next = input.get(k + 1).copied().unwrap_or(*u);
             let rise = if between == Between::Held { 0.0 } else { next - u };
             x = self.advanced(&x, *u, rise);
@@ -175,7 +184,8 @@ impl Electrical {
         let (R, Ke, K, feedback) =
             (motor.resistance_ohm, motor.back_emf_v_s_rad, amplifier.gain, amplifier.current_feedback_v_a);
         let gain = amplifier.stall_gain_a_v(motor);
-        let none = || Self { A: Mat::zeros(0, 0), B: [Vec::new(), Vec::new()], C: Vec::new(), D: [gain, 0.0] };
+        let none =
+            || Self { A: Mat::zeros(0, 0), B: [Vec::new(), Vec::new()], C: Vec::new(), D: [gain, 0.0] };
         match amplifier.dynamics {
             AmplifierDynamics::IdealCurrent | AmplifierDynamics::TorqueCommand => none(),
             AmplifierDynamics::CurrentLoop { bandwidth_rad_s: w, .. } => {
@@ -211,7 +221,12 @@ impl Electrical {
 
     /// Returns the system from one input to the current: 0 the drive, 1 the motor's rate.
     fn system(&self, input: usize) -> System {
-        System { A: self.A.clone(), B: Mat::col(&self.B[input]), output: self.C.clone(), direct: self.D[input] }
+        System {
+            A: self.A.clone(),
+            B: Mat::col(&self.B[input]),
+            output: self.C.clone(),
+            direct: self.D[input],
+        }
     }
 }
 
@@ -378,7 +393,8 @@ fn beyond_the_hub(l: &Lumped) -> System {
     let (mut A, mut B) = (Mat::zeros(n, n), Mat::zeros(n, 1));
     for (k, link) in links.iter().enumerate() {
         let (twist, rate) = (2 * k, 2 * k + 1);
-        let (stiff, damp) = (link.stiffness_nm_rad / link.inertia_kg_m2, link.damping_nm_s_rad / link.inertia_kg_m2);
+        let (stiff, damp) =
+            (link.stiffness_nm_rad / link.inertia_kg_m2, link.damping_nm_s_rad / link.inertia_kg_m2);
         A[(twist, rate)] = -1.0;
         A[(rate, twist)] = stiff;
         A[(rate, rate)] -= damp;

@@ -330,7 +330,9 @@ pub(super) static EFFECTS: &[Effect] = &[
         effect: EffectName::Bandwidth,
         component: Component::Amplifier,
         kind: Kind::ParameterChange,
-        parameters: &[parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, get lag_of_drive, set set_lag_of_drive)],
+        parameters: &[
+            parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, get lag_of_drive, set set_lag_of_drive),
+        ],
         starts: &[&[1.5e-3], &[0.01], &[0.04]],
     },
     Effect {

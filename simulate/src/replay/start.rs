@@ -206,7 +206,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         match self.mesh {
             Mesh::Free => self.half_gap() * (u[MESH] / (STEPS_TO_FLANK * self.steps[MESH])).clamp(-1.0, 1.0),
             Mesh::Touching => {
-                u[MESH] / self.plant.parameters().gearbox.stiffness_nm_rad + self.half_gap() * u[MESH].signum()
+                u[MESH] / self.plant.parameters().gearbox.stiffness_nm_rad
+                    + self.half_gap() * u[MESH].signum()
             }
         }
     }
