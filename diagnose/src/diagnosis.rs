@@ -1,6 +1,6 @@
 //! The whole diagnosis: from recordings to an answer, in one function.
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{Measured, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
@@ -18,6 +18,7 @@ use crate::library::{
 use crate::localisation::error_map::{MapCell, localise_errors, rank_components};
 use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
+use crate::machine::{can_have, has_component, usable_sensors};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -174,14 +175,16 @@ fn diagnose_of(
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, &control, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
-    let isolability = list_balances(RedundantSensors {
+    let redundant = RedundantSensors {
         motor_rate: has(|r| r.has(Channel::MotorRate)),
         hub_position: has(|r| r.has(Channel::HubPosition)),
-    });
+    };
+    let isolability = balances_of(base, redundant);
     let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
-    let searcher = Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes), seeds, sizes };
+    let searcher =
+        Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes, base), seeds, sizes };
     let search = searcher.search();
     if pool.cancelled() {
         return Err(Error::Cancelled);
@@ -247,18 +250,29 @@ fn where_and_when(
     localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
 
+/// Returns the balances of a machine that recorded columns allow, each with the components that the machine has.
+fn balances_of(base: &Parameters, recorded: RedundantSensors) -> Vec<BalanceVisibility> {
+    let mut all = list_balances(usable_sensors(base, recorded));
+    all.iter_mut().for_each(|row| row.sees.retain(|component| has_component(base, *component)));
+    all
+}
+
 /// Returns the effects that a machine of given sizes may have.
-fn effects_for(sizes: Sizes) -> Vec<&'static Effect> {
+fn effects_for(sizes: Sizes, base: &Parameters) -> Vec<&'static Effect> {
     let mut effects = list_effects();
     if !sizes.typical {
         effects.extend(list_textbook_effects());
     }
+    effects.retain(|effect| can_have(base, effect));
     effects
 }
 
 /// Returns the biases of both gyroscopes as starting points if the kinematics show that one of them has a bias: a loop that holds a
 /// biased rate moves from the first sample on, and the signature of a small bias does not show that.
 fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
+    if base.sensors.measured != Measured::HubRate {
+        return Vec::new();
+    }
     let each: Vec<f64> = recordings.iter().filter_map(|r| rate_error(r, base.gearbox.ratio)).collect();
     let mean = each.iter().sum::<f64>() / each.len().max(1) as f64;
     if mean.abs() < BIAS_SEEN_RAD_S {
@@ -269,7 +283,9 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
         find_effects(Component::PlatformGyro, EffectName::Bias),
     );
     let hub = hub.map(|e| (e, vec![base.sensors.hub_gyro.bias + mean]));
-    hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
+    hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean])))
+        .filter(|(effect, _)| can_have(base, effect))
+        .collect()
 }
 
 /// Returns the mean of the gyroscopes' rate of the hub on the platform, less that of motor or resolver, rad/s.
@@ -321,7 +337,7 @@ fn qualified(
     base: &Parameters,
     recordings: &[Recording],
 ) -> Result<(Vec<Recording>, Vec<RecordingRemark>), Error> {
-    let ratio = base.gearbox.ratio;
+    let (ratio, measured) = (base.gearbox.ratio, base.sensors.measured);
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
         let repaired = repair_gaps(recording, ratio);
@@ -331,8 +347,9 @@ fn qualified(
             repair,
         }));
         for mut part in repaired.parts {
-            let remarks =
-                read_signals(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
+            let remarks = read_signals(&part, measured)
+                .map(|m| check_signals(&part.name, &m, ratio))
+                .unwrap_or_default();
             for remark in remarks {
                 let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
                 let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };

@@ -49,6 +49,7 @@ pub mod selection;
 pub mod learning;
 
 pub mod identification;
+mod machine;
 
 pub mod findings;
 

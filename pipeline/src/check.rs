@@ -82,11 +82,11 @@ pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
             (None, (parsed.assumptions.clone(), Vec::new()))
         }
         Ok(modelled) => {
-            let effects = effects(project, &modelled, &parsed.assumptions).unwrap_or_else(|error| {
+            let ranked = rank_assumptions(project, &modelled, &parsed.assumptions).unwrap_or_else(|error| {
                 problems.push(format!("assumptions are not ranked, because there is no design: {error}"));
-                (parsed.assumptions.clone(), Vec::new())
+                RankedAssumptions { assumptions: parsed.assumptions.clone(), effects: Vec::new() }
             });
-            (Some(overview(&modelled)), effects)
+            (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))
         }
     };
     let can = |purpose: &Purpose| project.supports(document, *purpose);
@@ -106,15 +106,28 @@ pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
     }
 }
 
-/// Returns all assumptions, those of the design included, and how much those of the plant matter.
-fn effects(
+/// What a file leaves open, and how much it matters.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RankedAssumptions {
+    /// All assumptions, those of the design included.
+    pub assumptions: Vec<Assumption>,
+    /// How much those of the plant matter that have a usual range, the largest effect first: what is first is worth measuring next.
+    pub effects: Vec<AssumptionEffect>,
+}
+
+/// Returns all assumptions, those of the design included, and how much those of the plant matter. The design is the project's, or the
+/// first design if its weights are left open; none is computed if no assumption has a usual range.
+///
+/// # Errors
+/// There is no design, or its loop cannot be judged.
+pub fn rank_assumptions(
     project: &Project,
     modelled: &Modelled,
     assumptions: &[Assumption],
-) -> Result<(Vec<Assumption>, Vec<AssumptionEffect>), PipelineError> {
+) -> Result<RankedAssumptions, PipelineError> {
     let has_usual = assumptions.iter().any(|assumption| assumption.usual.is_some());
     if !has_usual && !modelled.parameters.sensors.measured.is_position() {
-        return Ok((assumptions.to_vec(), Vec::new()));
+        return Ok(RankedAssumptions { assumptions: assumptions.to_vec(), effects: Vec::new() });
     }
     let reduced = reduce(project, modelled)?;
     let usual = project.clone().with_usual_verification();
@@ -125,7 +138,7 @@ fn effects(
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
     let effects = assumption_effects(project, modelled, &synthesised, assumptions)?;
-    Ok((with_those_of_design(assumptions, &synthesised), effects))
+    Ok(RankedAssumptions { assumptions: with_those_of_design(assumptions, &synthesised), effects })
 }
 
 fn overview(modelled: &Modelled) -> PlantOverview {

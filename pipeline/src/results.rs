@@ -21,6 +21,7 @@ use crate::exchange::{
     HistoryResult, ResponseResult, SCHEMA, SystemResult, TransferFunctionResult, VerifiedLoop,
 };
 use crate::recordings::ReplayedRecording;
+use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
 
 use crate::studies::adapt::AdaptRun;
@@ -53,6 +54,8 @@ pub struct ModelResult {
     pub responses: Vec<ResponseResult>,
     /// What is assumed because the project file does not state it; empty unless the file's reader handed it in.
     pub assumptions: Vec<Assumption>,
+    /// What the loop loses or gains if an assumption is wrong by its usual range, the largest effect first; empty if there is no design.
+    pub assumption_effects: Vec<AssumptionEffect>,
 }
 
 /// The reduction.
@@ -272,6 +275,7 @@ impl From<&Modelled> for ModelResult {
             holding_v: linear.equilibrium.control_v,
             out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
             assumptions: Vec::new(),
+            assumption_effects: Vec::new(),
         }
     }
 }

@@ -21,7 +21,10 @@ pub fn lines(found: &CheckResult) -> Vec<String> {
     }
     lines.push(String::new());
     lines.extend(assumed(&found.assumptions));
-    lines.extend(ranked(&found.effects));
+    if !found.effects.is_empty() {
+        lines.push(String::new());
+    }
+    lines.extend(ranking(&found.effects));
     lines.push(String::new());
     lines.extend(found.warnings.iter().take(MOST_SHOWN).map(ToString::to_string));
     if found.warnings.len() > MOST_SHOWN {
@@ -102,29 +105,29 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     lines
 }
 
-/// Returns how much the assumptions matter, the largest effect first.
-fn ranked(effects: &[AssumptionEffect]) -> Vec<String> {
+/// Returns how much the assumptions matter, one on a line below a heading, the largest effect first; nothing if none is ranked.
+pub fn ranking(effects: &[AssumptionEffect]) -> Vec<String> {
     if effects.is_empty() {
         return Vec::new();
     }
-    let line = |effect: &AssumptionEffect| {
-        let [low, high] = &effect.at;
-        let unit = effect.unit;
-        format!(
-            "  {}: at {} {}; at {} {}",
-            effect.key,
-            with_unit(low.value, unit),
-            change(low),
-            with_unit(high.value, unit),
-            change(high)
-        )
-    };
-    let mut lines = vec![
-        String::new(),
-        "What the assumptions may cost, the most important first (measure this next):".to_owned(),
-    ];
-    lines.extend(effects.iter().map(line));
-    lines
+    let heading = "What the assumptions may cost, the most important first (measure this next):".to_owned();
+    std::iter::once(heading)
+        .chain(effects.iter().map(|effect| format!("  {}", describe_effect(effect))))
+        .collect()
+}
+
+/// Returns what the loop loses or gains if an assumption is wrong by its usual range, as one sentence without a period.
+pub fn describe_effect(effect: &AssumptionEffect) -> String {
+    let [low, high] = &effect.at;
+    let unit = effect.unit;
+    format!(
+        "{}: at {} {}; at {} {}",
+        effect.key,
+        with_unit(low.value, unit),
+        change(low),
+        with_unit(high.value, unit),
+        change(high)
+    )
 }
 
 fn change(at: &EffectAt) -> String {

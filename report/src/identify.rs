@@ -69,6 +69,7 @@ fn named(found: &IdentificationText) -> Vec<(&'static str, Estimate, &'static st
     out.push(("Coulomb friction", found.coulomb_nm, "N m"));
     out.push(("viscous friction", found.viscous_nm_s_rad, "N m s/rad"));
     out.extend(found.breakaway_nm.map(|e| (BREAKAWAY, e, "N m")));
+    out.retain(|(_, e, _)| e.is_known());
     out
 }
 
@@ -92,12 +93,17 @@ fn estimates(found: &IdentificationText) -> Table {
         table.rows.push(vec![
             Cell::text(name),
             Cell::number(e.value),
-            Cell::text(format!("{:.3} to {:.3}", e.ci95[0], e.ci95[1])),
+            Cell::text(format!("{} to {}", interval_end(e.ci95[0]), interval_end(e.ci95[1]))),
             if e.before.is_finite() { Cell::number(e.before) } else { Cell::text("") },
             Cell::text(unit),
         ]);
     }
     table
+}
+
+/// Returns the end of an interval with three decimals, or with three digits if those say nothing.
+fn interval_end(value: f64) -> String {
+    if value == 0.0 || value.abs() >= 0.01 { format!("{value:.3}") } else { format!("{value:.2e}") }
 }
 
 /// Control against hub rate, measured and as the identified mechanism needs it.

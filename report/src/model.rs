@@ -4,6 +4,7 @@ use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionView, Meshes, Mod
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::Accuracy;
 
+use crate::check::assumptions_section;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -18,6 +19,9 @@ pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], c
     sections.extend(views.frictions.iter().map(|friction| friction_section(friction, command)));
     if !accuracy.is_empty() {
         sections.push(accuracy_section(accuracy, command));
+    }
+    if !result.assumptions.is_empty() {
+        sections.push(assumptions_section(&result.assumptions, &result.assumption_effects));
     }
     let glance = views.modes.iter().find(|set| set.support == "pinned").map(|set| shapes(set, command));
     Report {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_verify::{Verification, VerifiedController};
@@ -34,6 +35,8 @@ pub struct Results {
     pub measurements: Measurements,
     /// What Plant and Reduce show of the plant of the last design.
     pub reduction: Option<Arc<ReductionPicture>>,
+    /// What the project file leaves open, ranked, of the last plant that Plant has shown.
+    pub ranking: Option<Versioned<RankedAssumptions>>,
     /// The modes of the beam that was animated last.
     pub beam_modes: Option<Arc<BeamModes>>,
     /// Why a revision could not be verified.

@@ -20,7 +20,9 @@ use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, RecordedController, Replayer, control_fit};
+use counterpoise_simulate::replay::{
+    Loop, RecordedController, ReplayMode, Replayer, control_fit, reading_floor,
+};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 use counterpoise_tests::exported_loop::{controller_file, document, from_file};
@@ -65,6 +67,11 @@ fn sines(all: &[(f64, f64, f64)]) -> Signal {
 
 /// A recording of the machine under a controller: demand, heave and pitch together, with noise and quantisation.
 fn record(plant: &Plant, controller: &mut dyn SampledController) -> Recording {
+    record_with(plant, controller, 5)
+}
+
+/// A recording as [`record`] makes it, with noise of a seed.
+fn record_with(plant: &Plant, controller: &mut dyn SampledController, seed: u64) -> Recording {
     let scenario = Scenario {
         duration_s: 8.0,
         demand_rad_s: sines(&[(0.06, 0.31, 0.0), (0.03, 1.7, 1.0)]),
@@ -75,7 +82,7 @@ fn record(plant: &Plant, controller: &mut dyn SampledController) -> Recording {
             initial_angle_rad: 0.0,
             further: None,
         },
-        imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
+        imperfections: Imperfections::NoiseAndQuantisation { seed },
         initial: Initial::Rest { hub_angle_rad: 0.0 },
         detail: Detail::Recording,
     };
@@ -212,4 +219,46 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
 }
 
 /// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator.
-const EXAMPLES: [&str; 4] = ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf"];
+const EXAMPLES: [&str; 5] =
+    ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf", "tip-control"];
+
+/// The largest difference of two recordings of one machine, over the noise floors of both, with its channel.
+fn apart(plant: &Plant, one: &Recording, other: &Recording) -> f64 {
+    let sensors = &plant.parameters().sensors;
+    let floors = [
+        (Channel::HubRate, reading_floor(&sensors.hub_gyro, &plant.parameters().interface)),
+        (
+            Channel::MotorRate,
+            reading_floor(sensors.motor_tachometer.as_ref().unwrap(), &plant.parameters().interface),
+        ),
+    ];
+    let ratio = |(channel, floor): (Channel, f64)| {
+        let pairs = one.samples(channel).unwrap().iter().zip(other.samples(channel).unwrap());
+        let sum: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+        (0.5 * sum / one.len() as f64).sqrt() / floor
+    };
+    floors.into_iter().map(ratio).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_machine_that_floats_in_its_gap_is_replayed_in_windows_and_freely_as_closely_as_it_repeats_itself() {
+    let project = project("azimuth");
+    let (plant, controller) = exported(&project);
+    let recording = record(&plant, &mut controller.runner());
+    let again = record_with(&plant, &mut controller.runner(), 6);
+    let control = Loop::from(read_back(&folder("azimuth"), &project, &controller));
+    // two runs of the machine that differ in noise alone already part: no free replay is closer than they are
+    let own = apart(&plant, &recording, &again);
+    assert!(own > 2.0 * REPLAYED, "{own}");
+    let (free, channel) = worst(&plant, &recording, &control);
+    assert!(free < own, "{free} floors in {}, two runs of the machine {own}", channel.name());
+    for recording in [&recording, &recording.part(2500..recording.len())] {
+        let replayer = Replayer::new(plant.parameters(), recording).unwrap();
+        let selected = replayer.replay_free_or_windowed(plant.parameters(), &control).unwrap();
+        assert!(matches!(selected.mode, ReplayMode::Windowed { .. }));
+        for fit in &selected.replay.channels {
+            let ratio = fit.rms_error / fit.floor;
+            assert!(ratio < REPLAYED, "{ratio} floors in {}", fit.channel.name());
+        }
+    }
+}

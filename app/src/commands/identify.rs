@@ -58,20 +58,41 @@ fn print(found: &IdentificationText) {
     }
     let l = &found.lobes;
     say!(
-        "u against rate: offset {:.3} V, step {:.3} V, slope {:.3} V s/rad, width {:.3} V per rad/s^2",
-        l.offset_v,
-        l.step_v,
-        l.slope_v_s_rad,
-        l.width_v_s2_rad
+        "u against rate: offset {} V, step {} V, slope {} V s/rad, width {} V per rad/s^2",
+        figure(l.offset_v),
+        figure(l.step_v),
+        figure(l.slope_v_s_rad),
+        figure(l.width_v_s2_rad)
     );
-    say!("left over: {:.2} N m RMS, of {:.1} s of sliding", found.residual_nm, found.sliding_s);
+    let left = if found.residual_nm >= LEAST_WITH_DECIMALS {
+        format!("{:.2}", found.residual_nm)
+    } else {
+        figure(found.residual_nm)
+    };
+    say!("left over: {left} N m RMS, of {:.1} s of sliding", found.sliding_s);
     amplifier(&found.amplifier);
     found.notes.iter().for_each(|note| say!("note: {note}"));
 }
 
 fn line(name: &str, e: &Estimate, unit: &str) {
-    say!("{name:<28} {:12.3}   [{:10.3}, {:10.3}] {:12.3}  {unit}", e.value, e.ci95[0], e.ci95[1], e.before);
+    if !e.is_known() {
+        return;
+    }
+    let [low, high] = e.ci95.map(figure);
+    let before = if e.before.is_finite() { figure(e.before) } else { "-".to_owned() };
+    say!("{name:<28} {:>12}   [{low:>10}, {high:>10}] {before:>12}  {unit}", figure(e.value));
 }
+
+/// Returns a number with three decimals, or with three digits if those say nothing.
+fn figure(value: f64) -> String {
+    if value == 0.0 || value.abs() >= LEAST_WITH_DECIMALS {
+        return format!("{value:.3}");
+    }
+    format!("{value:.2e}")
+}
+
+/// Size from which on three decimals have at least two digits.
+const LEAST_WITH_DECIMALS: f64 = 0.01;
 
 fn amplifier(found: &AmplifierText) {
     match found {

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use counterpoise_pipeline::check::rank_assumptions;
 use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, view_plant};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::accuracy;
 use counterpoise_pipeline::{self as pipeline, PipelineError};
 use counterpoise_project::Purpose;
+use counterpoise_report::check::ranking;
 use counterpoise_report::html;
 use counterpoise_report::model::report;
 
@@ -43,7 +45,12 @@ pub fn run(options: &ModelOptions) -> Done {
     watched.finish();
     let modelled = modelled?;
     let mut result = ModelResult::from(&modelled);
-    result.assumptions.clone_from(&loaded.assumptions);
+    let ranked = rank_assumptions(&loaded.project, &modelled, &loaded.assumptions);
+    let unranked = ranked.as_ref().err().map(ToString::to_string);
+    match ranked {
+        Ok(ranked) => (result.assumptions, result.assumption_effects) = (ranked.assumptions, ranked.effects),
+        Err(_) => result.assumptions.clone_from(&loaded.assumptions),
+    }
     let views = view_plant(&loaded.project, &modelled)?;
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
@@ -56,6 +63,9 @@ pub fn run(options: &ModelOptions) -> Done {
     if !output::json(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());
         assumed(&result);
+        if let Some(why) = unranked {
+            say!("assumptions are not ranked, because there is no design: {why}");
+        }
         if let Some(left_out) = modelled.elements.as_ref().and_then(|elements| elements.truncation) {
             say!(
                 "structure condensed to {} balanced states; estimated relative error of what was left out: {:.1e}",
@@ -94,6 +104,7 @@ fn assumed(result: &ModelResult) {
         0 => say!("assumed: {count} values (`counterpoise check` lists them)"),
         _ => say!("assumed: {count} values, among them {} (`counterpoise check` lists all)", open.join(", ")),
     }
+    ranking(&result.assumption_effects).iter().for_each(|line| say!("{line}"));
 }
 
 fn modes(sets: &[ModeSet]) {

@@ -15,6 +15,7 @@ use crate::learning::reading::read;
 use crate::library::{Component, EffectName, Parameter, find_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
+use crate::machine::SteadyDrive;
 use crate::selection::sizes::Sizes;
 
 /// Regime variables that are torques or the motor's angle: their values on the scaled machine are not the machine's own.
@@ -83,6 +84,9 @@ impl Scale {
         p.gearbox.stiffness_nm_rad *= s;
         p.gearbox.damping_nm_s_rad *= s;
         p.gearbox.mesh_ripple = ripple(&p.gearbox.mesh_ripple, s, c);
+        p.gearbox.kinematic_error = ripple(&p.gearbox.kinematic_error, 1.0, c);
+        p.gearbox.hysteresis_nm *= s;
+        p.gearbox.hysteresis_stiffness_nm_rad *= s;
         p.motor.inertia_kg_m2 *= s / (c * c);
         p.motor.torque_constant_nm_a *= s / c;
         p.motor.back_emf_v_s_rad /= c;
@@ -187,8 +191,8 @@ impl Scale {
 
 /// Returns the RMS of the motor's torque at the hub under the recorded control at standstill, N m.
 fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
-    let loss = base.motor.resistance_ohm + base.amplifier.gain * base.amplifier.current_feedback_v_a;
-    let gain = base.gearbox.ratio * base.motor.torque_constant_nm_a * base.amplifier.gain / loss;
+    let drive = SteadyDrive::of(base);
+    let gain = base.gearbox.ratio * base.motor.torque_constant_nm_a * drive.gain / drive.loss;
     let controls = recordings.iter().filter_map(|r| r.samples(Channel::Control)).flatten();
     let control: Vec<f64> = controls.copied().filter(|v| v.is_finite()).collect();
     (gain * crate::recording::series::rms(&control)).abs()

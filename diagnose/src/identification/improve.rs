@@ -41,7 +41,7 @@ pub(super) fn moved(p: &Parameters, found: &Identified) -> Parameters {
 
 /// The value, where it is another than the project's.
 fn new_value(estimate: Estimate) -> Option<f64> {
-    (!estimate.holds(estimate.before)).then_some(rounded(estimate.value))
+    (estimate.is_known() && !estimate.holds(estimate.before)).then_some(rounded(estimate.value))
 }
 
 /// A value to so many digits that a project file can be read: more than any interval is narrow.

@@ -32,6 +32,7 @@ use counterpoise_models::parameters::Friction;
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::Error;
+use crate::machine::SteadyDrive;
 use crate::tolerance::identification::*;
 use problem::{Layout, Problem};
 
@@ -80,7 +81,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         residual_nm: fit.residual_rms,
         noise_share: fit.noise_share,
         sliding_s,
-        notes: notes(p, states, &found.amplifier, fit.residual_rms / fit.value[layout.coulomb()]),
+        notes: notes(p, states, &found.amplifier, fit, layout),
         amplifier: found.amplifier,
     })
 }
@@ -116,10 +117,12 @@ fn torque_per_volt(p: &Parameters) -> f64 {
 
 fn lobes(p: &Parameters, layout: Layout, value: &[f64]) -> Lobes {
     let (gain, ratio) = (torque_per_volt(p), p.gearbox.ratio);
-    let back_emf = ratio * p.motor.back_emf_v_s_rad / p.amplifier.gain;
+    let drive = SteadyDrive::of(p);
+    let back_emf = ratio * drive.back_emf / drive.gain;
     let rotor = ratio * ratio * p.motor.inertia_kg_m2;
+    let moment = value[layout.moment(0)];
     Lobes {
-        offset_v: value[layout.moment(0)] * p.gravity_m_s2 / gain,
+        offset_v: if moment.is_finite() { moment * p.gravity_m_s2 / gain } else { 0.0 },
         step_v: 2.0 * value[layout.coulomb()] / gain,
         slope_v_s_rad: value[layout.viscous()] / gain + back_emf,
         width_v_s2_rad: 2.0 * (value[layout.inertia(0)] + rotor) / gain,
@@ -147,16 +150,26 @@ fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<Loop> {
     problem.parts.iter().enumerate().map(one).collect()
 }
 
-fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier, left: f64) -> Vec<Note> {
+fn notes(
+    p: &Parameters,
+    states: &[&[Recording]],
+    amplifier: &Amplifier,
+    fit: &regression::Fit,
+    layout: Layout,
+) -> Vec<Note> {
     let mut out = vec![Note::FrictionIsASum, Note::KnownTakenAsExact];
+    if fit.value[layout.moment(0)].is_nan() {
+        out.push(Note::NoWeight);
+    }
+    let left = fit.residual_rms / fit.value[layout.coulomb()];
     if left.abs() > RESIDUAL_DOUBT {
         out.push(Note::SomethingElseActs { share: left.abs() });
     }
     let all = || states.iter().flat_map(|state| state.iter());
-    if all().any(|r| !r.has(Channel::MotorRate)) {
+    if all().any(|r| !r.has(Channel::MotorRate)) && !p.gearbox.is_rigid() {
         out.push(Note::NoMotorRate);
     }
-    if all().any(|r| !r.has(Channel::HubPosition)) {
+    if all().any(|r| !r.has(Channel::HubPosition)) && !p.sensors.measured.is_position() {
         out.push(Note::NoHubPosition);
     }
     if p.lumped.is_none() {

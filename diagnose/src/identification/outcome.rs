@@ -5,7 +5,7 @@ use serde::Serialize;
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The value.
+    /// The value; NaN (null in JSON) if nothing in the recordings depends on it.
     pub value: f64,
     /// 95 % interval: Newey and West's, Student's quantile.
     pub ci95: [f64; 2],
@@ -92,6 +92,8 @@ pub enum Note {
     RigidBeam,
     /// The gain curve comes from one state of balance.
     CurveFromOneState,
+    /// Neither gravity nor heave acts, so that the out-of-balance makes no torque.
+    NoWeight,
 }
 
 /// What the recordings say of the amplifier.
@@ -146,6 +148,11 @@ impl Estimate {
     /// A value with the half width of its interval.
     pub fn new(value: f64, half_width: f64, before: f64) -> Self {
         Self { value, ci95: [value - half_width, value + half_width], before }
+    }
+
+    /// Returns whether the recordings determine the value.
+    pub fn is_known(&self) -> bool {
+        self.value.is_finite()
     }
 
     /// Returns whether the interval holds a value.

@@ -109,7 +109,9 @@ impl Problem {
     pub fn residual(&self, part: usize, value: &[f64]) -> Vec<f64> {
         let block = self.block(&self.parts[part]);
         let sum = |k: usize| -> f64 {
-            block.columns.iter().zip(value).map(|(c, b)| c.map_or(0.0, |c| b * c[k])).sum()
+            let part =
+                |(c, b): (&Option<&[f64]>, &f64)| c.filter(|_| b.is_finite()).map_or(0.0, |c| b * c[k]);
+            block.columns.iter().zip(value).map(part).sum()
         };
         (0..block.target.len()).map(|k| block.target[k] - sum(k)).collect()
     }
@@ -117,18 +119,20 @@ impl Problem {
     fn block<'a>(&self, part: &'a RecordingPart) -> Block<'a> {
         let (layout, rows) = (self.layout, &part.rows);
         let mut columns: Vec<Option<&[f64]>> = vec![None; layout.count()];
-        let mut noise = vec![0.0; layout.count()];
+        let (mut noise, mut shared) = (vec![0.0; layout.count()], vec![0.0; layout.count()]);
         let [load, sign, rate, acceleration] = &rows.regressors;
         columns[layout.moment(part.state)] = Some(load);
         columns[layout.coulomb()] = Some(sign);
         columns[layout.viscous()] = Some(rate);
         columns[layout.inertia(part.state)] = Some(acceleration);
         (noise[layout.viscous()], noise[layout.inertia(part.state)]) = (rows.noise[0], rows.noise[1]);
+        let [of_rate, of_acceleration] = rows.noise_in_torque;
+        (shared[layout.viscous()], shared[layout.inertia(part.state)]) = (of_rate, of_acceleration);
         // the columns carry a minus: torque (old map) = mechanism - sum of change x hat
         for (k, column) in rows.hats.iter().enumerate() {
             columns[layout.knot(k)] = Some(column);
         }
         let memory = ((MEMORY_S / rows.period_s) as usize).max(1);
-        Block { columns, target: &rows.torque, counts: &rows.sliding, noise, memory }
+        Block { columns, target: &rows.torque, counts: &rows.sliding, noise, shared, memory }
     }
 }

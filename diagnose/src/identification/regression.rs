@@ -14,6 +14,8 @@ pub struct Block<'a> {
     pub counts: &'a [bool],
     /// Variance of the noise in each column.
     pub noise: Vec<f64>,
+    /// Covariance of the noise in each column with the noise in the target.
+    pub shared: Vec<f64>,
     /// Samples over which residuals are correlated.
     pub memory: usize,
 }
@@ -34,13 +36,13 @@ pub struct Fit {
 /// min |y - X b|^2 over the rows that count, the noise of the regressors taken off:
 ///
 /// ```text
-///     (X'X - sum D) b = X'y,   cov b = (X'X - sum D)^-1 S (X'X - sum D)^-1,
+///     (X'X - sum D) b = X'y - sum c,   cov b = (X'X - sum D)^-1 S (X'X - sum D)^-1,
 ///     S = 1/L sum_t s_t s_t',  s_t = sum of x r over the L rows from t on
 /// ```
 ///
-/// D is the diagonal of noise variances; S is Newey and West's estimate with Bartlett's weights over L rows in time, written as
-/// sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows). Returns `None` if the
-/// columns cannot be told apart.
+/// D is the diagonal of noise variances, c the covariances of that noise with the target's; S is Newey and West's estimate with Bartlett's weights over L rows in time, written as
+/// sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows). An unknown whose column is
+/// 0 throughout is not a number. Returns `None` if the other columns cannot be told apart.
 pub fn fit(blocks: &[Block]) -> Option<Fit> {
     let n = blocks.first()?.columns.len();
     let mut normal = Mat::zeros(n, n);
@@ -48,8 +50,9 @@ pub fn fit(blocks: &[Block]) -> Option<Fit> {
     let mut noise = vec![0.0; n];
     blocks.iter().for_each(|block| accumulate(block, &mut normal, &mut right, &mut noise));
     let noise_share = (0..n).map(|i| noise[i] / normal[(i, i)].max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
+    let seen: Vec<usize> = (0..n).filter(|i| normal[(*i, *i)] > 0.0).collect();
     (0..n).for_each(|i| normal[(i, i)] -= noise[i]);
-    let inverted = scaled_inverse(&normal)?;
+    let inverted = inverse_of_seen(&normal, &seen)?;
     let value = (&inverted * &right).as_slice().to_vec();
     let residuals: Vec<Vec<f64>> = blocks.iter().map(|block| residual(block, &value)).collect();
     let mut spread = Mat::zeros(n, n);
@@ -62,6 +65,8 @@ pub fn fit(blocks: &[Block]) -> Option<Fit> {
     let quantile = student_95((windows - 1.0).max(1.0));
     let power: f64 = residuals.iter().flatten().map(|r| r * r).sum();
     let rows: f64 = blocks.iter().map(counted).sum();
+    let unseen = |i: usize| if seen.contains(&i) { 0.0 } else { f64::NAN };
+    let value = value.iter().enumerate().map(|(i, v)| v + unseen(i)).collect();
     Some(Fit {
         half_width: (0..n).map(|i| quantile * covariance[(i, i)].max(0.0).sqrt()).collect(),
         value,
@@ -97,6 +102,7 @@ fn accumulate(block: &Block, normal: &mut Mat, right: &mut Mat, noise: &mut [f64
     }
     let rows = counted(block);
     noise.iter_mut().zip(&block.noise).for_each(|(sum, variance)| *sum += rows * variance);
+    block.shared.iter().enumerate().for_each(|(i, covariance)| right[(i, 0)] -= rows * covariance);
 }
 
 fn add_spread(block: &Block, residual: &[f64], spread: &mut Mat) {
@@ -115,6 +121,22 @@ fn add_spread(block: &Block, residual: &[f64], spread: &mut Mat) {
             (0..n).for_each(|j| spread[(i, j)] += window[i] * window[j] / memory as f64);
         }
     }
+}
+
+/// Returns the inverse on the unknowns whose columns are not 0, and zeros elsewhere; `None` if it is singular to the tolerance.
+fn inverse_of_seen(normal: &Mat, seen: &[usize]) -> Option<Mat> {
+    let n = normal.nrows();
+    if seen.len() == n {
+        return scaled_inverse(normal);
+    }
+    let inner = scaled_inverse(&Mat::from_fn(seen.len(), seen.len(), |i, j| normal[(seen[i], seen[j])]))?;
+    let mut out = Mat::zeros(n, n);
+    for (i, &row) in seen.iter().enumerate() {
+        for (j, &column) in seen.iter().enumerate() {
+            out[(row, column)] = inner[(i, j)];
+        }
+    }
+    Some(out)
 }
 
 /// Returns the inverse by way of a unit diagonal; `None` if it is singular to the tolerance.

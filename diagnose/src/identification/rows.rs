@@ -9,11 +9,13 @@
 //! their parts of the viscous friction in the project (they differ while the gear twists); w is the rate of the mean
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{Measured, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 
 use super::signal::{Chain, Kernel};
 use crate::Error;
+use crate::machine::{SteadyDrive, cosine, sine};
+use crate::recording::series::derivative;
 use crate::tolerance::identification::*;
 
 /// Rows of one recording; a row is a sample.
@@ -39,6 +41,8 @@ pub struct Rows {
     pub turning: Vec<bool>,
     /// Variance of the noise in rate and acceleration after the filter.
     pub noise: [f64; 2],
+    /// Covariance of that noise with the noise in the torque: the motor's rate follows from the same reading if it has no sensor.
+    pub noise_in_torque: [f64; 2],
     /// Sample period, s.
     pub period_s: f64,
 }
@@ -60,9 +64,22 @@ struct Channels {
     platform: Vec<f64>,
     heave: Vec<f64>,
     motor: Option<Vec<f64>>,
+    /// Hub rate on the platform.
+    relative: Vec<f64>,
+    /// What makes the noise of the hub's rate.
+    noise: RateNoise,
     /// Hub angle on the platform as the hub gyroscope would show it.
     position: Vec<f64>,
     whole: Vec<bool>,
+}
+
+/// What makes the noise of the hub's rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum RateNoise {
+    /// A sensor of the rate: white noise, which the low-pass lets through in part.
+    White,
+    /// A sensor of the position: its noise is differentiated, and the low-pass takes nearly all of it.
+    Differentiated,
 }
 
 impl Maker<'_> {
@@ -73,7 +90,7 @@ impl Maker<'_> {
     pub fn rows(&self, recording: &Recording) -> Result<Rows, Error> {
         let period_s = recording.sample_period_s;
         let (chain, kernel) = (Chain::new(self.p, period_s), Kernel::new(self.deviation_s, period_s));
-        let channels = channels(recording, &chain)?;
+        let channels = channels(recording, &chain, self.p)?;
         let ratio = self.p.gearbox.ratio;
         let twisting = || self.motor_behind_gear(&chain, &channels);
         let motor: Vec<f64> = channels.motor.as_ref().map_or_else(twisting, |m| chain.as_gyro(m));
@@ -81,12 +98,18 @@ impl Maker<'_> {
         let rate = self.damped_rate(&driven, &channels);
         let (direction, turning) = self.directions(&driven, period_s);
         let mean = chain.mean_rate(&channels.hub);
-        let noise = noise_variance(&channels.hub);
+        let variance = |series: &[f64]| match channels.noise {
+            RateNoise::White => noise_variance(series),
+            RateNoise::Differentiated => 0.0,
+        };
+        let noise = variance(&channels.hub);
         let [kept, steep] = kernel.noise_gains();
+        let variances = [variance(&rate) * kept, noise * steep];
+        let shared = if channels.motor.is_none() { self.losses_of_rate() } else { [0.0; 2] };
         Ok(Rows {
             torque: self.torque(&chain, &kernel, &channels, &motor),
             regressors: [
-                kernel.smooth(&self.load(&chain, &channels, f64::cos)),
+                kernel.smooth(&self.load(&chain, &channels, cosine)),
                 kernel.smooth(&direction),
                 kernel.smooth(&rate),
                 kernel.slope(&mean),
@@ -98,7 +121,8 @@ impl Maker<'_> {
             control_v: channels.control,
             direction,
             turning,
-            noise: [noise_variance(&rate) * kept, noise * steep],
+            noise: variances,
+            noise_in_torque: [-shared[0] * variances[0], -shared[1] * variances[1]],
             period_s,
         })
     }
@@ -118,6 +142,14 @@ impl Maker<'_> {
         (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
     }
 
+    /// Torque at the hub per rate of the joint that the back-EMF takes, N m s/rad, and per acceleration that the rotor takes, kg m^2.
+    fn losses_of_rate(&self) -> [f64; 2] {
+        let (p, drive) = (self.p, SteadyDrive::of(self.p));
+        let square = p.gearbox.ratio * p.gearbox.ratio;
+        let back = p.motor.torque_constant_nm_a * drive.back_emf / drive.loss;
+        [square * back, square * p.motor.inertia_kg_m2]
+    }
+
     /// The voltage that the amplifier's map makes of the control.
     fn drive_v(&self, c: &Channels) -> Vec<f64> {
         c.control.iter().map(|u| self.p.amplifier.drive_v(*u, &self.p.motor)).collect()
@@ -125,9 +157,8 @@ impl Maker<'_> {
 
     /// The motor's rate where no sensor shows it: the joint's, and the twist of the gear under the control's torque.
     fn motor_behind_gear(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
-        let joint: Vec<f64> = c.hub.iter().zip(&c.platform).map(|(h, p)| h - p).collect();
-        let (direction, _) = self.directions(&joint, chain.period_s());
-        chain.motor_rate(&self.drive_v(c), &joint, &direction)
+        let (direction, _) = self.directions(&c.relative, chain.period_s());
+        chain.motor_rate(&self.drive_v(c), &c.relative, &direction)
     }
 
     /// The rate that viscous friction acts on: the motor's and the hub's, each by its part of it.
@@ -136,21 +167,20 @@ impl Maker<'_> {
         let pivot = p.pivot_friction.viscous_nm_s_rad;
         let all = pivot + p.gearbox.ratio.powi(2) * p.motor_friction.viscous_nm_s_rad;
         let part = if all > 0.0 { pivot / all } else { 0.5 };
-        let joint = c.hub.iter().zip(&c.platform).map(|(h, p)| h - p);
-        driven.iter().zip(joint).map(|(motor, hub)| motor + part * (hub - motor)).collect()
+        driven.iter().zip(&c.relative).map(|(motor, hub)| motor + part * (hub - motor)).collect()
     }
 
     /// (g + a_p) f(theta_h), as the gyroscope would show it.
-    fn load(&self, chain: &Chain, c: &Channels, of: fn(f64) -> f64) -> Vec<f64> {
+    fn load(&self, chain: &Chain, c: &Channels, of: fn(&Parameters, f64) -> f64) -> Vec<f64> {
         let heave = chain.heave_as_gyro(&c.heave);
-        let weigh = |(angle, heave): (f64, &f64)| (self.p.gravity_m_s2 + heave) * of(angle);
+        let weigh = |(angle, heave): (f64, &f64)| (self.p.gravity_m_s2 + heave) * of(self.p, angle);
         inertial(c, chain).into_iter().zip(&heave).map(weigh).collect()
     }
 
     /// Torque of what is taken as known: the first moment above the axis, the spring to the platform.
     fn known(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
         let Some(l) = self.p.lumped.as_ref() else { return vec![0.0; c.control.len()] };
-        let upright = self.load(chain, c, f64::sin);
+        let upright = self.load(chain, c, sine);
         let spring = |x: &f64| l.position_stiffness_nm_rad * (x - l.position_stiffness_centre_rad);
         upright.iter().zip(&c.position).map(|(g, x)| spring(x) - l.vertical_offset_kg_m * g).collect()
     }
@@ -246,7 +276,7 @@ fn noise_variance(series: &[f64]) -> f64 {
     squares.sum::<f64>() / 6.0 / series.len().saturating_sub(2).max(1) as f64
 }
 
-fn channels(r: &Recording, chain: &Chain) -> Result<Channels, Error> {
+fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Error> {
     let missing = |channel| Error::NotIdentifiable { recording: r.name.clone(), channel };
     let control = r.samples(Channel::Control).ok_or_else(|| missing("control"))?;
     let hub = r.samples(Channel::HubRate).ok_or_else(|| missing("hub_rate"))?;
@@ -263,13 +293,29 @@ fn channels(r: &Recording, chain: &Chain) -> Result<Channels, Error> {
         };
         (0..n).map(at).collect::<Vec<f64>>()
     };
-    let (control, hub) = (filled(control), filled(hub));
+    let (control, reading) = (filled(control), filled(hub));
     let platform = r.samples(Channel::PlatformRate).map_or_else(|| vec![0.0; n], &mut filled);
     let heave = r.samples(Channel::PlatformAccel).map_or_else(|| vec![0.0; n], &mut filled);
-    let motor = r.samples(Channel::MotorRate).map(&mut filled);
-    let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
+    let fitted = p.sensors.motor_tachometer.is_some();
+    let motor = r.samples(Channel::MotorRate).filter(|_| fitted).map(&mut filled);
+    let measured = p.sensors.measured;
+    let relative: Vec<f64> = match measured {
+        Measured::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
+        Measured::RelativeRate | Measured::MotorRate => reading.clone(),
+        Measured::HubPosition | Measured::MotorPosition => derivative(&reading, r.sample_period_s),
+    };
+    let hub = match measured {
+        Measured::HubRate => reading.clone(),
+        _ => relative.iter().zip(&platform).map(|(r, p)| r + p).collect(),
+    };
     let turned = || integral(&relative, r.sample_period_s);
     // the integral of what the gyroscopes read has their lag already
-    let position = r.samples(Channel::HubPosition).map_or_else(turned, |c| chain.as_gyro(&filled(c)));
-    Ok(Channels { control, hub, platform, heave, motor, position, whole })
+    let resolver = r.samples(Channel::HubPosition).filter(|_| p.sensors.hub_resolver.is_some());
+    let position = match resolver {
+        Some(column) => chain.as_gyro(&filled(column)),
+        None if measured.is_position() => reading,
+        None => turned(),
+    };
+    let noise = if measured.is_position() { RateNoise::Differentiated } else { RateNoise::White };
+    Ok(Channels { control, hub, platform, heave, motor, relative, noise, position, whole })
 }

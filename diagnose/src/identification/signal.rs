@@ -4,7 +4,7 @@
 
 use crate::tolerance::identification::KERNEL_POWER;
 use counterpoise_linalg::{Mat, expm_integral, solve};
-use counterpoise_models::{Parameters, parameters::Sensor};
+use counterpoise_models::{AmplifierDynamics, Link, Lumped, Parameters, parameters::Sensor};
 
 /// A symmetric low-pass of compact support, and the exact derivative of what it passes.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,14 +62,15 @@ fn convolve(series: &[f64], kernel: &[f64]) -> Vec<f64> {
     (0..series.len()).map(at).collect()
 }
 
-/// A linear filter x' = A x + B u that starts in its steady state; exact for an input that is held between samples, or
-/// straight.
+/// A linear filter x' = A x + B u, y = C x + D u that starts in its steady state; exact for an input that is held between samples, or
+/// straight. It may have no state.
 struct Filter {
     Ad: Mat,
     held: Mat,
     ramp: Mat,
     start: Mat,
-    output: usize,
+    output: Vec<f64>,
+    direct: f64,
 }
 
 /// What an input does between samples.
@@ -82,9 +83,25 @@ enum Between {
 }
 
 impl Filter {
-    /// Returns the filter whose output is a state; `None` if A is singular or not finite.
-    fn new(A: &Mat, B: &Mat, output: usize, period_s: f64) -> Option<Self> {
+    /// Returns the filter of a system; `None` if A is singular or something is not finite.
+    fn new(system: &System, period_s: f64) -> Option<Self> {
+        let System { A, B, output, direct } = system;
         let n = A.nrows();
+        if !B.as_slice().iter().chain(A.as_slice()).chain(output).all(|x| x.is_finite()) {
+            return None;
+        }
+        let (output, direct) = (output.clone(), *direct);
+        if n == 0 {
+            let none = || Mat::zeros(0, 1);
+            return Some(Self {
+                Ad: Mat::zeros(0, 0),
+                held: none(),
+                ramp: none(),
+                start: none(),
+                output,
+                direct,
+            });
+        }
         // with the input as one more state, its slope is the input
         let mut wide = Mat::zeros(n + 1, n + 1);
         wide.set_block(0, 0, A);
@@ -98,6 +115,7 @@ impl Filter {
             ramp: ramp.block(0, 0, n, 1).scale(1.0 / period_s),
             start: solve(A, &B.scale(-1.0)).ok()?,
             output,
+            direct,
         })
     }
 
@@ -105,7 +123,10 @@ impl Filter {
         let mut x = self.start.scale(input.first().copied().unwrap_or(0.0));
         let mut out = Vec::with_capacity(input.len());
         for (k, u) in input.iter().enumerate() {
-            out.push(x[(self.output, 0)]);
+            let shown: f64 = self.output.iter().enumerate().map(|(i, c)| c * x[(i, 0)]).sum();
+            // at the instant of a sample a held input jumps: a symmetric low-pass sees the mean of both sides
+            let before = if between == Between::Held { input[k.saturating_sub(1)] } else { *u };
+            out.push(shown + self.direct * 0.5 * (before + u));
             let next = input.get(k + 1).copied().unwrap_or(*u);
             let rise = if between == Between::Held { 0.0 } else { next - u };
             x = self.advanced(&x, *u, rise);
@@ -121,6 +142,91 @@ impl Filter {
             out[(i, 0)] = moved + self.held[(i, 0)] * u + self.ramp[(i, 0)] * rise;
         }
         out
+    }
+}
+
+/// A linear system of one input and one output; it may have no state.
+struct System {
+    A: Mat,
+    B: Mat,
+    output: Vec<f64>,
+    direct: f64,
+}
+
+impl System {
+    /// Returns a system whose output is one of its states.
+    fn showing(A: Mat, B: Mat, state: usize) -> Self {
+        let output = (0..A.nrows()).map(|i| if i == state { 1.0 } else { 0.0 }).collect();
+        Self { A, B, output, direct: 0.0 }
+    }
+}
+
+/// The current of a drive: states of voltage and current as far as the drive has them, the inputs drive (V) and motor rate (rad/s), the
+/// output current (A).
+struct Electrical {
+    A: Mat,
+    /// Columns of the drive and of the motor's rate.
+    B: [Vec<f64>; 2],
+    C: Vec<f64>,
+    D: [f64; 2],
+}
+
+impl Electrical {
+    /// ```text
+    ///     tau dV/dt = -V + K_v (v - K_ifb i),   L di/dt = V - R i - K_e w_m
+    /// ```
+    ///
+    /// Without a lag the voltage is its input, without an inductance the current is (V - K_e w_m) / R. A current loop follows its gain
+    /// times the drive with its bandwidth, and an ideal current source or a torque command at once, whatever the motor's rate.
+    fn of(p: &Parameters) -> Self {
+        let (amplifier, motor) = (&p.amplifier, &p.motor);
+        let (tau, L) = (amplifier.time_constant_s, motor.inductance_h);
+        let (R, Ke, K, feedback) =
+            (motor.resistance_ohm, motor.back_emf_v_s_rad, amplifier.gain, amplifier.current_feedback_v_a);
+        let gain = amplifier.stall_gain_a_v(motor);
+        let none =
+            || Self { A: Mat::zeros(0, 0), B: [Vec::new(), Vec::new()], C: Vec::new(), D: [gain, 0.0] };
+        match amplifier.dynamics {
+            AmplifierDynamics::IdealCurrent | AmplifierDynamics::TorqueCommand => none(),
+            AmplifierDynamics::CurrentLoop { bandwidth_rad_s: w, .. } => {
+                let B = [vec![w * gain], vec![0.0]];
+                Self { A: Mat::from_rows(&[&[-w]]), B, C: vec![1.0], D: [0.0; 2] }
+            }
+            AmplifierDynamics::Modelled if tau > 0.0 && L > 0.0 => Self {
+                A: Mat::from_rows(&[&[-1.0 / tau, -K * feedback / tau], &[1.0 / L, -R / L]]),
+                B: [vec![K / tau, 0.0], vec![0.0, -Ke / L]],
+                C: vec![0.0, 1.0],
+                D: [0.0; 2],
+            },
+            AmplifierDynamics::Modelled if tau > 0.0 => Self {
+                A: Mat::from_rows(&[&[-(1.0 + K * feedback / R) / tau]]),
+                B: [vec![K / tau], vec![K * feedback * Ke / (R * tau)]],
+                C: vec![1.0 / R],
+                D: [0.0, -Ke / R],
+            },
+            AmplifierDynamics::Modelled if L > 0.0 => Self {
+                A: Mat::from_rows(&[&[-(R + K * feedback) / L]]),
+                B: [vec![K / L], vec![-Ke / L]],
+                C: vec![1.0],
+                D: [0.0; 2],
+            },
+            AmplifierDynamics::Modelled => Self { D: [gain, -Ke / (R + K * feedback)], ..none() },
+        }
+    }
+
+    /// Returns the number of states.
+    fn order(&self) -> usize {
+        self.C.len()
+    }
+
+    /// Returns the system from one input to the current: 0 the drive, 1 the motor's rate.
+    fn system(&self, input: usize) -> System {
+        System {
+            A: self.A.clone(),
+            B: Mat::col(&self.B[input]),
+            output: self.C.clone(),
+            direct: self.D[input],
+        }
     }
 }
 
@@ -145,7 +251,7 @@ impl<'a> Chain<'a> {
 
     /// A true signal as the hub gyroscope would show it: w^2 / (s^2 + 2 z w s + w^2).
     pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
-        let lagged = self.gyro().and_then(|(A, B)| Filter::new(&A, &B, 0, self.period_s));
+        let lagged = self.gyro().and_then(|(A, B)| Filter::new(&System::showing(A, B, 0), self.period_s));
         lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
     }
 
@@ -171,17 +277,21 @@ impl<'a> Chain<'a> {
     /// Current (A) that a drive (V) makes with the motor stalled, as the gyroscope would show it.
     pub fn current_of_drive(&self, drive_v: &[f64]) -> Vec<f64> {
         let late = self.late(drive_v);
-        let B = Mat::col(&[self.p.amplifier.gain / self.p.amplifier.time_constant_s, 0.0]);
-        let filter = match self.gyro() {
-            None => Filter::new(&self.electrical(), &B, 1, self.period_s),
+        let electrical = Electrical::of(self.p);
+        let alone = electrical.system(0);
+        let system = match self.gyro() {
+            None => alone,
             Some((gyro, reads)) => {
                 // the gyroscope reads the current: one filter, exact for the held control
-                let mut reading = Mat::zeros(2, 2);
-                reading.set_block(0, 1, &reads);
-                let both = Mat::from_blocks(&[&[&self.electrical(), &Mat::zeros(2, 2)], &[&reading, &gyro]]);
-                Filter::new(&both, &B.vstack(&Mat::zeros(2, 1)), 2, self.period_s)
+                let n = electrical.order();
+                let mut A = Mat::zeros(n + 2, n + 2);
+                A.set_block(0, 0, &alone.A);
+                A.set_block(n, n, &gyro);
+                A.set_block(n, 0, &(&reads * &Mat::row(&alone.output)));
+                System::showing(A, alone.B.vstack(&reads.scale(alone.direct)), n)
             }
         };
+        let filter = Filter::new(&system, self.period_s);
         filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held))
     }
 
@@ -202,11 +312,23 @@ impl<'a> Chain<'a> {
     pub fn motor_rate(&self, drive_v: &[f64], joint_rate: &[f64], direction: &[f64]) -> Vec<f64> {
         let p = self.p;
         let (ratio, inertia) = (p.gearbox.ratio, p.motor.inertia_kg_m2);
-        let A = self.motor_on_its_gear();
-        let of = |B: [f64; 4]| Filter::new(&A, &Mat::col(&B), 2, self.period_s);
-        let driven = of([p.amplifier.gain / p.amplifier.time_constant_s, 0.0, 0.0, 0.0]);
-        let turned = of([0.0, 0.0, p.gearbox.damping_nm_s_rad / (ratio * inertia), -1.0]);
-        let braked = of([0.0, 0.0, -p.motor_friction.coulomb_nm() / inertia, 0.0]);
+        if p.gearbox.is_rigid() {
+            return joint_rate.iter().map(|w| ratio * w).collect();
+        }
+        let electrical = Electrical::of(p);
+        let n = electrical.order();
+        let A = self.motor_on_its_gear(&electrical);
+        let of = |B: Vec<f64>| Filter::new(&System::showing(A.clone(), Mat::col(&B), n), self.period_s);
+        let with = |motor: f64, twist: f64| {
+            let mut B = vec![0.0; n];
+            B.extend([motor, twist]);
+            B
+        };
+        let mut drive = electrical.B[0].clone();
+        drive.extend([p.motor.torque_constant_nm_a * electrical.D[0] / inertia, 0.0]);
+        let driven = of(drive);
+        let turned = of(with(p.gearbox.damping_nm_s_rad / (ratio * inertia), -1.0));
+        let braked = of(with(-p.motor_friction.coulomb_nm() / inertia, 0.0));
         let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
             return joint_rate.iter().map(|w| ratio * w).collect();
         };
@@ -217,53 +339,79 @@ impl<'a> Chain<'a> {
         self.as_gyro(&forced).iter().zip(&led).map(|(a, b)| a + b).collect()
     }
 
-    /// States: amplifier's voltage, current, motor rate, twist of the gear.
-    fn motor_on_its_gear(&self) -> Mat {
+    /// States: those of the drive's current, motor rate, twist of the gear.
+    fn motor_on_its_gear(&self, electrical: &Electrical) -> Mat {
         let (motor, gear) = (&self.p.motor, &self.p.gearbox);
-        let (J, N) = (motor.inertia_kg_m2, gear.ratio);
+        let (J, N, n) = (motor.inertia_kg_m2, gear.ratio, electrical.order());
         let loss = self.p.motor_friction.viscous_nm_s_rad + gear.damping_nm_s_rad / (N * N);
-        let mut A = Mat::zeros(4, 4);
-        A.set_block(0, 0, &self.electrical());
-        A[(1, 2)] = -motor.back_emf_v_s_rad / motor.inductance_h;
-        A[(2, 1)] = motor.torque_constant_nm_a / J;
-        A[(2, 2)] = -loss / J;
-        A[(2, 3)] = -gear.stiffness_nm_rad / (N * J);
-        A[(3, 2)] = 1.0 / N;
+        let mut A = Mat::zeros(n + 2, n + 2);
+        A.set_block(0, 0, &electrical.A);
+        for k in 0..n {
+            A[(k, n)] = electrical.B[1][k];
+            A[(n, k)] = motor.torque_constant_nm_a * electrical.C[k] / J;
+        }
+        A[(n, n)] = -loss / J;
+        if electrical.D[1] != 0.0 {
+            A[(n, n)] += motor.torque_constant_nm_a * electrical.D[1] / J;
+        }
+        A[(n, n + 1)] = -gear.stiffness_nm_rad / (N * J);
+        A[(n + 1, n)] = 1.0 / N;
         A
     }
 
     /// Current (A) that the back-EMF of a motor rate (rad/s) makes.
     pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
-        let motor = &self.p.motor;
-        let B = Mat::col(&[0.0, -motor.back_emf_v_s_rad / motor.inductance_h]);
-        let filter = Filter::new(&self.electrical(), &B, 1, self.period_s);
+        let filter = Filter::new(&Electrical::of(self.p).system(1), self.period_s);
         filter.map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, Between::Straight))
     }
 
-    /// ```text
-    ///     tau dV/dt = -V + K_v (v - K_ifb i),   L di/dt = V - R i - K_e w_m
-    /// ```
-    fn electrical(&self) -> Mat {
-        let (amplifier, motor) = (&self.p.amplifier, &self.p.motor);
-        let tau = amplifier.time_constant_s;
-        let feedback = -amplifier.gain * amplifier.current_feedback_v_a / tau;
-        let L = motor.inductance_h;
-        Mat::from_rows(&[&[-1.0 / tau, feedback], &[1.0 / L, -motor.resistance_ohm / L]])
-    }
-
-    /// Rate of the mean inertia (J_h w_h + J_b w_b) / J, the beam moving as its spring and the measured hub make it.
+    /// Rate of the mean inertia, the sum of J_k w_k over J: the inertias beyond the hub move as their springs and the measured hub make
+    /// them.
     pub fn mean_rate(&self, hub_rate: &[f64]) -> Vec<f64> {
-        let Some(l) = self.p.lumped.as_ref() else { return hub_rate.to_vec() };
-        let beam = l.beam_inertia_kg_m2;
-        let share = beam / (beam + l.hub_inertia_kg_m2);
-        let (k, d) = (l.stiffness_nm_rad / beam, l.damping_nm_s_rad / beam);
-        let A = Mat::from_rows(&[&[0.0, -1.0], &[k, -d]]);
-        let Some(filter) = Filter::new(&A, &Mat::col(&[1.0, d]), 1, self.period_s) else {
+        let Some(l) = self.p.lumped.as_ref().filter(|l| !l.is_rigid()) else { return hub_rate.to_vec() };
+        let total = l.inertia_kg_m2();
+        let share = (total - l.hub_inertia_kg_m2) / total;
+        let Some(filter) = Filter::new(&beyond_the_hub(l), self.period_s) else {
             return hub_rate.to_vec();
         };
-        let beam_rate = filter.run(hub_rate, Between::Straight);
-        hub_rate.iter().zip(&beam_rate).map(|(h, b)| (1.0 - share) * h + share * b).collect()
+        let beyond = filter.run(hub_rate, Between::Straight);
+        hub_rate.iter().zip(&beyond).map(|(h, b)| (1.0 - share) * h + share * b).collect()
     }
+}
+
+/// Returns the system from the hub's rate to the mean rate of the inertias beyond it. States: of each inertia, the twist of its spring
+/// and its rate.
+fn beyond_the_hub(l: &Lumped) -> System {
+    let first = Link {
+        inertia_kg_m2: l.beam_inertia_kg_m2,
+        stiffness_nm_rad: l.stiffness_nm_rad,
+        damping_nm_s_rad: l.damping_nm_s_rad,
+    };
+    let links: Vec<Link> = std::iter::once(first).chain(l.chain.iter().copied()).collect();
+    let n = 2 * links.len();
+    let sum: f64 = links.iter().map(|link| link.inertia_kg_m2).sum();
+    let (mut A, mut B) = (Mat::zeros(n, n), Mat::zeros(n, 1));
+    for (k, link) in links.iter().enumerate() {
+        let (twist, rate) = (2 * k, 2 * k + 1);
+        let (stiff, damp) =
+            (link.stiffness_nm_rad / link.inertia_kg_m2, link.damping_nm_s_rad / link.inertia_kg_m2);
+        A[(twist, rate)] = -1.0;
+        A[(rate, twist)] = stiff;
+        A[(rate, rate)] -= damp;
+        if k == 0 {
+            (B[(twist, 0)], B[(rate, 0)]) = (1.0, damp);
+            continue;
+        }
+        // the inertia before feels the same spring
+        let before = links[k - 1].inertia_kg_m2;
+        A[(twist, rate - 2)] = 1.0;
+        A[(rate, rate - 2)] = damp;
+        A[(rate - 2, twist)] -= link.stiffness_nm_rad / before;
+        A[(rate - 2, rate - 2)] -= link.damping_nm_s_rad / before;
+        A[(rate - 2, rate)] += link.damping_nm_s_rad / before;
+    }
+    let output = (0..n).map(|i| if i % 2 == 1 { links[i / 2].inertia_kg_m2 / sum } else { 0.0 }).collect();
+    System { A, B, output, direct: 0.0 }
 }
 
 #[cfg(test)]
@@ -315,6 +463,53 @@ mod tests {
             * rig.gearbox.ratio;
         let twist = torque / rig.gearbox.stiffness_nm_rad;
         assert!((travelled / rig.gearbox.ratio / twist - 1.0).abs() < 1e-3, "{travelled} {twist}");
+    }
+
+    #[test]
+    fn every_kind_of_drive_has_its_static_gain_and_its_back_emf() {
+        let rig = reference::rig();
+        let kinds = [
+            AmplifierDynamics::Modelled,
+            AmplifierDynamics::IdealCurrent,
+            AmplifierDynamics::CurrentLoop { bandwidth_rad_s: 2e3, delay_s: 0.0 },
+            AmplifierDynamics::TorqueCommand,
+        ];
+        for dynamics in kinds {
+            for (lag, inductance) in [(1.5e-3, 4e-3), (1.5e-3, 0.0), (0.0, 4e-3), (0.0, 0.0)] {
+                let mut p = rig.clone();
+                p.amplifier.dynamics = dynamics;
+                (p.amplifier.time_constant_s, p.motor.inductance_h) = (lag, inductance);
+                let chain = Chain::new(&p, 1e-3);
+                let stalled = 0.5 * p.amplifier.stall_gain_a_v(&p.motor);
+                let driven = chain.current_of_drive(&[0.5; 400])[399];
+                assert!((driven / stalled - 1.0).abs() < 1e-9, "{dynamics:?} {driven} {stalled}");
+                let braked = chain.current_of_rate(&[10.0; 400])[399];
+                let loss = p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a;
+                let is_modelled = dynamics == AmplifierDynamics::Modelled;
+                let expected = if is_modelled { -10.0 * p.motor.back_emf_v_s_rad / loss } else { 0.0 };
+                assert!((braked - expected).abs() < 1e-9, "{dynamics:?} {braked} {expected}");
+                let even = chain.motor_rate(&[0.0; 2000], &[0.1; 2000], &[1.0; 2000]);
+                assert!((even[1999] - 0.1 * p.gearbox.ratio).abs() < 1e-6, "{dynamics:?} {}", even[1999]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_chain_that_turns_evenly_has_the_hubs_rate_and_resonates_where_its_modes_are() {
+        let mut p = reference::rig();
+        let lumped = p.lumped.as_mut().unwrap();
+        lumped.chain = vec![Link { inertia_kg_m2: 30.0, stiffness_nm_rad: 2e6, damping_nm_s_rad: 100.0 }; 2];
+        let mean = Chain::new(&p, 1e-3).mean_rate(&[0.3; 50]);
+        assert!(mean.iter().all(|w| (w - 0.3).abs() < 1e-9));
+        let lumped = p.lumped.as_ref().unwrap();
+        let system = beyond_the_hub(lumped);
+        // the hub held: the determinant of the held chain's matrix is the product of k_j / J_j
+        let product = lumped.stiffness_nm_rad / lumped.beam_inertia_kg_m2 * (2e6_f64 / 30.0).powi(2);
+        let determinant = counterpoise_linalg::eigenvalues(&system.A)
+            .unwrap()
+            .iter()
+            .fold(1.0, |product, pole| product * pole.norm());
+        assert!((determinant / product - 1.0).abs() < 1e-9);
     }
 
     #[test]

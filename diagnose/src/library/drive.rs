@@ -4,7 +4,7 @@ use super::amplifier_map::{fraction, static_gain};
 use super::effect::{Effect, Kind, parameter};
 use super::names::{Component, EffectName};
 use crate::tolerance::fitting::{FREE_INPUTS_V, USUAL_GAIN_CORNER_V};
-use counterpoise_models::{MapPoint, Parameters};
+use counterpoise_models::{AmplifierDynamics, MapPoint, Parameters};
 
 /// Returns the input at which the map's shortfall has fallen to 1/e of that at the first point; [`USUAL_GAIN_CORNER_V`] if there is no
 /// shortfall.
@@ -24,6 +24,28 @@ fn shape_map(p: &mut Parameters, depth: f64, corner: f64) {
     let fraction = |v: f64| 1.0 - depth * (-(v / corner).powi(3)).exp();
     let point = |&v: &f64| MapPoint { input_v: v, current_a: fraction(v) * gain * v };
     p.amplifier.map = FREE_INPUTS_V.iter().map(point).collect();
+}
+
+/// Returns the time constant of an amplifier, or of the current of a drive that takes a current; 0 of one that takes a torque.
+fn lag_of_drive(p: &Parameters) -> f64 {
+    match p.amplifier.dynamics {
+        AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => p.amplifier.time_constant_s,
+        AmplifierDynamics::CurrentLoop { bandwidth_rad_s, .. } => 1.0 / bandwidth_rad_s,
+        AmplifierDynamics::TorqueCommand => 0.0,
+    }
+}
+
+/// Sets that time constant; a drive that takes a torque then follows its command with it.
+fn set_lag_of_drive(p: &mut Parameters, lag_s: f64) {
+    let delay_s = match p.amplifier.dynamics {
+        AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => {
+            p.amplifier.time_constant_s = lag_s;
+            return;
+        }
+        AmplifierDynamics::CurrentLoop { delay_s, .. } => delay_s,
+        AmplifierDynamics::TorqueCommand => 0.0,
+    };
+    p.amplifier.dynamics = AmplifierDynamics::CurrentLoop { bandwidth_rad_s: 1.0 / lag_s, delay_s };
 }
 
 fn current_limit(p: &Parameters) -> f64 {
@@ -198,11 +220,13 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
     },
     Effect {
-        // tau_a dV/dt = -V + ..., another tau_a (Dholiwar 2007, (5-21))
+        // tau_a dV/dt = -V + ..., another tau_a (Dholiwar 2007, (5-21)); of a drive that takes a current or a torque, t di/dt = -i + ...
         effect: EffectName::Bandwidth,
         component: Component::Amplifier,
         kind: Kind::ParameterChange,
-        parameters: &[parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, amplifier.time_constant_s)],
+        parameters: &[
+            parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, get lag_of_drive, set set_lag_of_drive),
+        ],
         starts: &[&[1.5e-3], &[0.01], &[0.04]],
     },
     Effect {

@@ -194,6 +194,23 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[],
     },
     Effect {
+        // F_c sgn(w) on a machine whose model has no dry friction (Coulomb 1785)
+        effect: EffectName::Coulomb,
+        component: Component::Pivot,
+        kind: Kind::MissingPhysics,
+        parameters: &[parameter!(
+            "coulomb",
+            "N m",
+            [0.0, 1e5],
+            10.0,
+            Linear,
+            get | p | p.pivot_friction.coulomb_nm(),
+            set | p,
+            v | p.pivot_friction.law.set_or_add_coulomb_nm(v)
+        )],
+        starts: &[&[30.0]],
+    },
+    Effect {
         // F_v w, another coefficient (Dholiwar 2007, 5.2.6)
         effect: EffectName::Viscous,
         component: Component::Pivot,

@@ -1,6 +1,7 @@
 //! Ports: what an error at a place of the mechanism does to each balance.
 
 use crate::localisation::torque_balances::{Balance, Signals};
+use crate::machine::SteadyDrive;
 use crate::recording::series::derivative;
 
 /// A place at which something may act that the model lacks.
@@ -64,5 +65,6 @@ fn through_gear(at: &Signals) -> f64 {
 /// Returns the torque at the shaft for the motor's rate, by friction and back-EMF, N m s/rad.
 fn motor_viscous(at: &Signals) -> f64 {
     let motor = &at.p.motor;
-    at.p.motor_friction.viscous_nm_s_rad + motor.torque_constant_nm_a * motor.back_emf_v_s_rad / at.loss()
+    let drive = SteadyDrive::of(at.p);
+    at.p.motor_friction.viscous_nm_s_rad + motor.torque_constant_nm_a * drive.back_emf / drive.loss
 }

@@ -15,6 +15,7 @@ use crate::localisation::ports::Port;
 use crate::localisation::torque_balances::{Balance, RedundantSensors, Signals, thin};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
+use crate::machine::usable_sensors;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
@@ -69,10 +70,11 @@ impl<'a> ResidualRegression<'a> {
     /// Prepares the regression; returns `None` if a balance is not finite.
     pub fn new(p: &'a Parameters, recordings: &[ReplayedRecording]) -> Option<Self> {
         let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|r| f(&r.measured));
-        let balances = Balance::allowed(RedundantSensors {
+        let recorded = RedundantSensors {
             motor_rate: has(|m| m.motor_rate.is_some()),
             hub_position: has(|m| m.hub_position.is_some()),
-        });
+        };
+        let balances = Balance::allowed(usable_sensors(p, recorded));
         let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
         let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
             let in_loop = r.assessment.source == ControlSource::ClosedLoop;

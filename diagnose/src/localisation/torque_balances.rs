@@ -18,6 +18,7 @@ use counterpoise_models::Parameters;
 use serde::Serialize;
 
 use crate::library::{Component, named};
+use crate::machine::{SteadyDrive, cosine};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::{derivative, low_pass, moving_mean};
 
@@ -121,6 +122,8 @@ impl<'a> Signals<'a> {
     /// Computes the signals of a recording; `slow` gives the rates below which the frictions count as at rest, if another reading
     /// of the recording determines them.
     pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
+        let inertial = m.with_inertial_rate();
+        let m = inertial.as_ref();
         let smooth = |series: &[f64]| low_pass(series, BALANCE_SMOOTHING);
         let (hub, platform) = (smooth(&m.hub_rate), smooth(&m.platform_rate));
         let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
@@ -160,7 +163,7 @@ impl<'a> Signals<'a> {
     /// (g + a) cos(theta_h - theta_p), m/s^2.
     pub fn weight(&self) -> Vec<f64> {
         let heavy = self.heave.iter().zip(&self.angle);
-        heavy.map(|(a, angle)| (self.p.gravity_m_s2 + a) * angle.cos()).collect()
+        heavy.map(|(a, angle)| (self.p.gravity_m_s2 + a) * cosine(self.p, *angle)).collect()
     }
 
     /// Returns the first moment of mass about the pivot, kg m.
@@ -171,11 +174,6 @@ impl<'a> Signals<'a> {
     /// Returns the inertia about the pivot, kg m^2.
     pub fn inertia(&self) -> f64 {
         self.p.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2())
-    }
-
-    /// Returns the resistance of the closed amplifier loop, V/A.
-    pub fn loss(&self) -> f64 {
-        self.p.motor.resistance_ohm + self.p.amplifier.gain * self.p.amplifier.current_feedback_v_a
     }
 
     /// J w_h' + F_p + T_oob.
@@ -189,10 +187,9 @@ impl<'a> Signals<'a> {
 
     /// N K_t i.
     fn drive_torque(&self) -> Vec<f64> {
-        let (p, loss) = (self.p, self.loss());
-        let current = |(u, w): (&f64, &f64)| (p.amplifier.gain * u - p.motor.back_emf_v_s_rad * w) / loss;
-        let torque = |pair| p.gearbox.ratio * p.motor.torque_constant_nm_a * current(pair);
-        self.control.iter().zip(&self.motor).map(torque).collect()
+        let (p, drive) = (self.p, SteadyDrive::of(self.p));
+        let gain = p.gearbox.ratio * p.motor.torque_constant_nm_a;
+        self.control.iter().zip(&self.motor).map(|(u, w)| gain * drive.current_a(*u, *w)).collect()
     }
 
     /// N (K_t i - F_m - J_m w_m').

@@ -296,7 +296,7 @@ fn step(series: &[f64]) -> f64 {
 
 /// Returns each redundant channel's rate of the hub on the platform beside that of the gyroscopes, smoothed alike.
 fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
-    let relative: Vec<f64> = m.hub_rate.iter().zip(&m.platform_rate).map(|(h, p)| h - p).collect();
+    let relative = m.relative_rate();
     let half = (0.02 / m.period_s).round() as usize;
     let smooth = |series: &[f64]| centred(&moving(series, half));
     let reference = smooth(&relative);
@@ -390,6 +390,7 @@ mod tests {
             .collect();
         MeasuredSignals {
             period_s: 1e-3,
+            measured: counterpoise_models::Measured::HubRate,
             control: rate.iter().map(|w| 10.0 * w).collect(),
             platform_rate: vec![0.0; 5000],
             platform_accel: vec![0.0; 5000],

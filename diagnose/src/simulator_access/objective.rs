@@ -106,7 +106,8 @@ impl<'a> RecordingReplays<'a> {
 
     /// Returns the signals of a recording; `None` if it has no hub rate or no control.
     pub fn measured_at(&self, index: usize) -> Option<MeasuredSignals> {
-        self.prepared.whole.get(index).and_then(read_signals)
+        let measured = self.base.sensors.measured;
+        self.prepared.whole.get(index).and_then(|recording| read_signals(recording, measured))
     }
 
     fn same_platform_sensors(&self, parameters: &Parameters) -> bool {

@@ -101,8 +101,9 @@ fn follow(
 /// Returns what is wrong with a recording itself.
 fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let ratio = plant.gearbox.ratio;
-    let found =
-        read_signals(recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
+    let found = read_signals(recording, plant.sensors.measured)
+        .map(|m| check_signals(&recording.name, &m, ratio))
+        .unwrap_or_default();
     let remark = |found: Remark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
     found.into_iter().map(remark).collect()
 }

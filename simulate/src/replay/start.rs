@@ -5,6 +5,9 @@
 //! position over the first 0.6 seconds, or the first tenth of a shorter recording, under the recorded control, with the weak
 //! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
+//!
+//! If dry friction alone can hold the hub, the teeth may be apart at the start. The fit is then tried with the teeth apart as well,
+//! and the place inside the gap stands where the gear torque stood.
 
 use super::normal::{Normal, squares};
 use super::{Replayer, reading_floor};
@@ -16,7 +19,7 @@ use crate::tolerance::{
 use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::Hose;
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Parameters, Plant};
+use counterpoise_models::{Mesh, Parameters, Plant};
 use counterpoise_recordings::Channel;
 
 /// Number of unknowns.
@@ -33,6 +36,10 @@ const PIVOT_DRY: usize = 4;
 const CURRENT: usize = 5;
 const HOSE: usize = 6;
 
+/// Steps of the gear's unknown from the middle of the gap to a flank while the teeth are apart: a fit finds the place to a fraction of
+/// a step, and a difference of one step stays inside the gap.
+const STEPS_TO_FLANK: f64 = 20.0;
+
 /// Returns whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
 /// a hose's torque, which only a mechanism with a hose has.
 pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
@@ -45,19 +52,23 @@ pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result
     if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
         return Ok(fit.state(&fit.guess(None)));
     }
-    let mut best: Option<(f64, Unknowns)> = None;
-    for current in [None, fit.commanded_current()] {
+    let mut best: Option<(f64, PlantState)> = None;
+    let commanded = fit.commanded_current();
+    for (mesh, current) in [(Mesh::Touching, None), (Mesh::Touching, commanded), (Mesh::Free, None)] {
+        if mesh == Mesh::Free && !fit.can_be_open() {
+            continue;
+        }
+        fit.mesh = mesh;
         let guess = fit.guess(current);
         let (cost, found) = fit.descend(guess)?;
-        if best.is_none_or(|(least, _)| cost < least) {
-            best = Some((cost, found));
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, fit.state(&found)));
         }
         if fit.explained(cost) {
             break;
         }
     }
-    let unknowns = best.map_or_else(|| fit.guess(None), |(_, found)| found);
-    Ok(fit.state(&unknowns))
+    Ok(best.map_or_else(|| fit.state(&fit.guess(None)), |(_, found)| found))
 }
 
 /// Returns the state at the first sample, sought from that of a plant nearby.
@@ -70,6 +81,7 @@ pub(crate) fn refine(
     if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
         return Ok(fit.state(&fit.guess(None)));
     }
+    fit.mesh = fit.mesh_of(near);
     let (_, found) = fit.descend(fit.unknowns(near))?;
     Ok(fit.state(&found))
 }
@@ -81,7 +93,8 @@ pub(crate) fn nudged(
     near: &PlantState,
     steps: &[f64; UNKNOWNS],
 ) -> PlantState {
-    let fit = Fit::new(simulator, replayer);
+    let mut fit = Fit::new(simulator, replayer);
+    fit.mesh = fit.mesh_of(near);
     let mut moved = fit.unknowns(near);
     (0..UNKNOWNS).for_each(|k| moved[k] += steps[k] * fit.steps[k]);
     fit.state(&fit.bounded(moved))
@@ -97,6 +110,7 @@ pub(crate) fn redrawn(
     if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
         return Ok(at.clone());
     }
+    fit.mesh = fit.mesh_of(at);
     let now = fit.bounded(fit.unknowns(at));
     fit.anchor = now;
     let residuals = fit.residuals(&now)?;
@@ -121,6 +135,8 @@ struct Fit<'a, 'b> {
     steps: Unknowns,
     /// Where the fit started.
     anchor: Unknowns,
+    /// Whether the teeth touch at the start; if they do not, the gear's unknown is the place inside the gap.
+    mesh: Mesh,
 }
 
 impl<'a, 'b> Fit<'a, 'b> {
@@ -160,6 +176,39 @@ impl<'a, 'b> Fit<'a, 'b> {
             channels,
             steps,
             anchor: [0.0; UNKNOWNS],
+            mesh: Mesh::Touching,
+        }
+    }
+
+    /// Returns half the gap, rad.
+    fn half_gap(&self) -> f64 {
+        0.5 * self.plant.parameters().gearbox.backlash_rad
+    }
+
+    /// Returns whether the teeth may be apart at the start: there is a gap, and dry friction alone can hold the hub.
+    fn can_be_open(&self) -> bool {
+        let weight = self.weight_nm(self.first(Channel::HubPosition));
+        self.half_gap() > 0.0 && weight.abs() <= self.plant.parameters().pivot_friction.breakaway_nm()
+    }
+
+    /// Returns whether the teeth touch in a state.
+    fn mesh_of(&self, state: &PlantState) -> Mesh {
+        if state.core[state::WINDUP].abs() < self.half_gap() { Mesh::Free } else { Mesh::Touching }
+    }
+
+    /// Returns the torque that the gear passes at the start, N m.
+    fn mesh_torque_nm(&self, u: &Unknowns) -> f64 {
+        if self.mesh == Mesh::Free { 0.0 } else { u[MESH] }
+    }
+
+    /// Returns the wind-up at the start, rad.
+    fn windup_rad(&self, u: &Unknowns) -> f64 {
+        match self.mesh {
+            Mesh::Free => self.half_gap() * (u[MESH] / (STEPS_TO_FLANK * self.steps[MESH])).clamp(-1.0, 1.0),
+            Mesh::Touching => {
+                u[MESH] / self.plant.parameters().gearbox.stiffness_nm_rad
+                    + self.half_gap() * u[MESH].signum()
+            }
         }
     }
 
@@ -185,6 +234,9 @@ impl<'a, 'b> Fit<'a, 'b> {
         let motor_rate = self.first(Channel::MotorRate);
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
+        if self.mesh == Mesh::Free {
+            return [angle, motor_rate / ratio, 0.0, 0.0, -weight, 0.0, 0.0];
+        }
         let current = current.unwrap_or(weight / (ratio * constant));
         let (motor, pivot) =
             (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
@@ -209,12 +261,11 @@ impl<'a, 'b> Fit<'a, 'b> {
     fn state(&self, u: &Unknowns) -> PlantState {
         let parameters = self.plant.parameters();
         let mut start = self.simulator.rest(u[ANGLE], 0.0, self.platform_rate + u[RATE]);
-        let half_gap = 0.5 * parameters.gearbox.backlash_rad * u[MESH].signum();
         let motor_rate = parameters.gearbox.ratio * u[RATE];
         let motor = &parameters.motor;
         let of_states = [
             (state::MOTOR, motor_rate + motor.platform_coupling * self.platform_rate),
-            (state::WINDUP, u[MESH] / parameters.gearbox.stiffness_nm_rad + half_gap),
+            (state::WINDUP, self.windup_rad(u)),
             (state::CURRENT, u[CURRENT]),
             (state::VOLTAGE, motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate),
         ];
@@ -234,12 +285,14 @@ impl<'a, 'b> Fit<'a, 'b> {
     fn unknowns(&self, state: &PlantState) -> Unknowns {
         let parameters = self.plant.parameters();
         let windup = state.core[state::WINDUP];
-        let half_gap = (0.5 * parameters.gearbox.backlash_rad).min(windup.abs()) * windup.signum();
+        let half_gap = self.half_gap().min(windup.abs()) * windup.signum();
         [
             state.core[state::ANGLE],
             state.core[state::RATE] - self.platform_rate,
             if parameters.gearbox.is_rigid() {
                 self.weight_nm(state.core[state::ANGLE])
+            } else if self.mesh == Mesh::Free {
+                STEPS_TO_FLANK * self.steps[MESH] * windup / self.half_gap()
             } else {
                 parameters.gearbox.stiffness_nm_rad * (windup - half_gap)
             },
@@ -278,8 +331,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         let motor = parameters.motor.torque_constant_nm_a * u[CURRENT]
             - u[MOTOR_DRY]
             - parameters.motor_friction.viscous_nm_s_rad * parameters.gearbox.ratio * u[RATE]
-            - u[MESH] / parameters.gearbox.ratio;
-        let hub = u[MESH]
+            - self.mesh_torque_nm(u) / parameters.gearbox.ratio;
+        let hub = self.mesh_torque_nm(u)
             - u[PIVOT_DRY]
             - u[HOSE]
             - parameters.pivot_friction.viscous_nm_s_rad * u[RATE]

@@ -1,10 +1,11 @@
 //! What runs outside the window's thread: each kind of work has a worker of its own, and no frame waits for one.
 //!
 //! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
-//! [`report_job`], [`kept_designs`], [`plant_pictures`],
+//! [`report_job`], [`kept_designs`], [`plant_pictures`], [`assumption_ranking`],
 //! [`plot_copy`], [`recording_views`], [`diagnosis`], [`folder_listing`], [`file_check`], [`file_jobs`],
 //! [`change_watcher`].
 
+pub mod assumption_ranking;
 pub mod change_watcher;
 pub mod code_export;
 pub mod diagnosis;
@@ -28,6 +29,7 @@ use counterpoise_host::progress::{Progress, Watch};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Beam;
+use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{PlantPreview, PreviewCache, PreviewRequest};
 use counterpoise_project::Project;
 use counterpoise_report::wording::answer::DescribedDiagnosis;
@@ -35,6 +37,7 @@ use counterpoise_report::wording::answer::DescribedDiagnosis;
 use crate::editing::session::Session;
 use crate::settings::{SettingsFile, write_settings};
 use crate::versioned::Versioned;
+use assumption_ranking::{RankingRequest, rank};
 use change_watcher::ChangeWatcher;
 use code_export::{ExportRequest, WrittenCode, export_code};
 use diagnosis::{DiagnosisWorker, diagnosis_worker};
@@ -85,6 +88,8 @@ pub struct Jobs {
     pub watcher: ChangeWatcher,
     /// Compares a plant with its reduction.
     pub reduction: Worker<PlantPreview, ReductionPicture>,
+    /// Ranks what the project file leaves open.
+    pub ranking: Worker<RankingRequest, RankedAssumptions>,
     /// Computes the modes of a beam.
     pub beam_modes: Worker<Beam, BeamModes>,
     /// Writes a plot for the clipboard.
@@ -150,6 +155,7 @@ impl Jobs {
             reduction: Worker::new(Arc::clone(wake), |plant: PlantPreview, _: &Token| {
                 ReductionPicture::new(&plant)
             }),
+            ranking: Worker::new(Arc::clone(wake), |request: RankingRequest, _: &Token| rank(request)),
             beam_modes: Worker::new(Arc::clone(wake), |beam, _: &Token| BeamModes::new(beam)),
             copy: Worker::new(Arc::clone(wake), |request, _: &Token| copy_plot(request)),
             nearby_recordings: Vec::new(),
@@ -194,6 +200,7 @@ impl Jobs {
             || self.file_check.is_pending()
             || self.reduction.is_pending()
             || self.beam_modes.is_pending()
+            || self.ranking.is_pending()
             || self.restore.is_pending()
             || self.copy.is_pending()
     }

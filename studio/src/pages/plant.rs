@@ -1,8 +1,10 @@
 //! The page Plant: the mechanism drawn to scale, its parameters, its modes and its friction.
 
 use counterpoise_models::Parameters;
+use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::reduction_views::{FrictionPlace, ReductionComparison, steady_friction_at_hub};
+use counterpoise_report::check::describe_effect;
 use egui::{Rect, RichText, Ui, vec2};
 
 use super::frequency_charts::{frequency_chart, magnitude_points};
@@ -44,6 +46,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let plant = results.plant.as_ref().map(|of| of.value.clone());
     let design = results.design.as_ref().map(|of| std::sync::Arc::clone(&of.value));
     let (reduction, modes) = (results.reduction.clone(), results.beam_modes.clone());
+    let ranking = results.ranking.as_ref().map(|of| of.value.clone());
     let comparison = reduction.as_ref().map(|picture| &picture.comparison);
     let view = &mut studio.view;
     widgets::side_panel("parameters", &view.theme, SIDE_WIDTH).show(ui, |ui| {
@@ -52,6 +55,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             ui.add_space(space::SMALL);
             if let Some(plant) = &plant {
                 show_operating_point(ui, view, plant, comparison);
+            }
+            if let Some(ranking) = &ranking {
+                ui.add_space(space::SMALL);
+                show_assumptions(ui, view, ranking);
             }
         });
     });
@@ -134,6 +141,26 @@ fn show_operating_point(
                 ui.end_row();
             }
         });
+    });
+}
+
+/// Shows what the file leaves open: what matters most first, with what it may cost the loop, then how many more there are.
+fn show_assumptions(ui: &mut Ui, view: &View, ranked: &RankedAssumptions) {
+    if ranked.assumptions.is_empty() {
+        return;
+    }
+    view.theme.card().show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        widgets::show_heading(ui, "Assumed values: measure this next");
+        for effect in &ranked.effects {
+            ui.label(RichText::new(describe_effect(effect)).small());
+        }
+        let is_ranked = |key: &str| ranked.effects.iter().any(|effect| effect.key == key);
+        for assumption in ranked.assumptions.iter().filter(|a| !is_ranked(&a.key)) {
+            let text = format!("{} = {} {}", assumption.key, format_short(assumption.value), assumption.unit);
+            ui.label(RichText::new(text.trim_end()).small().color(view.theme.weak))
+                .on_hover_text(assumption.rule);
+        }
     });
 }
 

@@ -138,6 +138,9 @@ impl Studio {
         if let Some((_, picture)) = self.jobs.reduction.take() {
             self.results.reduction = Some(Arc::new(picture));
         }
+        if let Some((revision, value)) = self.jobs.ranking.take() {
+            self.results.ranking = Some(Versioned { revision, value });
+        }
         if let Some((_, modes)) = self.jobs.beam_modes.take() {
             self.results.beam_modes = Some(Arc::new(modes));
         }

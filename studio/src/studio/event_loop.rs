@@ -9,6 +9,7 @@ use counterpoise_pipeline::preview::PreviewRequest;
 use super::Studio;
 use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Page};
+use crate::jobs::assumption_ranking::RankingRequest;
 use crate::jobs::file_check::FileCheck;
 use crate::jobs::file_jobs::DiskText;
 
@@ -58,6 +59,17 @@ impl Studio {
             && !self.jobs.reduction.is_pending()
         {
             self.jobs.reduction.ask(of.revision, of.value.clone());
+        }
+        let session = self.opened.as_ref().map(|opened| &opened.session);
+        if let (Page::Plant, Some(of), Some(session)) = (page, &results.plant, session)
+            && of.revision == session.revision()
+            && !results.ranking.as_ref().is_some_and(|ranked| ranked.revision == of.revision)
+            && !self.jobs.ranking.is_pending()
+            && let Some(project) = session.project()
+        {
+            let (modelled, assumptions) = (Arc::clone(&of.value.modelled), session.assumptions().to_vec());
+            let project = Arc::clone(project);
+            self.jobs.ranking.ask(of.revision, RankingRequest { project, modelled, assumptions });
         }
         let project = self.opened.as_ref().and_then(|o| o.session.project());
         if let (Page::Plant, true, Some(beam)) =

@@ -5,6 +5,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
 use super::regression::regress;
+use crate::machine::SteadyDrive;
 use crate::recording::series::{derivative, deviation, low_pass};
 
 /// Returns the gain of the accelerometer's column if it is that of a unit or a sign, with its relative uncertainty:
@@ -38,7 +39,7 @@ pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
 
 /// Returns the motor's torque at the hub under a constant control, N m.
 fn drive(p: &Parameters, control_v: f64, relative_rad_s: f64) -> f64 {
-    let loss = p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a;
-    let back = p.motor.back_emf_v_s_rad * p.gearbox.ratio * relative_rad_s;
-    p.gearbox.ratio * p.motor.torque_constant_nm_a * (p.amplifier.gain * control_v - back) / loss
+    let drive = SteadyDrive::of(p);
+    let back = drive.back_emf * p.gearbox.ratio * relative_rad_s;
+    p.gearbox.ratio * p.motor.torque_constant_nm_a * (drive.gain * control_v - back) / drive.loss
 }

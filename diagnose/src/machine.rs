@@ -1,0 +1,170 @@
+//! What a machine has: its drive in the steady state, how gravity acts on it, the effects that it can have and the balances that its
+//! motions can be put into.
+//!
+//! A part that a machine lacks is exact in the simulator: a rigid transmission, a single inertia, a drive that takes a torque. What
+//! presupposes such a part (a gap between teeth, a bending mode, a back-EMF) is no candidate.
+
+use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmission};
+use counterpoise_models::{Axis, Measured, Parameters};
+
+use crate::library::{Component, Effect, EffectName, Kind};
+use crate::localisation::torque_balances::RedundantSensors;
+
+/// The motor's current in the steady state: i = (gain u - back_emf w_m) / loss, after the static curve of the amplifier.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SteadyDrive {
+    /// Gain, V/V; A/V of a drive that takes a current or a torque.
+    pub gain: f64,
+    /// Back-EMF constant, V s/rad; 0 of a drive that takes a current or a torque.
+    pub back_emf: f64,
+    /// Resistance of the closed amplifier loop, V/A; 1 of a drive that takes a current or a torque.
+    pub loss: f64,
+}
+
+impl SteadyDrive {
+    /// Returns the steady drive of a machine.
+    pub fn of(p: &Parameters) -> Self {
+        let (amplifier, motor) = (&p.amplifier, &p.motor);
+        if amplifier.dynamics == AmplifierDynamics::Modelled {
+            let loss = motor.resistance_ohm + amplifier.gain * amplifier.current_feedback_v_a;
+            return Self { gain: amplifier.gain, back_emf: motor.back_emf_v_s_rad, loss };
+        }
+        Self { gain: amplifier.stall_gain_a_v(motor), back_emf: 0.0, loss: 1.0 }
+    }
+
+    /// Returns the current, A, of a control, V, at a motor rate, rad/s.
+    pub fn current_a(&self, control_v: f64, motor_rate_rad_s: f64) -> f64 {
+        (self.gain * control_v - self.back_emf * motor_rate_rad_s) / self.loss
+    }
+}
+
+/// Returns the cosine that gravity sees at a hub angle: 1 on a linear axis, whose weight is constant.
+pub(crate) fn cosine(p: &Parameters, angle_rad: f64) -> f64 {
+    if p.axis == Axis::Linear { 1.0 } else { angle_rad.cos() }
+}
+
+/// Returns the sine that gravity sees at a hub angle: 0 on a linear axis.
+pub(crate) fn sine(p: &Parameters, angle_rad: f64) -> f64 {
+    if p.axis == Axis::Linear { 0.0 } else { angle_rad.sin() }
+}
+
+/// Returns the columns that a machine's balances can use: the motor's rate and the hub's angle close balances of their own only across
+/// a transmission that yields, and beside a gyroscope.
+pub(crate) fn usable_sensors(p: &Parameters, recorded: RedundantSensors) -> RedundantSensors {
+    let across = !p.gearbox.is_rigid();
+    let has_gyro = p.sensors.measured == Measured::HubRate;
+    RedundantSensors {
+        motor_rate: recorded.motor_rate && across && has_gyro,
+        hub_position: recorded.hub_position && has_gyro,
+    }
+}
+
+/// Returns whether a component is part of a machine.
+pub(crate) fn has_component(p: &Parameters, component: Component) -> bool {
+    match component {
+        Component::Gearbox => p.gearbox.kind != Transmission::Direct || !p.gearbox.is_rigid(),
+        Component::PlatformGyro => p.sensors.platform_gyro.is_fitted(),
+        Component::PlatformAccelerometer => p.sensors.platform_accelerometer.is_fitted(),
+        Component::Platform => {
+            p.sensors.platform_gyro.is_fitted() || p.sensors.platform_accelerometer.is_fitted()
+        }
+        _ => true,
+    }
+}
+
+/// Returns whether a machine can have an effect.
+pub(crate) fn can_have(p: &Parameters, effect: &Effect) -> bool {
+    has_component(p, effect.component)
+        && match effect.component {
+            Component::Structure => structure_can_have(p, effect),
+            Component::Gearbox => !p.gearbox.is_rigid() || effect.effect == EffectName::MeshRipple,
+            Component::Motor => motor_can_have(p, effect.effect),
+            Component::Amplifier => amplifier_can_have(p, effect.effect),
+            Component::Pivot => friction_can_have(&p.pivot_friction.law, effect),
+            Component::HubGyro => {
+                effect.effect != EffectName::GSensitivity || p.sensors.measured == Measured::HubRate
+            }
+            _ => true,
+        }
+}
+
+fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
+    let Some(lumped) = &p.lumped else { return false };
+    let of_beam = effect.effect == EffectName::FlexibleMode || effect.parameters[0].name == "beam_inertia";
+    match effect.effect {
+        EffectName::VerticalOffset => p.axis == Axis::Rotary,
+        _ => !(of_beam && lumped.is_rigid()),
+    }
+}
+
+/// The rotor of a direct drive is part of the hub, and so is its friction.
+fn motor_can_have(p: &Parameters, effect: EffectName) -> bool {
+    let is_direct = p.gearbox.is_rigid() && p.gearbox.kind == Transmission::Direct;
+    match effect {
+        EffectName::Coulomb => !is_direct && p.motor_friction.law != FrictionLaw::None,
+        EffectName::Viscous => !is_direct,
+        EffectName::Inertia => !is_direct && p.motor.inertia_kg_m2 > 0.0,
+        _ => true,
+    }
+}
+
+fn amplifier_can_have(p: &Parameters, effect: EffectName) -> bool {
+    effect != EffectName::Bandwidth || p.amplifier.dynamics != AmplifierDynamics::IdealCurrent
+}
+
+/// A level or a stiffness that a law does not have cannot be another one; a law that has no dry friction can lack it.
+fn friction_can_have(law: &FrictionLaw, effect: &Effect) -> bool {
+    let has_none = *law == FrictionLaw::None;
+    match (effect.effect, effect.kind) {
+        (EffectName::Coulomb, Kind::MissingPhysics) => has_none,
+        (
+            EffectName::Coulomb
+            | EffectName::Stribeck
+            | EffectName::PositionDependentFriction
+            | EffectName::PreslidingStiffness
+            | EffectName::WarmUp,
+            _,
+        ) => !has_none,
+        _ => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::library::list_effects;
+    use counterpoise_models::Sensor;
+    use counterpoise_models::parameters::Gearbox;
+    use counterpoise_models::reference::rig;
+
+    fn offered(p: &Parameters) -> Vec<(Component, EffectName)> {
+        list_effects().into_iter().filter(|e| can_have(p, e)).map(|e| (e.component, e.effect)).collect()
+    }
+
+    #[test]
+    fn the_reference_rig_can_have_every_effect_but_friction_that_it_lacks() {
+        let absent = |e: &&Effect| e.effect == EffectName::Coulomb && e.kind == Kind::MissingPhysics;
+        let expected = list_effects().into_iter().filter(|e| !absent(e)).count();
+        assert_eq!(offered(&rig()).len(), expected);
+    }
+
+    #[test]
+    fn a_direct_torque_drive_without_platform_sensors_has_neither_gear_nor_platform_effects() {
+        let mut p = rig();
+        p.gearbox = Gearbox::DIRECT;
+        p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
+        p.sensors.platform_gyro = Sensor::ABSENT;
+        p.sensors.platform_accelerometer = Sensor::ABSENT;
+        let all = offered(&p);
+        let none = [
+            Component::Gearbox,
+            Component::PlatformGyro,
+            Component::PlatformAccelerometer,
+            Component::Platform,
+        ];
+        assert!(all.iter().all(|(component, _)| !none.contains(component)), "{all:?}");
+        let drive = SteadyDrive::of(&p);
+        assert_eq!(drive.current_a(2.0, 1e3), 2.0 * p.amplifier.gain);
+    }
+}

@@ -1,0 +1,25 @@
+//! What the project file leaves open, ranked by how much it matters.
+
+use std::sync::Arc;
+
+use counterpoise_pipeline::Modelled;
+use counterpoise_pipeline::check::{RankedAssumptions, rank_assumptions};
+use counterpoise_project::{Assumption, Project};
+
+/// A project whose assumptions are ranked.
+#[derive(Debug, Clone)]
+pub struct RankingRequest {
+    /// The project.
+    pub project: Arc<Project>,
+    /// Its plant.
+    pub modelled: Arc<Modelled>,
+    /// What its file leaves open.
+    pub assumptions: Vec<Assumption>,
+}
+
+/// Ranks the assumptions of a project; if it has no design, they are listed without their effects.
+pub fn rank(request: RankingRequest) -> RankedAssumptions {
+    let RankingRequest { project, modelled, assumptions } = request;
+    rank_assumptions(&project, &modelled, &assumptions)
+        .unwrap_or(RankedAssumptions { assumptions, effects: Vec::new() })
+}
