@@ -158,6 +158,9 @@ fn notes(
     layout: Layout,
 ) -> Vec<Note> {
     let mut out = vec![Note::FrictionIsASum, Note::KnownTakenAsExact];
+    if p.gearbox.hysteresis_nm > 0.0 || p.gearbox.kinematic_error.amplitude != 0.0 {
+        out.push(Note::TransmissionNotLinear);
+    }
     if fit.value[layout.moment(0)].is_nan() {
         out.push(Note::NoWeight);
     }

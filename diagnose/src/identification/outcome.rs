@@ -92,6 +92,8 @@ pub enum Note {
     RigidBeam,
     /// The gain curve comes from one state of balance.
     CurveFromOneState,
+    /// The transmission's hysteresis or kinematic error is no part of the torque balance.
+    TransmissionNotLinear,
     /// Neither gravity nor heave acts, so that the out-of-balance makes no torque.
     NoWeight,
 }

@@ -40,9 +40,10 @@ pub struct Fit {
 ///     S = 1/L sum_t s_t s_t',  s_t = sum of x r over the L rows from t on
 /// ```
 ///
-/// D is the diagonal of noise variances, c the covariances of that noise with the target's; S is Newey and West's estimate with Bartlett's weights over L rows in time, written as
-/// sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows). An unknown whose column is
-/// 0 throughout is not a number. Returns `None` if the other columns cannot be told apart.
+/// D is the diagonal of noise variances, c the covariances of that noise with the target's; S is Newey and West's estimate with
+/// Bartlett's weights over L rows in time, written as sums over windows (Econometrica 55, 1987). The quantile grows with
+/// 1 / (number of independent windows). An unknown whose column is 0 throughout is not a number. Returns `None` if the other columns
+/// cannot be told apart.
 pub fn fit(blocks: &[Block]) -> Option<Fit> {
     let n = blocks.first()?.columns.len();
     let mut normal = Mat::zeros(n, n);
@@ -173,7 +174,8 @@ mod tests {
 
     fn block<'a>(columns: &[&'a [f64]], target: &'a [f64], counts: &'a [bool]) -> Block<'a> {
         let columns: Vec<_> = columns.iter().map(|c| Some(*c)).collect();
-        Block { noise: vec![0.0; columns.len()], columns, target, counts, memory: 10 }
+        let none = || vec![0.0; columns.len()];
+        Block { noise: none(), shared: none(), columns, target, counts, memory: 10 }
     }
 
     #[test]

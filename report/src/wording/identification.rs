@@ -136,6 +136,9 @@ fn describe_note(note: Note) -> String {
             "no hub position: the angle is the integral of the rates from level".to_owned()
         }
         Note::RigidBeam => "no lumped structure in the project: the beam is taken as rigid".to_owned(),
+        Note::TransmissionNotLinear => {
+            "the transmission's hysteresis and kinematic error are no part of the balance: they bend the values by more than the intervals say; `diagnose` knows them".to_owned()
+        }
         Note::NoWeight => {
             "neither gravity nor heave acts on this axis, so that the out-of-balance makes no torque and is not identified".to_owned()
         }
