@@ -195,7 +195,7 @@ const KINDS: [Kind; 12] = [
 ];
 
 /// Kinds that run by default.
-const DEFAULT: [usize; 4] = [0, 1, 6, 9];
+const DEFAULT: [usize; 2] = [0, 1];
 
 fn chosen() -> Vec<&'static Kind> {
     match std::env::var("COUNTERPOISE_KINDS") {
