@@ -95,7 +95,11 @@ fn follow(
             return Ok(from_fitted_start(replayer, plant, control, selected));
         }
         (ReplayLength::Whole, Loop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
-        (ReplayLength::Whole, _) => (replayer.replay(plant, control)?, ReplayMode::Free),
+        (ReplayLength::Whole, _) => {
+            let replay = replayer.replay(plant, control)?;
+            let selected = SelectedReplay { replay, mode: ReplayMode::Free, divergence: None };
+            return Ok(from_fitted_start(replayer, plant, control, selected));
+        }
         (ReplayLength::Windows { window_s }, Loop::Open) => {
             (replayer.replay_windowed(plant, window_s)?, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
