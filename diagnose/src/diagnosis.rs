@@ -17,7 +17,7 @@ use crate::library::{
 use crate::localisation::error_map::{MapCell, localise_errors};
 use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
-use crate::machine::{can_have, has_component, usable_sensors};
+use crate::machine::{can_have, can_have_textbook, has_component, usable_sensors};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
 use crate::recording::measured_signals::read_signals;
@@ -228,15 +228,15 @@ fn balances_of(base: &Parameters, recorded: RedundantSensors) -> Vec<BalanceVisi
 /// Returns the effects that a machine of given sizes may have.
 fn effects_for(sizes: Sizes, base: &Parameters) -> Vec<&'static Effect> {
     let mut effects = list_effects();
+    effects.retain(|effect| can_have(base, effect));
     if !sizes.typical {
         // a textbook leaves friction out: there it has a scale of its own, and is no change of the model's own level
         effects.retain(|e| e.effect != EffectName::Coulomb);
-        effects.extend(list_textbook_effects());
+        effects.extend(list_textbook_effects().into_iter().filter(|effect| can_have_textbook(base, effect)));
         // a drive that is written as a source of current has neither: its resistance would stand for the torque constant
         let winding = [EffectName::BackEmf, EffectName::Resistance];
         effects.retain(|e| base.motor.back_emf_v_s_rad > 0.0 || !winding.contains(&e.effect));
     }
-    effects.retain(|effect| can_have(base, effect));
     effects
 }
 

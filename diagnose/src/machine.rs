@@ -88,6 +88,17 @@ pub(crate) fn can_have(p: &Parameters, effect: &Effect) -> bool {
         }
 }
 
+/// Returns whether a machine with textbook values can have an effect of the textbook's own list: friction there has a scale of its own, whatever the
+/// model's law is, but the rotor of a direct drive has none apart from the hub's.
+pub(crate) fn can_have_textbook(p: &Parameters, effect: &Effect) -> bool {
+    has_component(p, effect.component)
+        && (effect.component != Component::Motor || effect.kind != Kind::MissingPhysics || !is_direct(p))
+}
+
+fn is_direct(p: &Parameters) -> bool {
+    p.gearbox.is_rigid() && p.gearbox.kind == Transmission::Direct
+}
+
 fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
     let Some(lumped) = &p.lumped else { return false };
     let of_beam = effect.effect == EffectName::FlexibleMode || effect.parameters[0].name == "beam_inertia";
@@ -99,7 +110,7 @@ fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
 
 /// The rotor of a direct drive is part of the hub, and so is its friction.
 fn motor_can_have(p: &Parameters, effect: EffectName) -> bool {
-    let is_direct = p.gearbox.is_rigid() && p.gearbox.kind == Transmission::Direct;
+    let is_direct = is_direct(p);
     match effect {
         EffectName::Coulomb => !is_direct && p.motor_friction.law != FrictionLaw::None,
         EffectName::Viscous => !is_direct,

@@ -1,6 +1,7 @@
 //! What a project file was understood to say, and what it leaves open.
 
-use counterpoise_models::{Axis, LearnedElement};
+use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
+use counterpoise_models::Axis;
 use counterpoise_project::{
     Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
 };
@@ -59,7 +60,7 @@ pub struct PlantOverview {
     pub sample_rate_hz: f64,
     /// The free functions of the plant.
     #[serde(skip)]
-    pub learned: Vec<LearnedElement>,
+    pub learned: Vec<ReadElement>,
 }
 
 const PURPOSES: [Purpose; 10] = [
@@ -154,6 +155,6 @@ fn overview(modelled: &Modelled) -> PlantOverview {
         first_mode_hz: body.modes.first().map(|mode| mode.frequency_rad_s / std::f64::consts::TAU),
         holding_v: modelled.linear.equilibrium.control_v,
         sample_rate_hz: 1.0 / modelled.parameters.interface.sample_period_s,
-        learned: modelled.parameters.learned.clone(),
+        learned: read_elements(&modelled.parameters.learned),
     }
 }

@@ -1,12 +1,13 @@
 //! What a reader wants to see of a plant: the modes of its structure, and its friction at motor and pivot.
 
+use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::structure::refinement::{
     COLUMNS, REFERENCE, Refinement, RefinementMesh, refinements,
 };
 use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, modes};
-use counterpoise_models::{Beam, Friction, FrictionLaw, LearnedElement};
+use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -24,7 +25,7 @@ pub struct PlantViews {
     pub frictions: Vec<FrictionView>,
     /// The free functions of the plant, with their bands and the recordings' coverage.
     #[serde(skip)]
-    pub learned: Vec<LearnedElement>,
+    pub learned: Vec<ReadElement>,
 }
 
 /// What few elements make of a beam, free at both ends, beside many: the columns of the thesis' table 6-1.
@@ -121,7 +122,7 @@ const KEPT: usize = 5;
 pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, PipelineError> {
     let meshes = project.plant.beam.as_ref().map(meshes).transpose()?;
     let mut out = PlantViews { modes: Vec::new(), meshes, frictions: Vec::new(), learned: Vec::new() };
-    out.learned.clone_from(&modelled.parameters.learned);
+    out.learned = read_elements(&modelled.parameters.learned);
     if let Some(structure) = finite_elements_of(project) {
         let fe = match &modelled.elements {
             Some(fe) => fe.clone(),

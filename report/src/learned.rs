@@ -2,7 +2,7 @@
 
 use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 
-use counterpoise_diagnose::learning::LearnedElement;
+use counterpoise_diagnose::learning::reading::ReadElement;
 
 use crate::wording::learned::{LearnedFunctionText, LearnedText, describe_elements};
 use crate::{Cell, Column, Section, Table};
@@ -13,7 +13,7 @@ pub(super) fn learned_section(learned: &LearnedText) -> Section {
 }
 
 /// Returns the section on the free functions of a plant; `None` if it has none.
-pub(super) fn elements_section(elements: &[LearnedElement]) -> Option<Section> {
+pub(super) fn elements_section(elements: &[ReadElement]) -> Option<Section> {
     let functions = describe_elements(elements);
     (!functions.is_empty()).then(|| functions_section("Free functions of the plant", &functions))
 }

@@ -89,6 +89,20 @@ struct FittedForm {
     misfit: f64,
 }
 
+/// A free function with what its curve says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadElement {
+    /// The function.
+    pub element: LearnedElement,
+    /// The simple form that its curve has; `None` if it has none.
+    pub reading: Option<Reading>,
+}
+
+/// Reads the free functions of a mechanism.
+pub fn read_elements(elements: &[LearnedElement]) -> Vec<ReadElement> {
+    elements.iter().map(|element| ReadElement { element: element.clone(), reading: read(element) }).collect()
+}
+
 /// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
 pub fn read(element: &LearnedElement) -> Option<Reading> {
     let curve = Curve::of(element)?;

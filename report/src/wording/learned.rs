@@ -1,7 +1,7 @@
 //! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
 
 use counterpoise_diagnose::findings::answer::Channels;
-use counterpoise_diagnose::learning::reading::{Form, Reading, read};
+use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
 use counterpoise_diagnose::learning::{
     LearnedElement, LearnedModel, LearnedPart, LearnedPlace, LearnedQuantity, RegimeVariable,
 };
@@ -68,9 +68,9 @@ pub fn describe_learned(model: &LearnedModel) -> LearnedText {
     }
 }
 
-/// Describes the free functions of a mechanism, each read anew.
-pub fn describe_elements(elements: &[LearnedElement]) -> Vec<LearnedFunctionText> {
-    elements.iter().map(|element| describe_element(element, read(element).as_ref())).collect()
+/// Describes the free functions of a mechanism.
+pub fn describe_elements(elements: &[ReadElement]) -> Vec<LearnedFunctionText> {
+    elements.iter().map(|each| describe_element(&each.element, each.reading.as_ref())).collect()
 }
 
 fn describe_function(part: &LearnedPart) -> LearnedFunctionText {

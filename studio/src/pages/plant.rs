@@ -1,5 +1,6 @@
 //! The page Plant: the mechanism drawn to scale, its parameters, its modes and its friction.
 
+use counterpoise_diagnose::learning::reading::read_elements;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
@@ -80,7 +81,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         (None, None) => None,
     });
     charts.extend(
-        describe_elements(&project.plant.learned).iter().take(1).flat_map(|f| learned_charts(view, f)),
+        describe_elements(&read_elements(&project.plant.learned))
+            .iter()
+            .take(1)
+            .flat_map(|f| learned_charts(view, f)),
     );
     for (cell, chart) in widgets::grid_cells(below, 2, 2).iter().zip(&charts) {
         widgets::show_chart(ui, view, queue, *cell, chart);
