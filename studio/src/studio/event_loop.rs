@@ -63,7 +63,7 @@ impl Studio {
         let session = self.opened.as_ref().map(|opened| &opened.session);
         if let (Page::Plant, Some(of), Some(session)) = (page, &results.plant, session)
             && of.revision == session.revision()
-            && !results.ranking.as_ref().is_some_and(|ranked| ranked.revision == of.revision)
+            && results.ranking.as_ref().is_none_or(|ranked| ranked.revision != of.revision)
             && !self.jobs.ranking.is_pending()
             && let Some(project) = session.project()
         {
