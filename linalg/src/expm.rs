@@ -5,6 +5,7 @@ use crate::dense::solve;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
+use crate::tolerance::EXPM_BALANCE_GAIN;
 
 /// The exponential of a square matrix.
 ///
@@ -16,16 +17,13 @@ use crate::mat::Mat;
 pub fn expm(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
     let balanced = balance(A)?;
-    if balanced.A.norm_one() > WORTHWHILE * A.norm_one() {
+    if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
         return checked(pade(A)?);
     }
     let d = &balanced.scale;
     let inner = pade(&balanced.A)?;
     checked(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
 }
-
-/// Balancing is used where it lowers the 1-norm at least to this part.
-const WORTHWHILE: f64 = 0.5;
 
 fn checked(result: Mat) -> Result<Mat, Error> {
     check_finite("the exponential", &result)?;
@@ -151,7 +149,7 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
     check_shape("B", B, (A.nrows(), B.ncols()))?;
     let balanced = balance(A)?;
-    let worthwhile = balanced.A.norm_one() <= WORTHWHILE * A.norm_one();
+    let worthwhile = balanced.A.norm_one() <= EXPM_BALANCE_GAIN * A.norm_one();
     if !worthwhile {
         return held(&A.scale(h), &B.scale(h));
     }

@@ -6,10 +6,7 @@ use crate::error::{Error, check_shape, check_square};
 use crate::extended::Extended;
 use crate::mat::Mat;
 use crate::sylvester::sylvester;
-use crate::tolerance::EPS;
-
-/// Refinements of the solution by the residual in twice the working precision.
-const REFINEMENTS: usize = 4;
+use crate::tolerance::{EPS, GENERALISED_SYLVESTER_REFINEMENTS};
 
 /// Solves `A X B + C X D = E`; `A`, `C` m x m, `B`, `D` n x n, `E` and `X` m x n.
 ///
@@ -31,7 +28,7 @@ pub fn gsylvester(A: &Mat, B: &Mat, C: &Mat, D: &Mat, E: &Mat) -> Result<Mat, Er
     }
     let reduced = Reduced::of(A, B, C, D)?;
     let mut X = Extended::from(reduced.solve(E)?);
-    for _ in 0..REFINEMENTS {
+    for _ in 0..GENERALISED_SYLVESTER_REFINEMENTS {
         let first = Extended::from(A.clone()).times(&X.times(&B.clone().into()));
         let second = Extended::from(C.clone()).times(&X.times(&D.clone().into()));
         let residual = first.add(&second).neg().add(&E.clone().into()).collapse();

@@ -7,7 +7,7 @@
 //! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
 //! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
-//! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`tolerance`],
+//! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
 //! [`stability`].
 //!
 //! ```
@@ -25,6 +25,7 @@
 
 pub mod balance;
 mod compact;
+pub mod cone_program;
 pub mod decomposition;
 pub mod dense;
 mod error;
@@ -52,6 +53,7 @@ pub mod sylvester;
 pub mod tolerance;
 
 pub use balance::{Balanced, balance};
+pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
 pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, rank, rank_tolerance, rcond_one,
     singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,

@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use crate::error::{Error, check_shape, check_square};
 use crate::mat::{C64, Mat};
 use crate::precise::Long;
-use crate::tolerance::{PENCIL_CONVERGED, PENCIL_REAL, PENCIL_SWEEPS, PENCIL_TOGETHER};
+use crate::tolerance::{PENCIL_APART, PENCIL_CONVERGED, PENCIL_REAL, PENCIL_SWEEPS, PENCIL_TOGETHER};
 
 /// A complex number of 32 digits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -112,7 +112,7 @@ fn apart(starts: &[C64]) -> Vec<LongComplex> {
     for (k, &start) in starts.iter().enumerate() {
         let near = |other: &&C64| (**other - start).norm() <= PENCIL_TOGETHER * start.norm();
         let same = out.iter().filter(near).count();
-        let turn = C64::from_polar(1.0 + 1e-4 * same as f64, 1e-4 * (same * (k + 1)) as f64);
+        let turn = C64::from_polar(1.0 + PENCIL_APART * same as f64, PENCIL_APART * (same * (k + 1)) as f64);
         out.push(if same > 0 { start * turn } else { start });
     }
     out.into_iter().map(LongComplex::of).collect()

@@ -7,7 +7,7 @@ use crate::mat::C64;
 use crate::precise::Precise;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
-use crate::tolerance::{PRECISE_POWER, PRECISE_SQUARINGS};
+use crate::tolerance::{PRECISE_POWER, PRECISE_SQUARINGS, VANISHED_MODULUS};
 
 /// `E` with `F'E + E F + P = 0` or `F'E F - E + P = 0` for each `P`; `None` if `F` is not stable.
 pub(crate) fn lyapunov<const K: usize>(F: &Precise, right: [Precise; K], kind: Kind) -> Option<[Precise; K]> {
@@ -42,8 +42,9 @@ fn smith<const K: usize>(mut F: Precise, mut sums: [Precise; K]) -> Option<[Prec
 
 /// The geometric mean of the smallest and the largest modulus, those below 1e-12 of `size` left out.
 pub(crate) fn middle(values: &[C64], size: f64) -> f64 {
-    let moduli = values.iter().map(|l| l.norm()).filter(|&l| l > 1e-12 * size);
-    let (low, high) = moduli.fold((size, 1e-12 * size), |(low, high), l| (l.min(low), l.max(high)));
+    let moduli = values.iter().map(|l| l.norm()).filter(|&l| l > VANISHED_MODULUS * size);
+    let (low, high) =
+        moduli.fold((size, VANISHED_MODULUS * size), |(low, high), l| (l.min(low), l.max(high)));
     (low * high).sqrt()
 }
 

@@ -142,3 +142,106 @@ pub const SHIFTED_RESIDUAL: f64 = 1e-13;
 
 /// A residual of a solution at a complex frequency beyond which the frequency counts as an eigenvalue.
 pub const SHIFTED_RESIDUAL_LARGEST: f64 = 1e-6;
+
+/// Iterations of the interior-point method allowed for a convex program: Clarabel's own default; most programs take 10 to 30.
+pub const CONE_PROGRAM_STEPS: u32 = 200;
+
+/// How far beside an eigenvalue its shape is sought, relative to it.
+pub const RITZ_SHIFT_OFFSET: f64 = 1e-9;
+
+/// A pole whose distance from the imaginary axis is below this share of its size has no damping but rounding.
+pub const RITZ_LEAST_DAMPING: f64 = 1e-12;
+
+/// A shape adds a direction to a subspace if this share of its length is left once it is made orthogonal: well above the rounding of the
+/// others.
+pub const RITZ_INDEPENDENT: f64 = 1e4 * LANCZOS_DEPENDENT;
+
+/// If the solution is this sensitive, the spectrum of the first approximation is not that of the last.
+pub const RICCATI_SPECTRUM_MOVES: f64 = 1e6;
+
+/// Below this separation, relative to the data, a solution is examined twice: rounding may have moved a mode that
+/// cannot be moved.
+pub const RICCATI_DOUBTFUL_SEPARATION: f64 = 1e-7;
+
+/// A solution in 32 digits is refused for a lost mode only if its condition number times the rounding of the data exceeds
+/// this: the rounding alone may then have put the mode within reach.
+pub const RICCATI_UNDETERMINED: f64 = 1.0;
+
+/// A solution whose condition number times the rounding of the data is below this is determined by the data.
+pub const RICCATI_DETERMINED: f64 = 1e-2;
+
+/// A mode whose relative distance from reach is below this is named when no solution could be certified. Beyond, the input reaches it well
+/// enough, and the equation as a whole is too sensitive for doubles.
+pub const RICCATI_HARDLY_REACHED: f64 = 1e-6;
+
+/// Reciprocal condition of `R` below which the equation is shifted first.
+pub const RICCATI_REGULAR: f64 = 1e-6;
+
+/// Convergence is quadratic: below this change the next one would be rounding, and Newton steps follow anyhow.
+pub const DOUBLING_SETTLED: f64 = 1e-7;
+
+/// The same as [`DOUBLING_EARLY`] for a large problem, whose doublings take long beside the question; the steps of benign ones are small
+/// by then.
+pub const DOUBLING_EARLY_LARGE: usize = 6;
+
+/// After this many doublings a solution that still grows is either that of a pole near the boundary or of a mode out of reach.
+pub const DOUBLING_EARLY: usize = 10;
+
+/// After this many doublings a solution that still grows belongs to a pole within 2^-30 of the boundary; doubles are
+/// not the place to find it.
+pub const DOUBLING_LATE: usize = 30;
+
+/// A solution grows if a doubling changes it by more than this.
+pub const DOUBLING_GROWING: f64 = 0.3;
+
+/// Above this relative correction the closed loop is computed anew before the next step.
+pub const NEWTON_STALE_LOOP: f64 = 1e-4;
+
+/// The contraction of a step over its relative size, assumed before there are two steps to compare.
+pub const NEWTON_FIRST_CONTRACTION: f64 = 1e6;
+
+/// From a start whose closed loop is not stable, Newton's method leads to the stabilising solution only if the start is near: within this
+/// share of it. Farther starts wander, and each of their steps costs as much as a solution.
+pub const NEWTON_NEAR_START: f64 = 0.5;
+
+/// Steps that shrink by less than this come from a derivative that rounding has spoilt.
+pub const NEWTON_SPOILT: f64 = 0.02;
+
+/// A mode is lost where its distance from reach or sight is below this, relative to the matrices.
+pub const LOST_MODE: f64 = 1e-13;
+
+/// An eigenvalue of the Hamiltonian counts as on the boundary within this, relative to its norm: the square root of the
+/// rounding error, since a double eigenvalue on the boundary splits by that much.
+pub const HAMILTONIAN_BOUNDARY: f64 = 1e-8;
+
+/// Problems with more states than this are judged by left eigenvectors alone: singular values for each mode would take
+/// longer than the solution.
+pub const EXACT_MODE_STATES: usize = 64;
+
+/// Of the modes that the input reaches least, by their eigenvectors, this many are judged by singular values.
+pub const MODE_CANDIDATES: usize = 3;
+
+/// An approximation whose feedback exceeds the plant by this may be that of a mode that rounding alone put within reach.
+pub const LARGEST_FEEDBACK: f64 = 1e9;
+
+/// An eigenvalue without a neighbour is on the axis for certain if its real part is below this share of its modulus.
+pub const AXIS_REAL_PART: f64 = 1e-10;
+
+/// An eigenvalue has no neighbour if no other one is nearer than this share of its modulus.
+pub const AXIS_NEIGHBOUR: f64 = 1e-4;
+
+/// The rounding of an eigenvalue of a Hamiltonian matrix, relative to its norm: a thousand roundings of a double.
+pub const AXIS_ROUNDING: f64 = 1e3 * EPS;
+
+/// Moduli of eigenvalues below this share of the size of the data are those of zero: four digits above rounding.
+pub const VANISHED_MODULUS: f64 = 1e-12;
+
+/// How far equal approximations of eigenvalues of a pencil are moved apart, relatively: far enough for the iteration to separate them, near
+/// enough to stay close.
+pub const PENCIL_APART: f64 = 1e-4;
+
+/// Balancing is used where it lowers the 1-norm at least to this part.
+pub const EXPM_BALANCE_GAIN: f64 = 0.5;
+
+/// Refinements of the solution by the residual in twice the working precision.
+pub const GENERALISED_SYLVESTER_REFINEMENTS: usize = 4;

@@ -6,7 +6,7 @@ use crate::discretise::needs_continuous;
 use crate::margins::{Margins, gain_margins, phase_margins};
 use crate::roots::{poles, poles_on_boundary};
 use crate::scan::{Point, Scan};
-use crate::tolerance::DELAYED_POLE_ON_AXIS;
+use crate::tolerance::{DELAYED_BOUNDARY_POLE, DELAYED_POLE_ON_AXIS};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, StateSpace, response};
 
@@ -56,7 +56,8 @@ fn unstable_poles(g: &StateSpace, points: &[Point]) -> Result<Option<usize>, Err
     }
     let boundary = poles_on_boundary(g)?;
     let on_axis = |pole: &C64| {
-        let near = |b: &C64| (pole - b).norm().min((pole.conj() - b).norm()) <= 1e-3 * b.norm();
+        let near =
+            |b: &C64| (pole - b).norm().min((pole.conj() - b).norm()) <= DELAYED_BOUNDARY_POLE * b.norm();
         pole.re.abs() <= DELAYED_POLE_ON_AXIS * pole.norm() || boundary.iter().any(near)
     };
     let (border, inside): (Vec<C64>, Vec<C64>) = poles(g)?.into_iter().partition(on_axis);

@@ -10,7 +10,8 @@ use crate::norms::{Peak, linfnorm, linfnorm_bounds};
 use crate::response::Response;
 use crate::roots::{is_stable, poles};
 use crate::tolerance::{
-    GOLDEN_STEPS, MULTILOOP_BEYOND, MULTILOOP_NORM, MULTILOOP_PER_DECADE, MULTILOOP_ROUNDS, MULTILOOP_SWEEPS,
+    GOLDEN_STEPS, MULTILOOP_BEYOND, MULTILOOP_NORM, MULTILOOP_PER_DECADE, MULTILOOP_ROUNDS,
+    MULTILOOP_SETTLED, MULTILOOP_SWEEPS,
 };
 use crate::{CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
@@ -185,7 +186,7 @@ fn smallest_norm(H: &CMat) -> Result<(f64, Vec<f64>), Error> {
         for k in 1..m {
             best = golden(&norm, &mut logs, k, width)?.min(best);
         }
-        if m == 2 || before - best <= 1e-3 * MULTILOOP_NORM * before {
+        if m == 2 || before - best <= MULTILOOP_SETTLED * before {
             break;
         }
         width *= 0.5;

@@ -195,3 +195,10 @@ pub const CANCELLED: f64 = 1e-11;
 
 /// Roots within this of their conjugate's place, relative to their size, count as a conjugate pair.
 pub const CONJUGATE: f64 = 1e-8;
+
+/// A pole of a delayed loop is one of those on the boundary if it is within this share of its modulus: a defective one splits by the square
+/// root of the rounding and more.
+pub const DELAYED_BOUNDARY_POLE: f64 = 1e-3;
+
+/// A sweep over the scalings that gains less than this share of the norm is the last one.
+pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::error::During;
-use crate::tolerance::COMPARED_FREQUENCIES;
+use crate::tolerance::{COMPARED_FREQUENCIES, RIGID_RATE};
 use counterpoise_lti::linalg;
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 
@@ -152,7 +152,8 @@ fn reduction(structure: &SecondOrder, basis: Mat) -> Result<SecondOrderReduction
     rates_rad_s.truncate(count);
     reduced_rates_rad_s.truncate(count);
     let highest = rates_rad_s.last().copied().unwrap_or(0.0);
-    let relative = |(a, b): (&f64, &f64)| (b - a).abs() / if *a > 1e-6 * highest { *a } else { highest };
+    let relative =
+        |(a, b): (&f64, &f64)| (b - a).abs() / if *a > RIGID_RATE * highest { *a } else { highest };
     let measured_error = rates_rad_s.iter().zip(&reduced_rates_rad_s).map(relative).fold(0.0, f64::max);
     Ok(SecondOrderReduction { structure: reduced, basis, rates_rad_s, reduced_rates_rad_s, measured_error })
 }

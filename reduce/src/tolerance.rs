@@ -60,3 +60,6 @@ pub const SUSPECT_POLE: f64 = 1e-7;
 
 /// A pole belongs to a cluster on the boundary within this many times the distance of its farthest member.
 pub const CLUSTER_REACH: f64 = 2.0;
+
+/// A natural frequency below this share of the highest compared is that of a rigid motion, and its error is taken relative to the highest.
+pub const RIGID_RATE: f64 = 1e-6;

@@ -7,7 +7,7 @@ use counterpoise_lti::{Mat, Named, StateSpace, Timebase, connect, lft};
 use crate::Error;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
-use crate::tolerance::FULL_RANK;
+use crate::tolerance::{FULL_RANK, SAME_SHARE};
 
 /// A plant between what disturbs and what is judged
 ///
@@ -69,7 +69,7 @@ impl Blocks {
         shares.extend(unnamed.map(|(k, x)| (x * x, format!("state {}", k + 1))));
         // Of equal shares, a block that is there twice say, the first.
         let largest = shares.iter().map(|share| share.0).fold(0.0, f64::max);
-        let most = shares.into_iter().find(|share| share.0 >= largest * (1.0 - 1e-6));
+        let most = shares.into_iter().find(|share| share.0 >= largest * (1.0 - SAME_SHARE));
         most.map_or_else(|| "the plant".to_owned(), |share| share.1)
     }
 

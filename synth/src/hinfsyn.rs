@@ -10,6 +10,7 @@ use crate::generalised::Generalised;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, Normal};
 use crate::refusal::attempt;
+use crate::tolerance::{HINF_FIRST_RAISE, HINF_NORM, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED};
 
 /// An H-infinity controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +19,7 @@ pub struct HInfinity {
     pub controller: StateSpace,
     /// The bound at which the controller was made.
     pub bound: f64,
-    /// The norm that the assembled loop really has, at most `bound` (1 + [`VERIFIED`]): the figure to quote.
+    /// The norm that the assembled loop really has, at most `bound` (1 + [`HINF_VERIFIED`]): the figure to quote.
     pub achieved_norm: f64,
     /// Frequency of the peak, rad/s.
     pub peak_rad_s: f64,
@@ -29,18 +30,6 @@ pub struct HInfinity {
     /// Bounds that were tried.
     pub trials: usize,
 }
-
-/// The norm of the assembled loop may exceed the bound by this, relatively: the accuracy of the norm itself.
-pub const VERIFIED: f64 = 1e-6;
-/// Relative accuracy of the norms of candidate loops.
-const NORM_TOLERANCE: f64 = 1e-9;
-/// By how much the norm that was found is rounded up, so that the claim is not below what is reached.
-const ROUNDED_UP: f64 = 1e-7;
-/// By how much a bound is first raised whose loop does not keep it: what rounding of a controller near the optimum costs. The raise
-/// doubles with each attempt.
-const FIRST_RAISE: f64 = 1e-6;
-/// Bounds tried at most, upward and in the bisection.
-const MOST_TRIALS: usize = 80;
 
 /// The controller whose H-infinity norm from w to z is within a factor (1 + tolerance) of the smallest
 ///
@@ -104,7 +93,7 @@ impl Search<'_> {
     /// Raises the bound until one seems reachable.
     fn upward(&mut self) -> Result<(), Error> {
         let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.guess() };
-        while self.high.is_none() && self.trials < MOST_TRIALS {
+        while self.high.is_none() && self.trials < HINF_TRIALS {
             self.attempt(bound)?;
             bound *= 4.0;
         }
@@ -115,7 +104,7 @@ impl Search<'_> {
     fn narrow(&mut self, tolerance: f64) -> Result<(), Error> {
         while let Some(high) = self.high {
             let close = high.bound <= self.low.bound * (1.0 + tolerance);
-            if close || high.bound < f64::MIN_POSITIVE.sqrt() || self.trials >= MOST_TRIALS {
+            if close || high.bound < f64::MIN_POSITIVE.sqrt() || self.trials >= HINF_TRIALS {
                 return Ok(());
             }
             self.attempt(between(self.low, high, tolerance))?;
@@ -141,8 +130,8 @@ impl Search<'_> {
     /// The controller at the upper end, or at the first bound above it whose loop keeps it.
     fn verified(mut self) -> Result<HInfinity, Error> {
         let mut bound = self.high.map_or(self.low.bound, |high| high.bound);
-        let mut raise = FIRST_RAISE;
-        while self.high.is_some() && self.trials < 2 * MOST_TRIALS {
+        let mut raise = HINF_FIRST_RAISE;
+        while self.high.is_some() && self.trials < 2 * HINF_TRIALS {
             self.trials += 1;
             if let Some(K) = self.normal.central(bound)?
                 && let Some(answer) = self.verify(K, bound)?
@@ -163,20 +152,20 @@ impl Search<'_> {
         if closed_loop.iter().any(|pole| pole.re >= 0.0) {
             return Ok(None);
         }
-        let mut peak = linfnorm(&closed, NORM_TOLERANCE)?;
+        let mut peak = linfnorm(&closed, HINF_NORM)?;
         // Plant and controller are put together once more, frequency by frequency: near the optimum the controller is so large
         // that the loop's matrices lose digits, and the two disagree.
         let composed = self.composed_peak(&K, &closed_loop, peak.rate_rad_s)?;
         if composed.value > peak.value {
             peak = composed;
         }
-        if peak.value > bound * (1.0 + VERIFIED) {
+        if peak.value > bound * (1.0 + HINF_VERIFIED) {
             return Ok(None);
         }
         Ok(Some(HInfinity {
             controller: K,
             bound,
-            achieved_norm: peak.value * (1.0 + ROUNDED_UP),
+            achieved_norm: peak.value * (1.0 + HINF_ROUNDED_UP),
             peak_rad_s: peak.rate_rad_s,
             unreachable: self.unreachable,
             closed_loop,

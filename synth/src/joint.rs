@@ -18,6 +18,7 @@ use crate::augmented::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
+use crate::tolerance::GAIN_STEP;
 use crate::{Channel, DesignPlant, Error, Knowledge, Specification};
 
 /// A joint controller with its certificates.
@@ -43,9 +44,6 @@ pub struct JointOptimum {
     /// Poles of the plant with the controller around it.
     pub closed_loop: Vec<C64>,
 }
-
-/// Relative change of a gain from which its slope is taken.
-const GAIN_STEP: f64 = 1e-3;
 
 /// The problem, all disturbances in.
 struct Problem {

@@ -7,9 +7,7 @@ use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 use crate::Error;
 use crate::generalised::{Blocks, Generalised, around_direct_path};
-
-/// X and Y count as indefinite below minus this, relatively. A loose test: the loop itself is looked at afterwards.
-const INDEFINITE: f64 = 1e-7;
+use crate::tolerance::HINF_INDEFINITE;
 
 /// What a bound turned out to be.
 #[derive(Clone, Copy)]
@@ -220,10 +218,10 @@ impl Indefinite<'_> {
             Solution::Infeasible(_) => return Ok(Solved::Undecided),
         };
         // What is negligible beside A in A - GX is rounding, whatever its sign.
-        let negligible = INDEFINITE * folded.norm_fro() / G.norm_fro().max(f64::MIN_POSITIVE);
+        let negligible = HINF_INDEFINITE * folded.norm_fro() / G.norm_fro().max(f64::MIN_POSITIVE);
         let values = sym_eigenvalues(&solution.X.symmetric_part())?;
         let largest = values.iter().copied().fold(0.0, |a: f64, b| a.max(b.abs()));
-        if values.iter().any(|value| *value < -(INDEFINITE * largest).max(negligible)) {
+        if values.iter().any(|value| *value < -(HINF_INDEFINITE * largest).max(negligible)) {
             return Ok(Solved::Absent);
         }
         let gain = -&(&R_inverse * &(&cross + &(&B.t() * &solution.X)));

@@ -1,11 +1,9 @@
 //! A weight from a table: the stable function of minimum phase whose modulus comes nearest to drawn points.
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use counterpoise_lti::linalg::eigenvalues;
+use counterpoise_lti::linalg::{Cone, ConeProgram, Unsolved, eigenvalues};
 use counterpoise_lti::{C64, Mat};
 
-use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION};
+use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION, TABLE_LEAST_DB, TABLE_MOST_DB};
 use crate::{Error, Weight};
 
 impl Weight {
@@ -29,10 +27,6 @@ pub struct Fit {
     pub worst_db: f64,
 }
 
-/// Least and largest deviation between which the bisection looks, dB: below the first nobody sees a difference, beyond the
-/// second the function has nothing to do with the table.
-const LEAST_DB: f64 = 1e-4;
-const MOST_DB: f64 = 80.0;
 /// Points between -1 and 1 at which numerator and denominator are kept positive.
 const GRID: usize = 161;
 /// Highest order: beyond it a table asks for noise to be fitted.
@@ -54,7 +48,7 @@ pub const HIGHEST_ORDER: usize = 8;
 pub fn fit_table(table: &[(f64, f64)], order: usize) -> Result<Fit, Error> {
     check(table, order)?;
     let problem = Problem::new(table, order);
-    let (mut low, mut high) = (LEAST_DB, MOST_DB);
+    let (mut low, mut high) = (TABLE_LEAST_DB, TABLE_MOST_DB);
     let mut best = problem.solve(high)?;
     while high / low > 1.0 + TABLE_DEVIATION {
         let middle = (low * high).sqrt();
@@ -134,7 +128,7 @@ impl Problem {
             sum[n..2 * n].iter_mut().zip(basis).for_each(|(s, b)| *s += b / self.points.len() as f64);
             sum
         });
-        let Some(x) = linear_program(&rows, &mean)? else { return Ok(None) };
+        let Some(x) = linear_program(rows, mean)? else { return Ok(None) };
         let feasible = x[2 * n] > POSITIVE;
         Ok(feasible.then(|| (x[..n].to_vec(), x[n..2 * n].to_vec())))
     }
@@ -221,29 +215,21 @@ fn interpolated(table: &[(f64, f64)], rate: f64) -> f64 {
     y0 * (y1 / y0).powf(share)
 }
 
-/// Maximises the last unknown with rows x <= 0 and mean x = 1; `None` where that cannot be had.
-fn linear_program(rows: &[Vec<f64>], mean: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+/// Maximises the last unknown with rows x <= 0 and mean x = 1; `None` if no point keeps them.
+fn linear_program(rows: Vec<Vec<f64>>, mean: Vec<f64>) -> Result<Option<Vec<f64>>, Error> {
     let (m, n) = (rows.len(), mean.len());
-    let dense: Vec<Vec<f64>> = std::iter::once(mean.to_vec()).chain(rows.iter().cloned()).collect();
-    let A = CscMatrix::from(&dense);
     let mut cost = vec![0.0; n];
     cost[n - 1] = -1.0;
-    let mut bound = vec![0.0; m + 1];
-    bound[0] = 1.0;
-    let cones = [SupportedConeT::ZeroConeT(1), SupportedConeT::NonnegativeConeT(m)];
-    let failed =
-        |_| Error::Weight { weight: "table".into(), problem: "the linear program could not be set up" };
-    let settings = DefaultSettingsBuilder::default().verbose(false).build().map_err(failed)?;
-    let set_up = DefaultSolver::new(&CscMatrix::zeros((n, n)), &cost, &A, &bound, &cones, settings);
-    let Ok(mut solver) = set_up else {
-        return Err(Error::Weight {
-            weight: "table".into(),
-            problem: "the linear program could not be set up",
-        });
-    };
-    solver.solve();
-    let good = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    Ok(good.then(|| solver.solution.x.clone()))
+    let mut program = ConeProgram::new(cost);
+    program.push(vec![mean], vec![1.0], Cone::Zero);
+    program.push(rows, vec![0.0; m], Cone::Nonnegative);
+    match program.solve() {
+        Ok(found) => Ok(Some(found.x)),
+        Err(Unsolved::Malformed) => {
+            Err(Error::Weight { weight: "table".into(), problem: "the linear program could not be set up" })
+        }
+        Err(_) => Ok(None),
+    }
 }
 
 #[cfg(test)]

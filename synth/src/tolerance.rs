@@ -1,6 +1,4 @@
 //! Every tolerance of this crate, with what it rests on.
-//!
-//! The H-infinity synthesis keeps its own in [`mod@crate::hinfsyn`], beside the equations that they belong to.
 
 /// A singular value of D12 or D21 below this, relative to the largest, counts as zero: three digits above the rounding of
 /// a decomposition in double precision.
@@ -62,3 +60,101 @@ pub(crate) const LEADING: f64 = 1e-12;
 pub(crate) const TABLE_DEVIATION: f64 = 1e-3;
 /// A limit of a tuned loop that is exceeded by less than this share counts as kept: far below what a plant is known to.
 pub(crate) const LIMIT_KEPT: f64 = 5e-4;
+
+/// Relative accuracy of the norms of candidate loops.
+pub(crate) const HINF_NORM: f64 = 1e-9;
+
+/// By how much the norm that was found is rounded up, so that the claim is not below what is reached.
+pub(crate) const HINF_ROUNDED_UP: f64 = 1e-7;
+
+/// By how much a bound is first raised whose loop does not keep it: what rounding of a controller near the optimum costs. The raise
+/// doubles with each attempt.
+pub(crate) const HINF_FIRST_RAISE: f64 = 1e-6;
+
+/// Bounds tried at most, upward and in the bisection.
+pub(crate) const HINF_TRIALS: usize = 80;
+
+/// X and Y count as indefinite below minus this, relatively. A loose test: the loop itself is looked at afterwards.
+pub(crate) const HINF_INDEFINITE: f64 = 1e-7;
+
+/// Relative change of a gain from which its slope is taken.
+pub(crate) const GAIN_STEP: f64 = 1e-3;
+
+/// A pole slower than this is one at zero, rad/s: it decays in more than a week.
+pub(crate) const POLE_AT_ZERO_RAD_S: f64 = 1e-6;
+
+/// Relative half-width that a pole has at least where a grid is made dense around it.
+pub(crate) const NARROWEST_POLE: f64 = 1e-9;
+
+/// Shares of a mode that differ by less than this, relatively, are equal, and the first of them is named.
+pub(crate) const SAME_SHARE: f64 = 1e-6;
+
+/// A pole nearer to 1 than this is an angle that the loop does not see or does not hold: it drifts, and stays where it is.
+pub(crate) const DRIFTING_POLE: f64 = 1e-6;
+
+/// Frequencies below this share of half the sample rate are far below every bandwidth that is looked at.
+pub(crate) const BLIND_BELOW: f64 = 1e-6;
+
+/// Eigenvectors of unit length with a product below this belong to a mode that is all but double: moving it by its
+/// projector would blow rounding up by as much.
+pub(crate) const DEFECTIVE_MODE: f64 = 1e-8;
+
+/// Steps at most. The examples need between 15 and 60.
+pub(crate) const DESCENT_STEPS: usize = 300;
+
+/// First size of the trust region, as a factor on the parameters in natural logarithms: a factor of 1.6.
+pub(crate) const REGION_FIRST: f64 = 0.5;
+
+/// Size of the trust region, in natural logarithms, below which the descent ends: a millionth on a parameter changes nothing that counts.
+pub(crate) const REGION_LAST: f64 = 1e-6;
+
+/// Largest size of the trust region, in natural logarithms: a factor of 7.
+pub(crate) const REGION_LARGEST: f64 = 2.0;
+
+/// Size of the trust region after it has shrunk to nothing.
+pub(crate) const REGION_AGAIN: f64 = 0.1;
+
+/// Gain since the last time that makes it worth while to open the trust region again.
+pub(crate) const DESCENT_WORTHWHILE: f64 = 1e-4;
+
+/// A step is taken if it brings this share of what it promised.
+pub(crate) const STEP_TAKEN: f64 = 0.05;
+
+/// The trust region grows if a step brings this share of what it promised.
+pub(crate) const STEP_GOOD: f64 = 0.6;
+
+/// The descent ends if a step promises less than this share of the residual rate.
+pub(crate) const DESCENT_PROMISED: f64 = 1e-7;
+
+/// Halvings of the gain, and of the corner below which it integrates, of a start that is not stable.
+pub(crate) const START_HALVINGS: usize = 24;
+
+/// Relative half-width that a root has at least where a grid is made dense around it: undamped modes would otherwise get one frequency.
+pub(crate) const NARROWEST_ROOT: f64 = 1e-4;
+
+/// Frequencies nearer than this, relatively, are one.
+pub(crate) const SAME_FREQUENCY: f64 = 1e-9;
+
+/// A limit that was exceeded is tightened by this share more than it was exceeded by, so that one round usually suffices.
+pub(crate) const LIMIT_TIGHTENING: f64 = 1e-4;
+
+/// Relative accuracy of the largest |KS|.
+pub(crate) const CONTROL_PEAK: f64 = 1e-6;
+
+/// Poles nearer to 0 than this settle within a sample or two: they have no rate that matters.
+pub(crate) const FASTEST_POLE: f64 = 1e-6;
+
+/// Curvature that is added to a tangent program in every direction, so that it has one solution.
+pub(crate) const TANGENT_RIDGE: f64 = 1e-6;
+
+/// Directions of a basis below this, relative to the strongest, are left out: rounding has them.
+pub(crate) const WEAKEST_DIRECTION: f64 = 1e-9;
+
+/// Least deviation from a table at which the bisection looks, dB: below it nobody sees a difference.
+pub(crate) const TABLE_LEAST_DB: f64 = 1e-4;
+
+/// Largest deviation from a table at which the bisection looks, dB: beyond it the function has nothing to do with the table.
+pub(crate) const TABLE_MOST_DB: f64 = 80.0;
+
+/// The norm of the assembled loop may exceed the bound by this, relatively: the accuracy of the norm itself.
+pub const HINF_VERIFIED: f64 = 1e-6;

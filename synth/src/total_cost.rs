@@ -17,6 +17,7 @@ use counterpoise_lti::{C64, CMat, StateSpace, poles};
 
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
+use crate::tolerance::{GAIN_STEP, NARROWEST_POLE, POLE_AT_ZERO_RAD_S};
 use crate::{Assembly, Channel, Design, Error, FeedforwardWeights, Knowledge, Weight};
 
 /// The cost of one source of disturbance in the assembled loop.
@@ -52,8 +53,6 @@ const PER_DECADE: usize = 60;
 /// Points that each lightly damped pole adds, within so many half widths of it.
 const AROUND_POLE: i32 = 24;
 const HALF_WIDTHS: f64 = 30.0;
-/// Relative change of the feedback's gain from which its slope is taken.
-const GAIN_STEP: f64 = 1e-3;
 
 /// Returns the cost of the assembled loop and its slope in the gain of each part.
 ///
@@ -221,7 +220,7 @@ impl Assembled {
         for channel in [Channel::Heave, Channel::Pitch] {
             all.extend(ChannelSource::new(design, channel)?.into_iter().flat_map(|source| source.poles));
         }
-        let moduli = all.iter().map(|pole| pole.norm()).filter(|modulus| *modulus > 1e-6);
+        let moduli = all.iter().map(|pole| pole.norm()).filter(|modulus| *modulus > POLE_AT_ZERO_RAD_S);
         let (low, high) = moduli.fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m), b.max(m)));
         if high == 0.0 {
             return Ok(Vec::new());
@@ -231,7 +230,7 @@ impl Assembled {
         let mut rates: Vec<f64> =
             (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
         for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < 0.3 * pole.norm()) {
-            let width = pole.re.abs().max(1e-9 * pole.norm());
+            let width = pole.re.abs().max(NARROWEST_POLE * pole.norm());
             let offsets = (-AROUND_POLE..=AROUND_POLE).map(|k| {
                 let share = f64::from(k) / f64::from(AROUND_POLE);
                 share.powi(3) * HALF_WIDTHS * width

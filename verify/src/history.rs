@@ -1,5 +1,6 @@
 //! Time histories as plain data.
 
+use crate::tolerance::SAME_INSTANT_S;
 use crate::{Arrangement, Model, Source};
 
 /// What was done to the mechanism.
@@ -60,7 +61,7 @@ impl History {
 
     /// The history from a time on, its clock and its travel starting there.
     pub fn from_time(mut self, time_s: f64) -> Self {
-        let first = self.index_at(time_s - 1e-9);
+        let first = self.index_at(time_s - SAME_INSTANT_S);
         let (start_s, start_rad) = (self.time_s.get(first).copied(), self.travel_rad.get(first).copied());
         for column in [
             &mut self.time_s,

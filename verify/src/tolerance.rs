@@ -277,3 +277,42 @@ pub const SCALING_FLOOR: f64 = 1e-6;
 /// Most samples by which control and sensors together may be late in the linear loop: a dense matrix of 2000 states takes 32 MB,
 /// and its eigenvalues about a minute. Real loops have a few dozen.
 pub const MOST_DELAY_STATES: usize = 2000;
+
+/// Instants that differ by less than this are one, s: far below every sample period, far above the rounding of a time.
+pub const SAME_INSTANT_S: f64 = 1e-9;
+
+/// Deflection at which a friction observer without presliding stiffness counts as still, rad at the hub.
+pub const OBSERVER_SMALL_DEFLECTION_RAD: f64 = 1e-6;
+
+/// Share of its presliding deflection at which a friction observer is a spring, to the same share.
+pub const OBSERVER_SMALL_SHARE: f64 = 1e-3;
+
+/// A limit of the control that no observer reaches, V.
+pub const UNLIMITED_V: f64 = 1e9;
+
+/// A term of a multiplier with a weight below this is left out: the weights sum up to 1, and the cone program is no more accurate.
+pub const NEGLIGIBLE_TERM: f64 = 1e-9;
+
+/// A sensitivity beyond which loops are not told apart: it orders stable loops before unstable ones.
+pub const LARGEST_SENSITIVITY: f64 = 1e12;
+
+/// Below this exponent a power law is integrated as a logarithm: the difference is below the rounding of either form.
+pub const FLAT_EXPONENT: f64 = 1e-9;
+
+/// Neighbouring sample periods that differ by more than this share are uneven, and no parabola is laid through their samples.
+pub const EVEN_SPACING: f64 = 1e-6;
+
+/// Degrees of freedom that a coherence keeps at least: with a single segment nothing is known, and the interval becomes as wide as it can.
+pub const FEWEST_DEGREES_OF_FREEDOM: f64 = 1e-3;
+
+/// Sample periods that differ by less than this share are equal: what a file keeps of nine digits.
+pub const SAME_PERIOD: f64 = 1e-9;
+
+/// Another candidate must destabilise at a scale that is smaller by this share: less would be the accuracy of the scale itself.
+pub const LIMIT_GAIN: f64 = 1e-4;
+
+/// Steps of the scaling that are shortened below this lead nowhere: the barrier is then flat to rounding.
+pub const SCALING_SHORTEST_STEP: f64 = 1e-6;
+
+/// Relative accuracy of the scale at which an eigenvalue crosses the circle: that of the eigenvalue.
+pub const CROSSING_NEARNESS: f64 = 1e-9;

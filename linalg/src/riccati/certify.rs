@@ -4,7 +4,7 @@ use crate::mat::{C64, Mat};
 use crate::precise::Precise;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, RICCATI_RESIDUAL, ROUNDING};
+use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, ROUNDING};
 
 use super::newton::{Equation, Refined};
 use super::precise::{self, PreciseEquation};
@@ -133,12 +133,9 @@ fn data_size(problem: &Problem, X: &Mat) -> f64 {
     size.max(f64::MIN_POSITIVE)
 }
 
-/// If the solution is this sensitive, the spectrum of the first approximation is not that of the last.
-const SPECTRUM_MOVES: f64 = 1e6;
-
 /// The eigenvalues of the closed loop, sorted.
 fn spectrum(equation: &impl Equation, refined: &Refined, condition: f64) -> Vec<C64> {
-    if condition > SPECTRUM_MOVES
+    if condition > RICCATI_SPECTRUM_MOVES
         && let Ok(sorted) = eigenvalues(&equation.closed_loop(&refined.gain))
     {
         return sorted;

@@ -2,7 +2,10 @@
 
 use crate::mat::{C64, Mat};
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_ERROR, SENSITIVE, TRUSTED_SEPARATION};
+use crate::tolerance::{
+    EPS, PRECISE_STATES, RICCATI_DETERMINED, RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR,
+    RICCATI_HARDLY_REACHED, RICCATI_UNDETERMINED, SENSITIVE, TRUSTED_SEPARATION,
+};
 
 use super::certify::{Certified, certify_precise};
 use super::newton::Equation;
@@ -11,25 +14,10 @@ use super::reason::{self, Nearness};
 use super::scaling::{Problem, Scaled, rescale};
 use super::{Certificate, Outcome, Reason, Riccati};
 
-/// Below this separation, relative to the data, a solution is examined twice: rounding may have moved a mode that
-/// cannot be moved.
-const DOUBTFUL: f64 = 1e-7;
-
-/// A solution whose condition number times the rounding of the data is below this is determined by the data.
-const DETERMINED: f64 = 1e-2;
-
-/// A solution in 32 digits is refused for a lost mode only if its condition number times the rounding of the data exceeds
-/// this: the rounding alone may then have put the mode within reach.
-const UNDETERMINED: f64 = 1.0;
-
-/// A mode whose relative distance from reach is below this is named when no solution could be certified. Beyond, the input reaches it well
-/// enough, and the equation as a whole is too sensitive for doubles.
-const HARDLY: f64 = 1e-6;
-
 /// Whether a solution in doubles is accepted without further questions.
 pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) -> bool {
     let size = size(problem, kind).max(found.operator_norm);
-    found.solution.certificate.separation > DOUBTFUL * size && is_accurate(found)
+    found.solution.certificate.separation > RICCATI_DOUBTFUL_SEPARATION * size && is_accurate(found)
 }
 
 /// Whether the error that is left is small beside each pair of states.
@@ -41,7 +29,7 @@ fn is_accurate(found: &Certified) -> bool {
 /// Newton's method makes of a multiple mode that is out of reach.
 fn is_undetermined(found: &Certified) -> bool {
     let Certificate { condition, forward_error, .. } = &found.solution.certificate;
-    condition * EPS > UNDETERMINED && relative_step(forward_error, &found.solution.X) > SENSITIVE
+    condition * EPS > RICCATI_UNDETERMINED && relative_step(forward_error, &found.solution.X) > SENSITIVE
 }
 
 /// The size to which a separation is compared.
@@ -74,7 +62,7 @@ pub(super) fn decide(
         |c: &Certified| c.solution.certificate.separation > TRUSTED_SEPARATION * size(problem, kind);
     let found = match found {
         Some(found) if is_accurate(&found) && separated(&found) => {
-            return accept(found, problem, kind, DETERMINED);
+            return accept(found, problem, kind, RICCATI_DETERMINED);
         }
         other => other,
     };
@@ -87,7 +75,7 @@ pub(super) fn decide(
     }
     let start = found.as_ref().map(|found| &found.solution.X);
     if let Some(better) = solve_precisely(equation, problem, start) {
-        return accept(better, problem, kind, UNDETERMINED);
+        return accept(better, problem, kind, RICCATI_UNDETERMINED);
     }
     match found {
         Some(found) if is_undetermined(&found) => {
@@ -131,7 +119,8 @@ fn explained(refusal: Refusal, problem: &Problem, kind: Kind) -> Reason {
     }
     match refusal.reason {
         Reason::Inaccurate { residual, stability, .. } => {
-            let hardest = reason::hardest_mode(problem, kind).filter(|(_, reach)| *reach < HARDLY);
+            let hardest =
+                reason::hardest_mode(problem, kind).filter(|(_, reach)| *reach < RICCATI_HARDLY_REACHED);
             Reason::Inaccurate { residual, stability, hardest }
         }
         other => other,

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::mat::Mat;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, PRECISE_STATES};
+use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_REGULAR};
 
 use super::certify::{Certified, certify};
 use super::continuous::{check_input, fold};
@@ -83,15 +83,12 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
     }
 }
 
-/// Reciprocal condition of `R` below which the equation is shifted first.
-const REGULAR: f64 = 1e-6;
-
 /// The shifts `s` to try: none at first if `R` is regular, and sizes that make `R + s B'B` so. A large problem gets few, because its refusal
 /// must not take many times as long as a solution.
 pub(super) fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
     let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
     let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);
-    let regular = crate::decomposition::rcond_one(R) > REGULAR;
+    let regular = crate::decomposition::rcond_one(R) > RICCATI_REGULAR;
     let mut list = vec![size, -size, 0.03 * size, 30.0 * size];
     list.insert(if regular { 0 } else { list.len() }, 0.0);
     if R.nrows().max(Q.nrows()) > PRECISE_STATES {

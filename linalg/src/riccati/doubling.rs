@@ -6,7 +6,10 @@
 use crate::dense::solve;
 use crate::error::Error;
 use crate::mat::Mat;
-use crate::tolerance::{DOUBLING_STEPS, PRECISE_STATES};
+use crate::tolerance::{
+    DOUBLING_EARLY, DOUBLING_EARLY_LARGE, DOUBLING_GROWING, DOUBLING_LATE, DOUBLING_SETTLED, DOUBLING_STEPS,
+    PRECISE_STATES,
+};
 
 use super::Reason;
 use super::reason::certainly_unsolvable;
@@ -22,7 +25,7 @@ pub(super) const PARAMETERS: [f64; 3] = [0.3, 1.7, 0.05];
 /// The reason why there is no solution, if a solution that keeps growing made the question worth its time.
 pub(super) fn by_doubling(problem: &Problem, parameters: &[f64]) -> Result<Option<Mat>, Reason> {
     let Problem { A, G, Q } = problem;
-    let early = if A.nrows() > PRECISE_STATES { EARLY_LARGE } else { EARLY };
+    let early = if A.nrows() > PRECISE_STATES { DOUBLING_EARLY_LARGE } else { DOUBLING_EARLY };
     let base = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()) / (A.nrows() as f64).sqrt();
     for factor in parameters {
         let question = || certainly_unsolvable(problem);
@@ -76,36 +79,20 @@ fn cayley(A: &Mat, G: &Mat, Q: &Mat, gamma: f64) -> Result<Problem, Error> {
     Ok(Problem { A, G: G.symmetric_part(), Q: H.symmetric_part() })
 }
 
-/// Convergence is quadratic: below this change the next one would be rounding, and Newton steps follow anyhow.
-const SETTLED: f64 = 1e-7;
-
-/// After this many doublings a solution that still grows is either that of a pole near the boundary or of a mode out of reach.
-const EARLY: usize = 10;
-
-/// The same for a large problem, whose doublings take long beside the question; the steps of benign ones are small by then.
-const EARLY_LARGE: usize = 6;
-
-/// After this many doublings a solution that still grows belongs to a pole within 2^-30 of the boundary; doubles are
-/// not the place to find it.
-const LATE: usize = 30;
-
-/// A solution grows if a doubling changes it by more than this.
-const GROWING: f64 = 0.3;
-
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
 pub(super) fn run(form: Problem) -> Outcome {
-    iterate(form, EARLY, || None)
+    iterate(form, DOUBLING_EARLY, || None)
 }
 
 /// The same; `question` is asked once if the solution still grows after `early` doublings.
 fn iterate(mut form: Problem, early: usize, question: impl Fn() -> Option<Reason>) -> Outcome {
     for count in 1..=DOUBLING_STEPS {
         let Some(change) = double(&mut form) else { return Outcome::Broken };
-        if change < SETTLED {
+        if change < DOUBLING_SETTLED {
             return Outcome::Settled(form.Q);
         }
-        let grows = change > GROWING;
-        if grows && count > LATE {
+        let grows = change > DOUBLING_GROWING;
+        if grows && count > DOUBLING_LATE {
             return Outcome::Unsettled;
         }
         if grows
@@ -131,7 +118,7 @@ fn double(form: &mut Problem) -> Option<f64> {
     if !change.is_finite() {
         return None;
     }
-    if change >= SETTLED {
+    if change >= DOUBLING_SETTLED {
         let moved = &form.A * &solved;
         form.G += &(&moved.block(0, n, n, n) * &transposed).symmetric_part();
         form.A = moved.block(0, 0, n, n);

@@ -9,7 +9,9 @@ use crate::lyapunov::{Operator, dlyap, lyap, transposed};
 use crate::mat::Mat;
 use crate::schur::schur;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, NEWTON_STEPS};
+use crate::tolerance::{
+    EPS, NEWTON_FIRST_CONTRACTION, NEWTON_NEAR_START, NEWTON_SPOILT, NEWTON_STALE_LOOP, NEWTON_STEPS,
+};
 
 use super::Reason;
 
@@ -38,19 +40,6 @@ pub(super) struct Refined {
     pub(super) steps: usize,
 }
 
-/// Above this relative correction the closed loop is computed anew before the next step.
-const STALE: f64 = 1e-4;
-
-/// The contraction of a step over its relative size, assumed before there are two steps to compare.
-const FIRST_RATE: f64 = 1e6;
-
-/// From a start whose closed loop is not stable, Newton's method leads to the stabilising solution only if the start is near: within this
-/// share of it. Farther starts wander, and each of their steps costs as much as a solution.
-const NEAR: f64 = 0.5;
-
-/// Steps that shrink by less than this come from a derivative that rounding has spoilt.
-const SLOW: f64 = 0.02;
-
 /// Refines `X`.
 ///
 /// # Errors
@@ -68,8 +57,8 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         let step = careful.unwrap_or_else(|| derivative.solve(&residual));
         let step = step.symmetric_part();
         let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
-        let stuck = relative > 0.5 * size && size < STALE;
-        if relative > NEAR && derivative.reach() >= derivative.boundary() {
+        let stuck = relative > 0.5 * size && size < NEWTON_STALE_LOOP;
+        if relative > NEWTON_NEAR_START && derivative.reach() >= derivative.boundary() {
             let residual = residual.norm_fro() / terms.max(f64::MIN_POSITIVE);
             return Err(Reason::Inaccurate { residual, stability: derivative.reach(), hardest: None });
         }
@@ -78,9 +67,9 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         }
         X = X.add(&step.into());
         steps += 1;
-        let rate = if size.is_finite() { relative / size } else { FIRST_RATE * relative };
-        slow = slow || rate > SLOW && size.is_finite();
-        if relative > STALE {
+        let rate = if size.is_finite() { relative / size } else { NEWTON_FIRST_CONTRACTION * relative };
+        slow = slow || rate > NEWTON_SPOILT && size.is_finite();
+        if relative > NEWTON_STALE_LOOP {
             derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
         }
         size = relative;

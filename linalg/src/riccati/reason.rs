@@ -7,7 +7,10 @@ use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
 use crate::spectrum::Spectrum;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, PRECISE_STATES};
+use crate::tolerance::{
+    AXIS_NEIGHBOUR, AXIS_REAL_PART, AXIS_ROUNDING, EXACT_MODE_STATES, HAMILTONIAN_BOUNDARY, LARGEST_FEEDBACK,
+    LOST_MODE, MODE_CANDIDATES, PRECISE_STATES,
+};
 
 use super::scaling::Problem;
 use super::subspace::hamiltonian;
@@ -109,26 +112,12 @@ impl fmt::Display for Mode {
     }
 }
 
-/// A mode is lost where its distance from reach or sight is below this, relative to the matrices.
-const LOST: f64 = 1e-13;
-
-/// An eigenvalue of the Hamiltonian counts as on the boundary within this, relative to its norm: the square root of the
-/// rounding error, since a double eigenvalue on the boundary splits by that much.
-const BOUNDARY: f64 = 1e-8;
-
-/// Problems with more states than this are judged by left eigenvectors alone: singular values for each mode would take
-/// longer than the solution.
-const EXACT_STATES: usize = 64;
-
-/// Of the modes that the input reaches least, by their eigenvectors, this many are judged by singular values.
-const CANDIDATES: usize = 3;
-
 /// Which modes count as on the stability boundary.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Nearness {
     /// Those that rounding the entries of `A` may move there: to judge a problem that has been solved.
     Rounding,
-    /// Those within [`BOUNDARY`] of it, relative to the norm of `A`: to explain why a problem could not be solved.
+    /// Those within [`HAMILTONIAN_BOUNDARY`] of it, relative to the norm of `A`: to explain why a problem could not be solved.
     Broad,
 }
 
@@ -136,17 +125,17 @@ pub(super) enum Nearness {
 /// that the cost does not see.
 pub(super) fn lost_mode(problem: &Problem, kind: Kind, nearness: Nearness) -> Option<Reason> {
     let n = problem.A.nrows() as f64;
-    let broad = BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
+    let broad = HAMILTONIAN_BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
     let near = |spectrum: &Spectrum, m: C64| match nearness {
         Nearness::Broad => broad,
         Nearness::Rounding => spectrum.movement(m),
     };
     let reached = least_reached(&problem.A, &problem.G, |s, m| excess(m, kind) > -near(s, m));
-    if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST) {
+    if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST_MODE) {
         return Some(Reason::Uncontrollable { mode, distance: reach });
     }
     let seen = least_reached(&problem.A.t(), &problem.Q, |s, m| excess(m, kind).abs() < near(s, m));
-    let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST)?;
+    let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST_MODE)?;
     Some(Reason::Unobservable { mode, distance: sight })
 }
 
@@ -159,7 +148,7 @@ fn lost_in(spectrum: &Spectrum, problem: &Problem, kind: Kind) -> Option<Reason>
     let n = problem.A.nrows() as f64;
     let modes = spectrum.modes().into_iter().filter(|&m| excess(m, kind) >= 0.0);
     let mut reaches = modes.map(|m| spectrum.reach(&problem.G, m));
-    let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST)?;
+    let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST_MODE)?;
     Some(Reason::Uncontrollable { mode: lost.mode, distance: lost.normwise })
 }
 
@@ -181,17 +170,14 @@ fn certainly_unseen(problem: &Problem) -> Option<Reason> {
     let n = problem.A.nrows() as f64;
     let spectrum = Spectrum::of(&problem.A.t()).ok()?;
     let reaches = spectrum.on_boundary(|l| l.re).into_iter().map(|m| spectrum.reach(&problem.Q, m));
-    let mut unseen = reaches.filter(|reach| reach.normwise.max(reach.entrywise) < n * LOST);
+    let mut unseen = reaches.filter(|reach| reach.normwise.max(reach.entrywise) < n * LOST_MODE);
     unseen.next().map(|reach| Reason::Unobservable { mode: reach.mode, distance: reach.normwise })
 }
-
-/// An approximation whose feedback exceeds the plant by this may be that of a mode that rounding alone put within reach.
-const HUGE: f64 = 1e9;
 
 /// Returns the mode out of reach for certain behind an approximation that is suspiciously large, before it is refined in vain.
 pub(super) fn lost_behind(first: &Mat, problem: &Problem, kind: Kind) -> Option<Reason> {
     let feedback = first.norm_fro() * problem.G.norm_fro();
-    if feedback > HUGE * boundary_scale(problem.A.norm_fro(), kind) {
+    if feedback > LARGEST_FEEDBACK * boundary_scale(problem.A.norm_fro(), kind) {
         certainly_lost(problem, kind)
     } else {
         None
@@ -210,8 +196,8 @@ fn least_reached(A: &Mat, M: &Mat, is_suspect: impl Fn(&Spectrum, C64) -> bool) 
     let mut reaches: Vec<(C64, f64)> =
         suspects.map(|m| spectrum.reach(M, m)).map(|reach| (reach.mode, reach.normwise)).collect();
     reaches.sort_by(|a, b| a.1.total_cmp(&b.1));
-    if A.nrows() <= EXACT_STATES {
-        reaches.truncate(CANDIDATES);
+    if A.nrows() <= EXACT_MODE_STATES {
+        reaches.truncate(MODE_CANDIDATES);
         reaches.iter_mut().for_each(|(mode, reach)| *reach = distance(A, M, *mode));
     }
     reaches.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
@@ -262,14 +248,8 @@ pub(super) fn diagnose(problem: &Problem, kind: Kind, known: Option<C64>) -> Opt
     let computed = || eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
     let nearest = known.or_else(computed)?;
     let distance = nearest.re.abs() / size;
-    (distance < BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })
+    (distance < HAMILTONIAN_BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })
 }
-
-/// An eigenvalue without a neighbour is on the axis for certain if its real part is below this share of its modulus ...
-const ALONE: f64 = 1e-10;
-
-/// ... and no other eigenvalue is nearer than this share of its modulus.
-const NEIGHBOUR: f64 = 1e-4;
 
 /// Returns an eigenvalue of the Hamiltonian matrix that lies on the imaginary axis for certain.
 ///
@@ -278,12 +258,13 @@ const NEIGHBOUR: f64 = 1e-4;
 pub(super) fn certainly_on_boundary(problem: &Problem) -> Option<Reason> {
     let H = hamiltonian(problem);
     let (values, size) = (eigenvalues(&H).ok()?, H.norm_fro());
-    let rounding = 1e3 * EPS * size;
-    let suspects = values.iter().enumerate().filter(|(_, l)| l.im > 0.0 && l.re.abs() < ALONE * l.norm());
+    let rounding = AXIS_ROUNDING * size;
+    let suspects =
+        values.iter().enumerate().filter(|(_, l)| l.im > 0.0 && l.re.abs() < AXIS_REAL_PART * l.norm());
     let alone = |(k, l): &(usize, &C64)| {
         let others = values.iter().enumerate().filter(|(j, _)| j != k);
         let nearest = others.map(|(_, other)| (other - **l).norm()).fold(f64::INFINITY, f64::min);
-        nearest > NEIGHBOUR * l.norm() && nearest > rounding / NEIGHBOUR
+        nearest > AXIS_NEIGHBOUR * l.norm() && nearest > rounding / AXIS_NEIGHBOUR
     };
     let (_, &eigenvalue) = suspects.into_iter().find(alone)?;
     Some(Reason::OnBoundary { eigenvalue, distance: eigenvalue.re.abs() / size })

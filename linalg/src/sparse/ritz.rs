@@ -5,7 +5,7 @@ use crate::dense::{csolve, transpose_times};
 use crate::error::Error;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
-use crate::tolerance::LANCZOS_DEPENDENT;
+use crate::tolerance::{RITZ_INDEPENDENT, RITZ_LEAST_DAMPING, RITZ_SHIFT_OFFSET};
 
 /// Blocks of the Krylov space of the static shapes from which the first shifts come: as many as find some modes to two digits.
 const KRYLOV_BLOCKS: usize = 5;
@@ -13,12 +13,6 @@ const KRYLOV_BLOCKS: usize = 5;
 /// Shapes beyond which the subspace is cut down to the newest, and how many stay.
 const LARGEST_BASIS: usize = 90;
 const KEPT_SHAPES: usize = 50;
-
-/// How far beside an eigenvalue its shape is sought, relative to it.
-const BESIDE: f64 = 1e-9;
-
-/// A pole whose distance from the imaginary axis is below this share of its size has no damping but rounding.
-const LEAST_DAMPING: f64 = 1e-12;
 
 /// What remains of the two equations, for which the next shift is sought.
 #[derive(Clone, Copy)]
@@ -92,7 +86,7 @@ impl RitzBasis {
             }
             let left = length(&x);
             // What is left of a shape must stand well above its rounding.
-            if left > 1e4 * LANCZOS_DEPENDENT * before {
+            if left > RITZ_INDEPENDENT * before {
                 self.shapes = self.shapes.hstack(&x.scale(1.0 / left));
             }
         }
@@ -145,7 +139,7 @@ impl Projected {
         }
         let upper = Mat::zeros(q, q).hstack(&Mat::eye(q));
         let values = eigenvalues(&upper.vstack(&(-&self.stiffness).hstack(&-&self.damping)))?;
-        if let Some(&eigenvalue) = values.iter().find(|value| value.re > -LEAST_DAMPING * value.norm()) {
+        if let Some(&eigenvalue) = values.iter().find(|value| value.re > -RITZ_LEAST_DAMPING * value.norm()) {
             return Err(Error::NotStable { what: "the large structure", eigenvalue });
         }
         values.into_iter().filter(|value| value.im >= 0.0).map(|value| self.pole(value)).collect()
@@ -162,7 +156,7 @@ impl Projected {
         };
         // One step of inverse iteration beside the eigenvalue, from a shape without a pattern.
         let start = CMat::from_fn(q, 1, |i, _| C64::new(1.0 + 0.3 * ((7 * i + 3) % 11) as f64, 0.0));
-        let x = csolve(&at(value * (1.0 + BESIDE)), &start)?;
+        let x = csolve(&at(value * (1.0 + RITZ_SHIFT_OFFSET)), &start)?;
         let x = x.scale(C64::new(1.0 / x.norm_fro(), 0.0));
         let slope = &x.scale(2.0 * value) + &(&self.damping.to_complex() * &x);
         let size = (x.t() * &slope)[(0, 0)].norm();

@@ -12,7 +12,7 @@ use super::attempt::Attempt;
 use super::crossing::Margin;
 use super::linear::{Hold, dot, outputs};
 use super::moments::NODES;
-use super::ports::{AngleNearby, Point};
+use super::ports::AngleNearby;
 use super::present::{Instant, Present, Sample};
 use super::strips::Strips;
 use super::tables::{OUTPUTS, PORTS};
@@ -105,16 +105,8 @@ impl Present {
     /// Returns what a joint can hold where its nonlinear parts see these outputs.
     fn stick_at(&self, joint: usize, outputs: &[f64; OUTPUTS], at: &Instant) -> Stick {
         let about = AngleNearby::new(outputs[2]);
-        let point = Point {
-            time_s: at.time_s,
-            outputs,
-            platform: &at.platform,
-            further: at.further.as_ref(),
-            drive_v: at.drive_v,
-            about: &about,
-        };
         let none = Stick { positive_nm: 0.0, negative_nm: 0.0, rest_rate_rad_s: 0.0 };
-        self.ports.stick(&self.plant, joint, &point).unwrap_or(none)
+        self.ports.stick(&self.plant, joint, &at.point(outputs, &about)).unwrap_or(none)
     }
 
     /// Returns the load of a joint at rest, at a state of the core.

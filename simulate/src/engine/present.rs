@@ -33,6 +33,20 @@ pub(crate) struct Instant {
     pub offset: f64,
 }
 
+impl Instant {
+    /// Returns what the ports see at this instant beside some outputs of the core.
+    pub fn point<'a>(&'a self, outputs: &'a [f64; OUTPUTS], about: &'a AngleNearby) -> Point<'a> {
+        Point {
+            time_s: self.time_s,
+            outputs,
+            platform: &self.platform,
+            further: self.further.as_ref(),
+            drive_v: self.drive_v,
+            about,
+        }
+    }
+}
+
 /// Where the plant is, with all that its next step needs to know of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Present {
@@ -154,31 +168,13 @@ impl Present {
     /// Returns the values of the ports where the plant is.
     pub fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
         let about = AngleNearby::new(self.seen[2]);
-        let outputs = self.outputs();
-        let point = Point {
-            time_s: at.time_s,
-            outputs,
-            platform: &at.platform,
-            further: at.further.as_ref(),
-            drive_v: at.drive_v,
-            about: &about,
-        };
-        self.ports.at(&self.plant, &point, &self.friction)
+        self.ports.at(&self.plant, &at.point(self.outputs(), &about), &self.friction)
     }
 
     /// Returns the dry friction torques at the motor and at the pivot where the plant is, N m; 0 for joints at rest.
     pub fn dry_torques(&self, at: &Instant) -> [f64; 2] {
         let about = AngleNearby::new(self.seen[2]);
-        let outputs = self.outputs();
-        let point = Point {
-            time_s: at.time_s,
-            outputs,
-            platform: &at.platform,
-            further: at.further.as_ref(),
-            drive_v: at.drive_v,
-            about: &about,
-        };
-        self.ports.dry_torques(&self.plant, &point, &self.friction)
+        self.ports.dry_torques(&self.plant, &at.point(self.outputs(), &about), &self.friction)
     }
 
     /// Returns the instant at a fraction of a sample.

@@ -5,14 +5,13 @@ use counterpoise_lti::{C64, Mat, zeros};
 
 use super::Ground;
 use crate::Error;
+use crate::tolerance::WEAKEST_DIRECTION;
 
 /// Delays of the whole basis: at a millisecond they reach over a sixth of a second.
 const DELAYS: usize = 160;
 /// Real poles of the whole basis, and between what they lie, over half the sample rate in rad/s.
 const POLES: usize = 60;
 const POLES_BETWEEN: [f64; 2] = [1.0e-4, 0.05];
-/// Directions below this, relative to the strongest, are left out: rounding has them.
-const WEAKEST: f64 = 1e-9;
 /// A zero of the plant beyond this radius makes a function that outlasts every other one.
 const LARGEST_ZERO: f64 = 0.99995;
 
@@ -71,7 +70,7 @@ impl Basis {
         let decomposed = svd(&Mat::from_fn(2 * count, raw.len(), entry))?;
         let most = decomposed.s.first().copied().unwrap_or(0.0);
         let kept: Vec<usize> =
-            (0..decomposed.s.len()).filter(|&k| decomposed.s[k] > WEAKEST * most).collect();
+            (0..decomposed.s.len()).filter(|&k| decomposed.s[k] > WEAKEST_DIRECTION * most).collect();
         let combine = |k: usize, of: &dyn Fn(usize) -> C64| -> C64 {
             let parts = (0..raw.len()).map(|j| of(j) * decomposed.V[(j, k)] / decomposed.s[k]);
             parts.sum()

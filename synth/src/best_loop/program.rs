@@ -5,9 +5,7 @@
 //!                       |1 - P Q_k| <= Ms,  |P Q_k| <= Mt,  |Q_k| <= KS  at the used frequencies,   P(0) Q(0) = 1
 //! ```
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use counterpoise_lti::linalg::qr_r;
+use counterpoise_lti::linalg::{Cone, ConeProgram, Unsolved, qr_r};
 use counterpoise_lti::{C64, Mat};
 
 use super::Ground;
@@ -30,21 +28,15 @@ pub(crate) struct Solved {
     pub dual: f64,
 }
 
-/// Rows of `entries x + slack = bound`, the slack in a cone.
-#[derive(Default)]
-struct Cones {
-    rows: Vec<Vec<f64>>,
-    bound: Vec<f64>,
-    cones: Vec<SupportedConeT<f64>>,
-}
-
 impl Program<'_> {
     /// Solves the program with the limits of |S|, |T| and |KS| at the given frequencies.
     pub fn solve(&self, used: &[usize]) -> Result<Solved, Error> {
         let n = self.basis.size();
         // The residual is scaled to the order of 1, by what would be left without feedback.
         let scale = self.ground.grid.power.iter().sum::<f64>().sqrt();
-        let mut cones = Cones::default();
+        let mut cost = vec![0.0; n + 1];
+        cost[n] = 1.0;
+        let mut cones = ConeProgram::new(cost);
         self.integral(&mut cones);
         self.residual(&mut cones, scale)?;
         self.mean_square(&mut cones, self.limits.noise_gain, &self.ground.grid.share)?;
@@ -52,22 +44,20 @@ impl Program<'_> {
         for &k in used {
             self.peaks(&mut cones, k);
         }
-        let mut cost = vec![0.0; n + 1];
-        cost[n] = 1.0;
-        let (x, dual) = cones.solved(&cost)?;
-        let at = |k: usize| (0..n).map(|j| self.basis.columns[j][k] * x[j]).sum();
-        Ok(Solved { Q: (0..self.ground.P.len()).map(at).collect(), dual: dual * scale })
+        let found = cones.solve().map_err(refusal)?;
+        let at = |k: usize| (0..n).map(|j| self.basis.columns[j][k] * found.x[j]).sum();
+        Ok(Solved { Q: (0..self.ground.P.len()).map(at).collect(), dual: found.dual * scale })
     }
 
     /// P(0) Q(0) = 1: no steady error.
-    fn integral(&self, cones: &mut Cones) {
+    fn integral(&self, cones: &mut ConeProgram) {
         let mut row: Vec<f64> = self.basis.at_zero.iter().map(|value| self.ground.P0 * value).collect();
         row.push(0.0);
-        cones.push(vec![row], vec![1.0], SupportedConeT::ZeroConeT(1));
+        cones.push(vec![row], vec![1.0], Cone::Zero);
     }
 
     /// || residual || <= t, by a triangular factor of its rows.
-    fn residual(&self, cones: &mut Cones, scale: f64) -> Result<(), Error> {
+    fn residual(&self, cones: &mut ConeProgram, scale: f64) -> Result<(), Error> {
         let (grid, P) = (&self.ground.grid, &self.ground.P);
         let mut rows: Vec<(usize, f64, f64)> = Vec::new();
         for k in 0..P.len() {
@@ -97,13 +87,12 @@ impl Program<'_> {
             entries.push((0..n).map(|j| -R[(i, j)]).chain([0.0]).collect());
             bound.push(-R[(i, n)]);
         }
-        let size = entries.len();
-        cones.push(entries, bound, SupportedConeT::SecondOrderConeT(size));
+        cones.push(entries, bound, Cone::SecondOrder);
         Ok(())
     }
 
     /// sqrt(sum weight |Q|^2) <= limit; nothing for an infinite limit.
-    fn mean_square(&self, cones: &mut Cones, limit: f64, weights: &[f64]) -> Result<(), Error> {
+    fn mean_square(&self, cones: &mut ConeProgram, limit: f64, weights: &[f64]) -> Result<(), Error> {
         if !limit.is_finite() {
             return Ok(());
         }
@@ -121,13 +110,12 @@ impl Program<'_> {
             entries.push((0..n).map(|j| -R[(i, j)]).chain([0.0]).collect());
             bound.push(0.0);
         }
-        let size = entries.len();
-        cones.push(entries, bound, SupportedConeT::SecondOrderConeT(size));
+        cones.push(entries, bound, Cone::SecondOrder);
         Ok(())
     }
 
     /// |1 - P Q|, |P Q| and |Q| at a frequency, each over its limit.
-    fn peaks(&self, cones: &mut Cones, k: usize) {
+    fn peaks(&self, cones: &mut ConeProgram, k: usize) {
         let limits = [
             (self.limits.max_sensitivity, self.ground.P[k], 1.0),
             (self.limits.max_complementary, self.ground.P[k], 0.0),
@@ -139,7 +127,7 @@ impl Program<'_> {
             let re = (0..n).map(|j| value(j).re).chain([0.0]).collect();
             let im = (0..n).map(|j| value(j).im).chain([0.0]).collect();
             let rows = vec![vec![0.0; n + 1], re, im];
-            cones.push(rows, vec![1.0, constant / limit, 0.0], SupportedConeT::SecondOrderConeT(3));
+            cones.push(rows, vec![1.0, constant / limit, 0.0], Cone::SecondOrder);
         }
     }
 }
@@ -151,31 +139,12 @@ fn triangular(rows: &[Vec<f64>]) -> Result<Mat, Error> {
     Ok(qr_r(&M)?)
 }
 
-impl Cones {
-    fn push(&mut self, rows: Vec<Vec<f64>>, bound: Vec<f64>, cone: SupportedConeT<f64>) {
-        self.rows.extend(rows);
-        self.bound.extend(bound);
-        self.cones.push(cone);
-    }
-
-    fn solved(&self, cost: &[f64]) -> Result<(Vec<f64>, f64), Error> {
-        let failed = |problem| Error::System { what: "best linear feedback", problem };
-        let settings = DefaultSettingsBuilder::default().verbose(false).max_iter(200).build();
-        let settings = settings.map_err(|_| failed("the program could not be set up"))?;
-        let n = cost.len();
-        let A = CscMatrix::from(&self.rows);
-        let set_up =
-            DefaultSolver::new(&CscMatrix::zeros((n, n)), cost, &A, &self.bound, &self.cones, settings);
-        let mut solver = set_up.map_err(|_| failed("the program could not be set up"))?;
-        solver.solve();
-        match solver.solution.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => {
-                Ok((solver.solution.x.clone(), solver.solution.obj_val_dual))
-            }
-            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
-                Err(failed("no linear feedback keeps these limits"))
-            }
-            _ => Err(failed("the solver gave up")),
-        }
-    }
+/// Why there is no best feedback.
+fn refusal(why: Unsolved) -> Error {
+    let problem = match why {
+        Unsolved::Malformed => "the program could not be set up",
+        Unsolved::Infeasible => "no linear feedback keeps these limits",
+        Unsolved::NotConverged => "the solver gave up",
+    };
+    Error::System { what: "best linear feedback", problem }
 }

@@ -6,6 +6,7 @@ use counterpoise_lti::C64;
 use counterpoise_lti::response::Response;
 
 use super::Circumstances;
+use crate::tolerance::BLIND_BELOW;
 use crate::{Error, FeedbackWeights, Weight};
 
 /// Multiples of the bandwidth that shape the weights.
@@ -97,9 +98,6 @@ impl PlantGain {
         ((below / above).ln() / 4f64.ln()).clamp(0.0, 3.0)
     }
 }
-
-/// Frequencies below this share of half the sample rate are far below every bandwidth that is looked at.
-const BLIND_BELOW: f64 = 1e-6;
 
 /// Returns the feedback's weights for an aim in rad/s; `None` if the plant has no gain there.
 pub(super) fn weights(

@@ -6,7 +6,7 @@ use counterpoise_lti::{
 
 use super::Circumstances;
 use crate::sampling::sampled_plant;
-use crate::tolerance::{CEILING, NEIGHBOUR_MS, NOISE_SHARE};
+use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE};
 use crate::{DesignPlant, Error, Sampling};
 
 /// Margins that a loop must keep.
@@ -137,7 +137,7 @@ impl<'a> Judge<'a> {
             }
             let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
             let found = poles(&closed(&broken, &one)?)?;
-            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
+            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
             if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
                 return Ok(false);
             }
@@ -160,9 +160,6 @@ fn coarser(sampling: &Sampling) -> Sampling {
 /// Samples of delay beyond which loops are judged on a coarser grid. Each is a state of the sampled plant; no bandwidth above
 /// 2 over the delay is looked at, so that a grid of 24 samples in the delay costs 5 degrees at the most.
 const MOST_DELAY_SAMPLES: usize = 24;
-
-/// A pole nearer to 1 than this is an angle that stays where it is: an integrating rate loop does not hold an angle.
-const DRIFT: f64 = 1e-6;
 
 impl LoopJudgement {
     /// Whether the margins hold.
@@ -208,7 +205,7 @@ fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Margins>,
     let loop_gain = series(plant, &K.negate())?;
     // Poles cost a hundredth of the margins, and most candidates that fail are not stable.
     let one = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
-    if poles(&closed(&loop_gain, &one)?)?.iter().any(|pole| pole.norm() > 1.0 + DRIFT) {
+    if poles(&closed(&loop_gain, &one)?)?.iter().any(|pole| pole.norm() > 1.0 + DRIFTING_POLE) {
         return Ok(None);
     }
     let found = margins(&loop_gain)?;

@@ -3,7 +3,7 @@
 use counterpoise_lti::linalg::{CSvd, csvd};
 use counterpoise_lti::{C64, CMat, Mat, poles};
 
-use crate::tolerance::{LIGHTLY_DAMPED, MODE_SHIFT};
+use crate::tolerance::{DEFECTIVE_MODE, LIGHTLY_DAMPED, MODE_SHIFT};
 use crate::{DesignPlant, Error};
 
 /// Returns the natural frequencies of a plant's lightly damped modes, rad/s, rising; those of the delay's approximation are
@@ -56,12 +56,8 @@ fn projector(A: &Mat, mode: C64) -> Result<Option<CMat>, Error> {
     let CSvd { U, V, .. } = csvd(&(&A.to_complex() - &CMat::eye(n).scale(mode)))?;
     let (left, right) = (U.column(n - 1), V.column(n - 1));
     let product: C64 = left.iter().zip(right).map(|(w, v)| w.conj() * v).sum();
-    if product.norm() < DEFECTIVE {
+    if product.norm() < DEFECTIVE_MODE {
         return Ok(None);
     }
     Ok(Some(CMat::from_fn(n, n, |i, j| right[i] * left[j].conj() / product)))
 }
-
-/// Eigenvectors of unit length with a product below this belong to a mode that is all but double: moving it by its
-/// projector would blow rounding up by as much.
-const DEFECTIVE: f64 = 1e-8;

@@ -4,6 +4,10 @@ use super::evaluation::Evaluation;
 use super::problem::Problem;
 use super::tangent::{PENALTY, merit, tangent_step};
 use crate::Error;
+use crate::tolerance::{
+    DESCENT_PROMISED, DESCENT_STEPS, DESCENT_WORTHWHILE, REGION_AGAIN, REGION_FIRST, REGION_LARGEST,
+    REGION_LAST, START_HALVINGS, STEP_GOOD, STEP_TAKEN,
+};
 
 /// Where a descent ended.
 #[derive(Debug, Clone)]
@@ -20,23 +24,6 @@ pub(crate) struct Descended {
     pub evaluations: usize,
 }
 
-/// Steps at most. The examples need between 15 and 60.
-const STEPS: usize = 300;
-/// First and last size of the trust region, as factors on the parameters in natural logarithms.
-const FIRST: f64 = 0.5;
-const LAST: f64 = 1e-6;
-const LARGEST: f64 = 2.0;
-/// Size of the region after it has shrunk to nothing, and the gain since the last time that makes it worth while.
-const AGAIN: f64 = 0.1;
-const WORTHWHILE: f64 = 1e-4;
-/// A step is taken if it brings this share of what it promised, and the region grows if it brings the second.
-const TAKEN: f64 = 0.05;
-const GOOD: f64 = 0.6;
-/// The descent ends if a step promises less than this share of the residual rate.
-const PROMISED: f64 = 1e-7;
-/// Halvings of the gain, and of the corner below which it integrates, of a start that is not stable.
-const HALVINGS: usize = 24;
-
 /// Descends from a start; `None` if no loop near it is stable.
 ///
 /// # Errors
@@ -44,8 +31,8 @@ const HALVINGS: usize = 24;
 pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Descended>, Error> {
     let Some(mut at) = stable_start(problem, start) else { return Ok(None) };
     let Ok(mut found) = problem.evaluate(&at) else { return Ok(None) };
-    let (mut radius, mut evaluations, mut settled) = (FIRST, 1, f64::INFINITY);
-    for _ in 0..STEPS {
+    let (mut radius, mut evaluations, mut settled) = (REGION_FIRST, 1, f64::INFINITY);
+    for _ in 0..DESCENT_STEPS {
         let within = |k: usize, sign: f64| {
             let range = problem.family.ranges()[k];
             let room = if sign > 0.0 { range[1] - at[k] } else { at[k] - range[0] };
@@ -55,9 +42,9 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
         let high: Vec<f64> = (0..at.len()).map(|k| within(k, 1.0)).collect();
         let step = tangent_step(&found, &low, &high)?;
         let promised = step.as_ref().map_or(0.0, |step| merit(&found) - step.predicted);
-        let Some(step) = step.filter(|_| promised > PROMISED) else {
+        let Some(step) = step.filter(|_| promised > DESCENT_PROMISED) else {
             radius *= 0.25;
-            if radius < LAST {
+            if radius < REGION_LAST {
                 break;
             }
             continue;
@@ -65,19 +52,20 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
         let next: Vec<f64> = at.iter().zip(&step.h).map(|(at, h)| at + h).collect();
         evaluations += 1;
         match gain(problem, &next, &found)? {
-            Some((better, gained)) if gained >= TAKEN * promised => {
+            Some((better, gained)) if gained >= STEP_TAKEN * promised => {
                 (at, found) = (next, better);
-                radius = if gained >= GOOD * promised { (2.0 * radius).min(LARGEST) } else { radius };
+                radius =
+                    if gained >= STEP_GOOD * promised { (2.0 * radius).min(REGION_LARGEST) } else { radius };
             }
             _ => radius *= 0.35,
         }
-        if radius < LAST {
+        if radius < REGION_LAST {
             // The region may have shrunk at a kink that the lines of another point see.
-            if merit(&found) > settled - WORTHWHILE {
+            if merit(&found) > settled - DESCENT_WORTHWHILE {
                 break;
             }
             settled = merit(&found);
-            radius = AGAIN;
+            radius = REGION_AGAIN;
         }
     }
     let (objective, missed) = (found.objective(), found.exceeded());
@@ -96,7 +84,7 @@ fn stable_start(problem: &Problem<'_>, start: &[f64]) -> Option<Vec<f64>> {
     let ranges = problem.family.ranges();
     let mut at: Vec<f64> =
         start.iter().zip(ranges).map(|(value, range)| value.clamp(range[0], range[1])).collect();
-    for _ in 0..HALVINGS {
+    for _ in 0..START_HALVINGS {
         if problem.is_stable(&at) {
             return Some(at);
         }

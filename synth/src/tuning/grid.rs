@@ -6,7 +6,7 @@ use counterpoise_lti::{C64, StateSpace, poles, zeros};
 
 use super::Disturbance;
 use crate::Error;
-use crate::tolerance::LIGHTLY_DAMPED;
+use crate::tolerance::{LIGHTLY_DAMPED, NARROWEST_ROOT, SAME_FREQUENCY};
 
 /// Frequencies with what each stands for.
 #[derive(Debug, Clone)]
@@ -50,11 +50,6 @@ const LOWEST: f64 = 1e-5;
 const HIGHEST: f64 = 0.998;
 /// Further frequencies on either side of a lightly damped root, in units of its half-width, dense near it.
 const AROUND: [f64; 8] = [0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0];
-/// Relative half-width that a root has at least: undamped modes would otherwise get one frequency.
-const NARROWEST: f64 = 1e-4;
-/// Frequencies nearer than this, relatively, are one.
-const SAME: f64 = 1e-9;
-
 impl LoopGrid {
     /// The grid for plants under one sampling: a logarithmic scale, the neighbourhood of every lightly damped root, and the lines of the
     /// disturbance.
@@ -83,7 +78,7 @@ impl LoopGrid {
         let mut merged: Vec<(f64, f64)> = Vec::new();
         for (rate, power) in points {
             match merged.last_mut() {
-                Some(last) if rate - last.0 <= SAME * rate => last.1 += power,
+                Some(last) if rate - last.0 <= SAME_FREQUENCY * rate => last.1 += power,
                 _ => merged.push((rate, power)),
             }
         }
@@ -108,7 +103,7 @@ fn neighbourhood(root: C64, period_s: f64) -> Vec<f64> {
     if damping > LIGHTLY_DAMPED {
         return Vec::new();
     }
-    let half_width = damping.max(NARROWEST);
+    let half_width = damping.max(NARROWEST_ROOT);
     AROUND.iter().flat_map(|k| [1.0 + k * half_width, 1.0 - k * half_width]).map(|x| x * s.im).collect()
 }
 

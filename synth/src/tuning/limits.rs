@@ -7,6 +7,7 @@ use counterpoise_lti::{C64, Mat, StateSpace, Timebase, feedback, h2norm, linfnor
 use super::Disturbance;
 use crate::figures::reached;
 use crate::sampling::sampled_plant;
+use crate::tolerance::{CONTROL_PEAK, FASTEST_POLE, LIMIT_TIGHTENING};
 use crate::{DesignPlant, Error, Sampling};
 
 /// What a loop must keep. An infinite upper or a zero lower limit asks for nothing.
@@ -115,8 +116,8 @@ impl LoopLimits {
     pub(crate) fn tightened(&self, last: &Self, found: &[LoopMeasures]) -> Self {
         let mut next = *last;
         for each in found {
-            let over = |(limit, value): (f64, f64)| (limit / value).min(1.0) * (1.0 - TIGHTER);
-            let under = |(limit, value): (f64, f64)| (limit / value).max(1.0) * (1.0 + TIGHTER);
+            let over = |(limit, value): (f64, f64)| (limit / value).min(1.0) * (1.0 - LIMIT_TIGHTENING);
+            let under = |(limit, value): (f64, f64)| (limit / value).max(1.0) * (1.0 + LIMIT_TIGHTENING);
             let lowered = |at: &mut f64, last: f64, pair: (f64, f64)| {
                 if pair.1 > pair.0 {
                     *at = at.min(last * over(pair));
@@ -142,11 +143,6 @@ impl LoopLimits {
         next
     }
 }
-
-/// A limit that was exceeded is tightened by this share more than it was exceeded by, so that one round usually suffices.
-const TIGHTER: f64 = 1e-4;
-/// Relative accuracy of the largest |KS|.
-const PEAK: f64 = 1e-6;
 
 /// The figures of the loop of a sampled plant (control to reading) and a sampled controller (error to control).
 ///
@@ -182,7 +178,7 @@ pub fn measure_loop(
         delay_margin_s: margin.delay_s,
         crossover_rad_s,
         noise_gain: h2norm(&KS)?,
-        control_peak: linfnorm(&KS, PEAK)?.value,
+        control_peak: linfnorm(&KS, CONTROL_PEAK)?.value,
         effort_v: effort.sqrt(),
         residual_rad_s: left.sqrt().hypot(of_noise),
         decay_rad_s,
@@ -226,7 +222,7 @@ pub(crate) fn pole_region(poles: &[C64], system: &StateSpace, crossover_rad_s: f
         Timebase::Continuous => 1.0,
     };
     let (mut decay, mut damping) = (f64::INFINITY, 1.0_f64);
-    for pole in poles.iter().filter(|pole| pole.norm() > FASTEST) {
+    for pole in poles.iter().filter(|pole| pole.norm() > FASTEST_POLE) {
         let s = pole.ln() / period_s;
         decay = decay.min(-s.re);
         if s.norm() <= 2.0 * crossover_rad_s {
@@ -242,8 +238,5 @@ pub(crate) fn decays(poles: &[C64], system: &StateSpace) -> Vec<f64> {
         Timebase::Discrete { period_s } => period_s,
         Timebase::Continuous => 1.0,
     };
-    poles.iter().filter(|pole| pole.norm() > FASTEST).map(|pole| -pole.norm().ln() / period_s).collect()
+    poles.iter().filter(|pole| pole.norm() > FASTEST_POLE).map(|pole| -pole.norm().ln() / period_s).collect()
 }
-
-/// Poles nearer to 0 than this settle within a sample or two: they have no rate that matters.
-const FASTEST: f64 = 1e-6;

@@ -10,6 +10,7 @@ use super::weights::Weights;
 use super::{LoopLimits, TuningSubject, TuningTask, bilinear_factor};
 use crate::Error;
 use crate::sampling::sampled_plant;
+use crate::tolerance::DRIFTING_POLE;
 
 /// A plant under a zero-order hold.
 pub(crate) struct LoopPlant {
@@ -80,7 +81,7 @@ impl<'a> Problem<'a> {
     /// Whether the loop holds the machine with what the linear plant leaves out.
     fn holds(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.held {
-            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
+            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
             if closed_poles(plant, K)?.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
                 return Ok(false);
             }
@@ -88,9 +89,6 @@ impl<'a> Problem<'a> {
         Ok(true)
     }
 }
-
-/// A pole this near to 1 is an angle that the loop does not see: it drifts.
-const DRIFT: f64 = 1e-6;
 
 fn closed_poles(plant: &StateSpace, K: &StateSpace) -> Result<Vec<C64>, Error> {
     let unit = StateSpace::gain(Mat::eye(1), K.timebase)?;

@@ -5,18 +5,15 @@
 //!     under   f_p + g_p' h <= t,    v_i + g_i' h <= s,    s >= 0,    low <= h <= high
 //! ```
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use counterpoise_lti::linalg::{Cone, ConeProgram, Unsolved};
 
 use super::evaluation::{Evaluation, Row};
 use crate::Error;
+use crate::tolerance::TANGENT_RIDGE;
 
 /// Weight of the worst limit that is exceeded against the objective: the penalty is exact if it is above the sum of the multipliers, which
 /// for relative limits and a relative objective are of the order of 1.
 pub(crate) const PENALTY: f64 = 30.0;
-/// Curvature that is added in every direction, so that the program has one solution.
-const RIDGE: f64 = 1e-6;
-
 /// A step with what it promises.
 pub(crate) struct Step {
     pub h: Vec<f64>,
@@ -58,28 +55,24 @@ pub(crate) fn tangent_step(found: &Evaluation, low: &[f64], high: &[f64]) -> Res
     for (i, row) in found.curvature.iter().enumerate() {
         // The solver takes the upper triangle.
         for j in i..n {
-            P[i][j] = row[j] + if i == j { RIDGE } else { 0.0 };
+            P[i][j] = row[j] + if i == j { TANGENT_RIDGE } else { 0.0 };
         }
     }
     let mut cost = vec![0.0; n + 2];
     (cost[n], cost[n + 1]) = (1.0, PENALTY);
-    let Some(x) = solve(&P, &cost, &rows, &bound)? else { return Ok(None) };
-    let h = x[..n].to_vec();
+    let mut program = ConeProgram::new(cost).with_quadratic(P);
+    program.push(rows, bound, Cone::Nonnegative);
+    let h = match program.solve() {
+        Ok(found) => found.x[..n].to_vec(),
+        Err(Unsolved::Malformed) => {
+            return Err(Error::System { what: "tuning", problem: "the tangent program could not be set up" });
+        }
+        Err(_) => return Ok(None),
+    };
     let along = |row: &Row| row.value + row.slope.iter().zip(&h).map(|(g, h)| g * h).sum::<f64>();
     let objective = found.objectives.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
     let exceeded = found.limits.iter().map(along).fold(0.0, f64::max);
     let bend = |i: usize| found.curvature[i].iter().zip(&h).map(|(b, h)| b * h).sum::<f64>();
     let curved: f64 = (0..n).map(|i| 0.5 * h[i] * bend(i)).sum();
     Ok(Some(Step { predicted: objective + PENALTY * exceeded + curved, h }))
-}
-
-fn solve(P: &[Vec<f64>], cost: &[f64], rows: &[Vec<f64>], bound: &[f64]) -> Result<Option<Vec<f64>>, Error> {
-    let failed = Error::System { what: "tuning", problem: "the tangent program could not be set up" };
-    let settings = DefaultSettingsBuilder::default().verbose(false).build().map_err(|_| failed.clone())?;
-    let (P, A) = (CscMatrix::from(P), CscMatrix::from(rows));
-    let cones = [SupportedConeT::NonnegativeConeT(bound.len())];
-    let mut solver = DefaultSolver::new(&P, cost, &A, bound, &cones, settings).map_err(|_| failed)?;
-    solver.solve();
-    let good = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    Ok(good.then(|| solver.solution.x.clone()))
 }

@@ -12,7 +12,10 @@ use crate::Error;
 use crate::linear::SampledPlant;
 use crate::linear::closed::resolver_use;
 use crate::linear::plant::port;
-use crate::tolerance::{NEUTRAL, OBSERVER_PERIODS, OBSERVER_SAMPLES, STUCK};
+use crate::tolerance::{
+    NEUTRAL, OBSERVER_PERIODS, OBSERVER_SAMPLES, OBSERVER_SMALL_DEFLECTION_RAD, OBSERVER_SMALL_SHARE, STUCK,
+    UNLIMITED_V,
+};
 
 /// A friction observer as a linear path: volts = direct x rate + integral x the rate's integral.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -124,8 +127,9 @@ fn small(observer: &FrictionObserver, period_s: f64, ratio: f64) -> Result<Obser
     let frequency = 0.1 * std::f64::consts::PI / period_s;
     let stiffness = observer.rest_stiffness_nm_rad;
     let side = if observer.rate == Signal::MotorRate { ratio } else { 1.0 };
-    let deflection = if stiffness > 0.0 { observer.coulomb_nm / stiffness } else { 1e-6 * side };
-    observer_gain(observer, 1e-3 * deflection * frequency, frequency, period_s)
+    let deflection =
+        if stiffness > 0.0 { observer.coulomb_nm / stiffness } else { OBSERVER_SMALL_DEFLECTION_RAD * side };
+    observer_gain(observer, OBSERVER_SMALL_SHARE * deflection * frequency, frequency, period_s)
 }
 
 /// Slope of a level given by points (rad/s, 1), per rad/s.
@@ -152,7 +156,7 @@ fn observer_gain(
     let angle = std::f64::consts::TAU / samples as f64;
     let reading = observer.rate.reading().unwrap_or(1);
     let sign = if observer.rate == Signal::RateError { -1.0 } else { 1.0 };
-    let mut parts = Parts::new(period_s, 1e9);
+    let mut parts = Parts::new(period_s, UNLIMITED_V);
     let alone = FrictionObserver { viscous_v_s_rad: 0.0, ..observer.clone() };
     parts.observers.push(alone);
     let mut runner = Controller::new(parts)?.runner();

@@ -19,12 +19,11 @@
 //! The search is a second-order cone program at the points of a grid. It is heuristic: what it finds is shown to hold between the
 //! points by [`Multiplier::proves`].
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use counterpoise_lti::linalg::{Cone, ConeProgram};
 use counterpoise_lti::{C64, CMat};
 
 use crate::structured::taylor::{Interval, Taylor};
-use crate::tolerance::{KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START};
+use crate::tolerance::{KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};
 
 /// What is known about the friction at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -316,39 +315,36 @@ pub fn search(
             each.iter().map(|alone| alone.form(at, over).map(|entry| entry.value)).collect();
         program.positive(&forms, size * size / most_size, joints);
     }
-    let x = program.solve()?;
-    let terms = kinds.iter().zip(&x).filter(|(_, weight)| **weight > 1e-9);
+    let x = program.0.solve().ok()?.x;
+    let terms = kinds.iter().zip(&x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
     let terms = terms.map(|((joint, kind), weight)| Term { joint: *joint, kind: *kind, weight: *weight });
     Some(Multiplier { terms: terms.collect(), reference_rad_s, joints })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.
-struct Program {
-    variables: usize,
-    rows: Vec<Vec<f64>>,
-    bound: Vec<f64>,
-    cones: Vec<SupportedConeT<f64>>,
-}
+struct Program(ConeProgram);
 
 impl Program {
     fn new(variables: usize) -> Self {
-        Self { variables, rows: Vec::new(), bound: Vec::new(), cones: Vec::new() }
+        let mut cost = vec![0.0; variables];
+        cost[variables - 1] = -1.0;
+        Self(ConeProgram::new(cost))
     }
 
-    fn row(&mut self, entries: &[(usize, f64)], bound: f64) {
-        let mut row = vec![0.0; self.variables];
+    /// Returns a row with the sum of some entries, the others 0.
+    fn row(&self, entries: &[(usize, f64)]) -> Vec<f64> {
+        let mut row = vec![0.0; self.0.variables()];
         entries.iter().for_each(|(k, value)| row[*k] += value);
-        self.rows.push(row);
-        self.bound.push(bound);
+        row
     }
 
     /// The weights are 0 or more, and 1 in sum.
     fn normalise(&mut self, weights: usize) {
         let all: Vec<(usize, f64)> = (0..weights).map(|k| (k, 1.0)).collect();
-        self.row(&all, 1.0);
-        self.cones.push(SupportedConeT::ZeroConeT(1));
-        (0..weights).for_each(|k| self.row(&[(k, -1.0)], 0.0));
-        self.cones.push(SupportedConeT::NonnegativeConeT(weights));
+        let sum = self.row(&all);
+        self.0.push(vec![sum], vec![1.0], Cone::Zero);
+        let each = (0..weights).map(|k| self.row(&[(k, -1.0)])).collect();
+        self.0.push(each, vec![0.0; weights], Cone::Nonnegative);
     }
 
     /// The kernels of a joint have together an absolute integral of at most its constant.
@@ -361,14 +357,14 @@ impl Program {
                 _ => None,
             })
             .collect();
-        self.row(&entries, 0.0);
-        self.cones.push(SupportedConeT::NonnegativeConeT(1));
+        let row = self.row(&entries);
+        self.0.push(vec![row], vec![0.0], Cone::Nonnegative);
     }
 
     /// The sum of the weighted forms less the last variable times `share` is positive: a + d >= |(a - d, 2 Re b, 2 Im b)|, in units of the largest
     /// entry.
     fn positive(&mut self, forms: &[[C64; 3]], share: f64, joints: usize) {
-        let last = self.variables - 1;
+        let last = self.0.variables() - 1;
         let most = forms.iter().flatten().map(|entry| entry.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let of = |pick: &dyn Fn(&[C64; 3]) -> f64| -> Vec<(usize, f64)> {
             forms.iter().enumerate().map(|(k, form)| (k, -pick(form) / most)).collect()
@@ -376,29 +372,18 @@ impl Program {
         if joints == 1 {
             let mut row = of(&|form| form[0].re);
             row.push((last, share / most));
-            self.row(&row, 0.0);
-            self.cones.push(SupportedConeT::NonnegativeConeT(1));
-            return;
+            let row = self.row(&row);
+            return self.0.push(vec![row], vec![0.0], Cone::Nonnegative);
         }
-        let mut row = of(&|form| form[0].re + form[1].re);
-        row.push((last, 2.0 * share / most));
-        self.row(&row, 0.0);
-        self.row(&of(&|form| form[0].re - form[1].re), 0.0);
-        self.row(&of(&|form| 2.0 * form[2].re), 0.0);
-        self.row(&of(&|form| 2.0 * form[2].im), 0.0);
-        self.cones.push(SupportedConeT::SecondOrderConeT(4));
-    }
-
-    /// The solution; `None` if the solver gives up.
-    fn solve(&self) -> Option<Vec<f64>> {
-        let settings = DefaultSettingsBuilder::default().verbose(false).build().ok()?;
-        let P = CscMatrix::zeros((self.variables, self.variables));
-        let A = CscMatrix::from(&self.rows);
-        let mut cost = vec![0.0; self.variables];
-        cost[self.variables - 1] = -1.0;
-        let mut solver = DefaultSolver::new(&P, &cost, &A, &self.bound, &self.cones, settings).ok()?;
-        solver.solve();
-        let good = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-        good.then(|| solver.solution.x.clone())
+        let mut sum = of(&|form| form[0].re + form[1].re);
+        sum.push((last, 2.0 * share / most));
+        let parts = [
+            sum,
+            of(&|form| form[0].re - form[1].re),
+            of(&|form| 2.0 * form[2].re),
+            of(&|form| 2.0 * form[2].im),
+        ];
+        let rows = parts.iter().map(|entries| self.row(entries)).collect();
+        self.0.push(rows, vec![0.0; parts.len()], Cone::SecondOrder);
     }
 }

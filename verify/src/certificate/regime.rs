@@ -6,7 +6,7 @@ use counterpoise_models::friction::FrictionModel;
 use super::elements::{Elements, Learning, Linear};
 use super::{Case, Subject};
 use crate::Error;
-use crate::tolerance::{GRID_LOWEST_HZ, GRID_POINTS, OPEN};
+use crate::tolerance::{GRID_LOWEST_HZ, GRID_POINTS, LARGEST_SENSITIVITY, OPEN};
 
 /// A regime in which the loop is linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,11 @@ impl RegimeLoop {
     /// Returns a number that orders regimes from far inside stability to far beyond: the largest sensitivity while stable, and more
     /// than any sensitivity beyond.
     pub fn severity(&self) -> f64 {
-        if self.pole_radius < 1.0 { self.max_sensitivity.min(1e12) } else { 1e12 * (2.0 + self.growth_per_s) }
+        if self.pole_radius < 1.0 {
+            self.max_sensitivity.min(LARGEST_SENSITIVITY)
+        } else {
+            LARGEST_SENSITIVITY * (2.0 + self.growth_per_s)
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use counterpoise_lti::{C64, Mat, StateSpace, lft, poles, series};
 
 use super::SampledPlant;
 use super::plant::{Resolver, port};
+use crate::tolerance::SAME_PERIOD;
 use crate::{Arrangement, Error};
 
 /// A loop that has been closed.
@@ -55,7 +56,7 @@ impl Closed {
 
 fn same_period(controller: &Controller, interface_s: f64) -> Result<(), Error> {
     let controller_s = controller.sample_period_s();
-    if (controller_s - interface_s).abs() <= 1e-9 * interface_s {
+    if (controller_s - interface_s).abs() <= SAME_PERIOD * interface_s {
         return Ok(());
     }
     Err(Error::Period { controller_s, interface_s })

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::tolerance::FLAT_EXPONENT;
 use crate::{Error, Road};
 
 /// A sine of a platform's motion.
@@ -156,7 +157,7 @@ pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
         let slope = (two[1][1] / two[0][1]).ln() / (two[1][0] / two[0][0]).ln();
         let at = two[0][1] * (from / two[0][0]).powf(slope);
         let (p, span) = (slope + 1.0, (to / from).ln());
-        at * from * if p.abs() * span < 1e-9 { span } else { (p * span).exp_m1() / p }
+        at * from * if p.abs() * span < FLAT_EXPONENT { span } else { (p * span).exp_m1() / p }
     };
     points.windows(2).map(piece).sum()
 }

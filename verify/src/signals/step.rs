@@ -2,7 +2,7 @@
 
 use super::{check_finite, check_length, mean};
 use crate::Error;
-use crate::tolerance::FEWEST_STEP_SAMPLES;
+use crate::tolerance::{EVEN_SPACING, FEWEST_STEP_SAMPLES};
 
 /// The response is settled once it stays within this fraction of the demand.
 pub const SETTLING_BAND: f64 = 0.05;
@@ -72,7 +72,7 @@ fn largest(time_s: &[f64], y: &[f64]) -> (f64, f64) {
     let (before, here, after) = (y[at - 1], y[at], y[at + 1]);
     let curvature = before - 2.0 * here + after;
     let (left, right) = (time_s[at] - time_s[at - 1], time_s[at + 1] - time_s[at]);
-    if curvature >= 0.0 || (left - right).abs() > 1e-6 * left {
+    if curvature >= 0.0 || (left - right).abs() > EVEN_SPACING * left {
         return (time_s[at], here);
     }
     let shift = 0.5 * (before - after) / curvature;

@@ -7,7 +7,7 @@ use realfft::RealFftPlanner;
 
 use super::{check_finite, check_length, mean};
 use crate::Error;
-use crate::tolerance::FEWEST_SAMPLES_A_SEGMENT;
+use crate::tolerance::{FEWEST_DEGREES_OF_FREEDOM, FEWEST_SAMPLES_A_SEGMENT};
 
 /// Squared correlation of neighbouring Hann segments that overlap by half: (1/6)^2.
 const OVERLAP_CORRELATION: f64 = 1.0 / 36.0;
@@ -167,7 +167,7 @@ impl Sums {
         let one_sided =
             |k: usize| if k == 0 || k == last { density / segments } else { 2.0 * density / segments };
         let independent = segments / (1.0 + 2.0 * OVERLAP_CORRELATION * (segments - 1.0) / segments);
-        let freedom = (2.0 * independent - 2.0).max(1e-3);
+        let freedom = (2.0 * independent - 2.0).max(FEWEST_DEGREES_OF_FREEDOM);
         let quantile = (1.0 - confidence).powf(-2.0 / freedom) - 1.0;
         let coherence: Vec<f64> =
             (0..=last).map(|k| coherence_of(self.xx[k], self.yy[k], self.xy[k])).collect();

@@ -7,7 +7,7 @@ use super::factor::Factor;
 use super::problem::{Destabilising, Problem, Scanned};
 use crate::Error;
 use crate::robust::Varied;
-use crate::tolerance::{LIMIT_NEARNESS, NEAREST_CANDIDATES};
+use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
 
 /// The least widening of the ranges that was found to destabilise, each perturbation closed with the sampled loop.
 ///
@@ -71,7 +71,7 @@ impl Search<'_, '_> {
             for end in [-1.0, 1.0] {
                 let mut other = candidate.clone();
                 other.deltas[k] = end;
-                let closer = self.unstable(&other, (1.0 - 1e-4) * scale)?;
+                let closer = self.unstable(&other, (1.0 - LIMIT_GAIN) * scale)?;
                 if let Some(less) = if closer { self.limit(&other, scale)? } else { None } {
                     (candidate, scale) = (other, less.min(scale));
                 }

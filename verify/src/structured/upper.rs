@@ -16,7 +16,7 @@ use super::blocks::Block;
 use super::hermitian::Factor;
 use crate::tolerance::{
     SCALING_BEHIND, SCALING_DECREMENT, SCALING_FIRST, SCALING_FLOOR, SCALING_GAIN, SCALING_NEAR,
-    SCALING_NEWTON, SCALING_REGULAR, SCALING_STEPS,
+    SCALING_NEWTON, SCALING_REGULAR, SCALING_SHORTEST_STEP, SCALING_STEPS,
 };
 
 /// An upper bound with what proves it.
@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
     fn advance(&mut self, step: &[f64], decrement: f64) -> bool {
         let Some(here) = self.barrier(&self.D, &self.G) else { return false };
         let mut length = 1.0;
-        while length > 1e-6 {
+        while length > SCALING_SHORTEST_STEP {
             let (D, G) = self.moved(step, length);
             if self.barrier(&D, &G).is_some_and(|there| there < here - 0.1 * length * decrement) {
                 (self.D, self.G) = (D, G);

@@ -15,8 +15,8 @@ use counterpoise_lti::{C64, CMat};
 use super::blocks::Block;
 use super::{Perturbation, Structure};
 use crate::tolerance::{
-    ASCENT_ROUNDS, CROSSING_RAISES, PHASE_NEARNESS, ROUGH_PHASE, SEARCH_BEGINNINGS, SEARCH_SHRINKS,
-    TRIED_LEVELS, TRIED_PHASES,
+    ASCENT_ROUNDS, CROSSING_NEARNESS, CROSSING_RAISES, PHASE_NEARNESS, ROUGH_PHASE, SEARCH_BEGINNINGS,
+    SEARCH_SHRINKS, TRIED_LEVELS, TRIED_PHASES,
 };
 
 /// A perturbation of least size x near 1 / `upper`, from a start of the real parameters, none of which leaves its reach; none without one or two complex blocks, or
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
                 return None;
             }
         }
-        while high - low > 1e-9 * high {
+        while high - low > CROSSING_NEARNESS * high {
             let middle = 0.5 * (low + high);
             if enough(middle) { high = middle } else { low = middle }
         }
