@@ -1,7 +1,10 @@
 //! The example projects, as the suites that try every one of them read them.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock};
 
+use counterpoise_pipeline::{Modelled, Synthesised, model, reduce, synthesise};
 use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 
 use crate::workspace::root;
@@ -49,9 +52,30 @@ pub fn resolved(path: &Path, purpose: Purpose) -> Result<Project, Vec<Diagnostic
     Ok(Project::resolve_for(&document, &attached, purpose)?.project)
 }
 
-/// Reads an example whose machine is to be controlled, with everything decided that its file leaves to the program. Returns `None` for
-/// an example that asks for no design and tells of recordings or of measured modes instead.
-pub fn controlled(path: &Path, purpose: Purpose) -> Option<Project> {
+/// An example with the design of its controller.
+#[derive(Debug)]
+pub struct Designed {
+    /// The project, with everything decided that its file leaves to the program.
+    pub project: Project,
+    /// The plant.
+    pub modelled: Modelled,
+    /// The design and its sampled controller.
+    pub made: Synthesised,
+}
+
+type Kept = Arc<OnceLock<Option<Arc<Designed>>>>;
+
+/// The designs that this program has computed.
+static DESIGNS: Mutex<BTreeMap<PathBuf, Kept>> = Mutex::new(BTreeMap::new());
+
+/// Returns the design of an example whose machine is to be controlled; it is computed once in a program. Returns `None` for an example that asks for no design and tells of recordings or of measured modes instead.
+pub fn designed(path: &Path) -> Option<Arc<Designed>> {
+    let key = path.canonicalize().unwrap();
+    let kept = DESIGNS.lock().unwrap().entry(key).or_default().clone();
+    kept.get_or_init(|| compute(path).map(Arc::new)).clone()
+}
+
+fn compute(path: &Path) -> Option<Designed> {
     let project = resolved(path, Purpose::Model).unwrap();
     let tells_of_data = project.recording_controller.is_some()
         || project.measured.is_some()
@@ -59,5 +83,8 @@ pub fn controlled(path: &Path, purpose: Purpose) -> Option<Project> {
     if project.synth.is_none() && tells_of_data {
         return None;
     }
-    Some(decided(resolved(path, purpose).unwrap(), &world(path)))
+    let project = decided(resolved(path, Purpose::Export).unwrap(), &world(path));
+    let modelled = model(&project).unwrap();
+    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+    Some(Designed { project, modelled, made })
 }

@@ -203,7 +203,8 @@ fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
 }
 
 /// Where the points of an amplifier's curve lie is found with it: the improved model follows what it has not seen, with fewer points
-/// than one every 0.1 V.
+/// than one every 0.1 V. It takes minutes, so `.ci/evidence` runs it.
+#[cfg(feature = "evidence")]
 #[test]
 fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
     let Some(folder) = practice("p03") else { return };

@@ -8,6 +8,7 @@ use counterpoise_diagnose::findings::answer::Answer;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::sealed::row::recordings;
+use counterpoise_tests::sealed::table::upper_bound;
 use counterpoise_tests::sealed::{Family, Sealed, case, controller};
 
 struct Threads;
@@ -64,4 +65,13 @@ fn a_name_never_makes_data_worse_that_was_not_fitted() {
         }
     }
     println!("{good} of {all} right");
+}
+
+#[test]
+fn upper_bound_of_a_rate() {
+    // none of n: 1 - 0.05^(1 / n); 2 of 49 and 1 of 15 as the beta distribution's quantiles have them
+    assert!((upper_bound(0, 49) - (1.0 - 0.05f64.powf(1.0 / 49.0))).abs() < 1e-9);
+    assert!((upper_bound(2, 49) - 0.122_97).abs() < 1e-4, "{}", upper_bound(2, 49));
+    assert!((upper_bound(1, 15) - 0.279_4).abs() < 1e-4, "{}", upper_bound(1, 15));
+    assert_eq!(upper_bound(0, 0), 1.0);
 }

@@ -158,15 +158,39 @@ fn every_crate_lists_its_modules_on_its_first_page() {
 
 #[test]
 fn every_dependency_is_used() {
-    for folder in members().iter().filter(|folder| *folder != "tests") {
+    // `features` depends on packages for their features alone
+    for folder in members().iter().filter(|folder| !["tests", "features"].contains(&folder.as_str())) {
         let manifest = manifest(folder);
         let Some(dependencies) = manifest.get("dependencies") else { continue };
         let sources: String = rust_files(&root().join(folder).join("src"))
             .iter()
             .map(|file| fs::read_to_string(file).unwrap())
             .collect();
-        for name in dependencies.as_table().unwrap().keys() {
+        for name in dependencies.as_table().unwrap().keys().filter(|name| *name != "counterpoise-features") {
             assert!(sources.contains(&name.replace('-', "_")), "{folder} does not use {name}");
+        }
+    }
+}
+
+#[test]
+fn crates_that_run_no_unit_tests_have_none() {
+    for folder in members() {
+        let manifest = manifest(&folder);
+        let runs = manifest
+            .get("lib")
+            .and_then(|lib| lib.get("test"))
+            .is_none_or(|test| test.as_bool() != Some(false));
+        if runs {
+            continue;
+        }
+        for file in rust_files(&root().join(&folder).join("src")) {
+            let text = fs::read_to_string(&file).unwrap();
+            let has_tests = text.lines().any(|line| line.trim_start().starts_with("#[cfg(test)]"));
+            assert!(
+                !has_tests,
+                "{}: [lib] test = false in {folder}/Cargo.toml: its tests would not run",
+                file.display()
+            );
         }
     }
 }

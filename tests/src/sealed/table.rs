@@ -193,17 +193,3 @@ fn reliability(rows: &[Row], low: f64, high: f64) -> String {
         share(right, here.len())
     )
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn upper_bound_of_a_rate() {
-        // none of n: 1 - 0.05^(1 / n); 2 of 49 and 1 of 15 as the beta distribution's quantiles have them
-        assert!((upper_bound(0, 49) - (1.0 - 0.05f64.powf(1.0 / 49.0))).abs() < 1e-9);
-        assert!((upper_bound(2, 49) - 0.122_97).abs() < 1e-4, "{}", upper_bound(2, 49));
-        assert!((upper_bound(1, 15) - 0.279_4).abs() < 1e-4, "{}", upper_bound(1, 15));
-        assert_eq!(upper_bound(0, 0), 1.0);
-    }
-}

@@ -1,8 +1,4 @@
 //! Controller and plant as FMI 3.0 units, closed into a loop by FMPy, against the studio's own loop.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
-
-#[path = "../../export/tests/support/mod.rs"]
-mod support;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,11 +12,12 @@ use counterpoise_lti::{Mat, StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::{Attachments, Document, Project, Purpose, Setting};
+use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
-use support::{STRICT, folder, is_there, provenance, run, write};
+
+use crate::support::{self, STRICT, folder, is_there, provenance, run, write};
 
 /// Two sines that begin without a slope: the unit goes on in the straight line through its last two inputs, and at the
 /// start there is only one.
@@ -73,14 +70,11 @@ fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &
     }
 }
 
-/// Writes the loop of an example; false where it has no controller.
-fn written(path: &Path, folder: &Path) -> bool {
-    let Some(project) = examples::controlled(path, Purpose::Export) else { return false };
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
-    let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;
-    write_loop(folder, &modelled.plant, &controller, &scenario());
-    true
+/// Writes the loop of an example, or nothing if it has no controller.
+fn write_example(path: &Path, folder: &Path) {
+    if let Some(designed) = examples::designed(path) {
+        write_loop(folder, &designed.modelled.plant, &designed.made.sampled.controller, &scenario());
+    }
 }
 
 /// Closes the loops in FMPy; each must be the studio's.
@@ -99,13 +93,12 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
         return support::skipped("no C compiler");
     }
     let all = folder("fmi_loop");
-    let mut folders = Vec::new();
-    for path in examples::files() {
-        let folder = all.join(examples::name(&path));
-        if written(&path, &folder) {
-            folders.push(folder);
-        }
-    }
+    let files = examples::files();
+    let place = |path: &PathBuf| all.join(examples::name(path));
+    counterpoise_tests::in_parallel(files.len(), &|k| {
+        write_example(&files[k], &place(&files[k]));
+    });
+    let folders: Vec<PathBuf> = files.iter().map(place).filter(|folder| folder.is_dir()).collect();
     assert!(folders.len() >= 14, "{folders:?}");
     in_fmpy(&folders);
 }

@@ -1,0 +1,14 @@
+//! What holds for every shipped example: its design, its requirements, its code, its FMI units, and how it bears faults. The suites stand in one
+//! program, so that the design of an example is computed once for all of them.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
+
+#[path = "../../../export/tests/support/mod.rs"]
+mod support;
+
+#[path = "../../../export/tests/support/target.rs"]
+mod target;
+
+mod exported_code;
+mod fault_injection;
+mod fmi_units;
+mod requirements;
