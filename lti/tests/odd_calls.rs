@@ -59,7 +59,10 @@ fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64)
     let cost = move || Cost { Q: E, R: &h.D, S: &g.B };
     vec![
         ("c2d_delayed", Box::new(move || drop(c2d_delayed(g, x, y)))),
-        ("c2d of any period", Box::new(move || drop(c2d(g, x, Discretisation::Tustin { prewarp_rad_s: Some(y) })))),
+        (
+            "c2d of any period",
+            Box::new(move || drop(c2d(g, x, Discretisation::Tustin { prewarp_rad_s: Some(y) }))),
+        ),
         ("margins_with_delay", Box::new(move || drop(margins_with_delay(g, x.clamp(-1.0, 10.0))))),
         ("multiloop_margins", Box::new(move || drop(multiloop_margins(g)))),
         ("place", Box::new(move || drop(place(&g.A, &g.B, &wanted)))),
@@ -74,13 +77,36 @@ fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64)
         ("obsv_gramian", Box::new(move || drop(obsv_gramian(g)))),
         ("ctrb_factor", Box::new(move || drop(ctrb_factor(g)))),
         ("obsv_factor", Box::new(move || drop(obsv_factor(g)))),
-        ("Zpk", Box::new(move || drop(Zpk { zeros: vec![], poles: roots.clone(), gain: y, timebase: g.timebase }.to_state_space()))),
-        ("TransferFunction", Box::new(move || drop(TransferFunction::new(&[x, y], &[y, x, 1.0], g.timebase).map(|t| t.to_state_space())))),
-        ("Named", Box::new(move || drop(Named::new(g.clone(), &["u"], &["y"]).map(|block| connect(&[block], &["u", "r"], &["y"]))))),
+        (
+            "Zpk",
+            Box::new(move || {
+                drop(
+                    Zpk { zeros: vec![], poles: roots.clone(), gain: y, timebase: g.timebase }
+                        .to_state_space(),
+                )
+            }),
+        ),
+        (
+            "TransferFunction",
+            Box::new(move || {
+                drop(TransferFunction::new(&[x, y], &[y, x, 1.0], g.timebase).map(|t| t.to_state_space()))
+            }),
+        ),
+        (
+            "Named",
+            Box::new(move || {
+                drop(
+                    Named::new(g.clone(), &["u"], &["y"]).map(|block| connect(&[block], &["u", "r"], &["y"])),
+                )
+            }),
+        ),
         ("lsim", Box::new(move || drop(lsim(g, &h.B, Some(&[x]))))),
         ("step of any time", Box::new(move || drop(step(g, x, 0)))),
         ("scale_io", Box::new(move || drop(g.scale_io(&[x], &[y])))),
-        ("Descriptor", Box::new(move || drop(Descriptor::new(h.A.clone(), g.clone()).map(|d| d.to_state_space())))),
+        (
+            "Descriptor",
+            Box::new(move || drop(Descriptor::new(h.A.clone(), g.clone()).map(|d| d.to_state_space()))),
+        ),
     ]
 }
 

@@ -108,7 +108,10 @@ fn call_all(seed: u64) -> Option<&'static str> {
         ("split_by", Box::new(|| drop(split_by(&g, |pole: C64| pole.im > 0.0)))),
         ("modal_truncation", Box::new(|| drop(modal_truncation(&g, tolerance, Residual::MatchDc)))),
         ("error_norm", Box::new(|| drop(error_norm(&g, &h)))),
-        ("weighted_balred", Box::new(|| drop(weighted_balred(&g, Weights { output: &h, input: &w }, order, method)))),
+        (
+            "weighted_balred",
+            Box::new(|| drop(weighted_balred(&g, Weights { output: &h, input: &w }, order, method))),
+        ),
         ("reduce_controller", Box::new(|| drop(reduce_controller(&g, &h, order, method)))),
         ("guyan", Box::new(|| drop(guyan(&s, &[0, count])))),
         ("modal_basis", Box::new(|| drop(modal_basis(&s, count)))),

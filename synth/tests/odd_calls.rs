@@ -138,7 +138,10 @@ fn from_matrices(seed: u64) -> Option<&'static str> {
         ("Weight", Box::new(|| drop((w.realise(), w.realise_inverse(), w.magnitude(x), w.meaning("rate"))))),
         ("fit_table", Box::new(|| drop(fit_table(&table, controls)))),
         ("of no table", Box::new(|| drop(fit_table(&[], measurements)))),
-        ("of_blocks", Box::new(|| drop(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)]))))),
+        (
+            "of_blocks",
+            Box::new(|| drop(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)])))),
+        ),
     ];
     panicking(&calls)
 }
@@ -151,7 +154,10 @@ fn from_plants(seed: u64, rig: &DesignPlant) -> Option<&'static str> {
     let calls: Vec<Call> = vec![
         ("preflight", Box::new(|| drop(preflight(&plant, &weights)))),
         ("feedback", Box::new(|| drop(feedback(&plant, &weights.feedback, weights.reference)))),
-        ("feedforward", Box::new(|| drop(weights.heave.as_ref().map(|w| feedforward(&plant, w, Channel::Heave))))),
+        (
+            "feedforward",
+            Box::new(|| drop(weights.heave.as_ref().map(|w| feedforward(&plant, w, Channel::Heave)))),
+        ),
         ("design", Box::new(|| drop(design(&plant, &weights).map(|made| discretise(&made, &sampling))))),
         ("sampled_plant", Box::new(|| drop(sampled_plant(&plant, &sampling)))),
     ];

@@ -134,7 +134,8 @@ fn square_norm(found: Result<f64, counterpoise_lti::Error>) -> Answer {
 }
 
 fn bounds(problem: &Value) -> Answer {
-    let found = text(counterpoise_lti::linfnorm_bounds(&system(problem)?, number(problem, "tolerance", 1e-10)))?;
+    let found =
+        text(counterpoise_lti::linfnorm_bounds(&system(problem)?, number(problem, "tolerance", 1e-10)))?;
     Ok(json!({ "value": found.lower.value, "rate": found.lower.rate_rad_s, "upper": found.upper }))
 }
 

@@ -12,7 +12,7 @@ import wide_families
 import wide_references
 from hard_families import rng
 
-FLOOR = dict(mzeros=1e-10, bounds=1e-9, mh2=1e-10, c2d=1e-10, c2d_delayed=1e-10, balred=1e-9, minimal=0.5)
+FLOOR = dict(delayed=1e-8, mzeros=1e-10, bounds=1e-9, mh2=1e-10, c2d=1e-10, c2d_delayed=1e-10, balred=1e-9, minimal=0.5)
 
 
 def problems(kind, seed, only):

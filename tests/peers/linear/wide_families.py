@@ -356,6 +356,37 @@ def m_delay_line(r):
     return dict(A=A, B=B, C=C, D=np.zeros((1, 1)), period=10.0 ** -r.uniform(0, 5))
 
 
+def with_delay(make):
+    """A loop with a delay of about its slowest or its fastest time."""
+    def made(r):
+        p = make(r)
+        sizes = np.abs(np.linalg.eigvals(p['A']))
+        sizes = sizes[sizes > 1e-9]
+        rate = float(np.exp(r.uniform(np.log(sizes.min()), np.log(sizes.max())))) if len(sizes) else 1.0
+        gain = 10.0 ** r.uniform(-2, 2)
+        return dict(p, C=p['C'] * gain, D=p['D'] * min(gain, 1e-3), delay=10.0 ** r.uniform(-2, 0.3) / rate, kind='delayed')
+    return made
+
+
+def t_lag(r):
+    """One to three lags, with an integrator or without."""
+    n = int(r.integers(1, 4))
+    poles = -10.0 ** r.uniform(-1, 1, n)
+    poles[0] = 0.0 if r.random() < 0.5 else poles[0]
+    return cascade(poles, [], float(np.prod(np.where(poles == 0, 1, np.abs(poles)))))
+
+
+def t_modes(r):
+    """Modes within two decades."""
+    k = int(r.integers(1, 4))
+    w, z = 10.0 ** r.uniform(-1, 1, k), 10.0 ** r.uniform(-3, -0.5)
+    A, B, C = np.zeros((2 * k, 2 * k)), np.zeros((2 * k, 1)), np.zeros((1, 2 * k))
+    for i in range(k):
+        A[2 * i:2 * i + 2, 2 * i:2 * i + 2] = [[0, 1], [-w[i] ** 2, -2 * z * w[i]]]
+        B[2 * i + 1], C[0, 2 * i] = 1.0, w[i] ** 2 * r.uniform(0.2, 1)
+    return dict(A=A, B=B, C=C, D=np.zeros((1, 1)))
+
+
 # --- systems with several inputs and outputs -----------------------------------------------------------------------------------
 
 def z_planted(r):
@@ -529,6 +560,7 @@ FAMILIES = {
     'zeros': dict(long=s_long, issue=s_issue, direct=s_direct, light=s_light, sampled=sampled(s_dense), planted=z_planted, square=z_square,
                   structure=z_structure),
     'margins': dict(issue=m_issue, delay_line=m_delay_line, direct=s_direct, light=s_light, sampled=sampled(s_dense), long=s_long),
+    'delayed': dict(lags=with_delay(t_lag), modes=with_delay(t_modes)),
     'norms': dict(dense=of_kind('bounds', n_dense), graded=of_kind('bounds', n_graded), modes=of_kind('bounds', n_modes),
                   error=of_kind('bounds', n_error), sampled=of_kind('bounds', n_sampled)),
     'mh2': dict(dense=of_kind('mh2', without_direct(n_dense)), graded=of_kind('mh2', without_direct(n_graded)),

@@ -134,6 +134,61 @@ def mzeros(problem):
     return dict(exists=True, values=values, condition=1e5 if times == 1 else (EPS ** (1 / times)) / EPS * 100)
 
 
+# --- loops with a delay --------------------------------------------------------------------------------------------------------
+
+LEAST = 1e-3  # a crossing of the negative axis at a smaller gain is not asked for
+
+
+def delayed(problem):
+    """All crossings of the unit circle and of the negative axis, from the exact roots, on a fine grid and by bisection."""
+    from scipy.optimize import brentq
+    N, D = hard.polynomials(problem)
+    zeros, poles = ([complex(r) for r in hard.roots(P)] if P.degree() > 0 else [] for P in (N, D))
+    lead, delay = float(flint.arb(N[N.degree()] / D[D.degree()])), problem['delay']
+    def log_gain_and_phase(w):
+        s = 1j * np.atleast_1d(np.asarray(w, float))
+        gain, phase = np.log(abs(lead)) + 0 * s.real, (np.pi if lead < 0 else 0.0) - s.imag * delay
+        for roots, sign in ((zeros, 1), (poles, -1)):
+            for root in roots:
+                gain = gain + sign * np.log(np.maximum(np.abs(s - root), 1e-300))
+                phase = phase + sign * np.angle(s - root)
+        return gain, phase
+    sizes = [abs(r) for r in zeros + poles if abs(r) > 1e-9] or [1.0]
+    top = max(sizes) * 10
+    while log_gain_and_phase(top)[0][0] > np.log(LEAST) and top < 1e12:
+        top *= 2
+    grid = np.unique(np.r_[np.logspace(np.log10(min(sizes)) - 7, np.log10(top), 40000), np.linspace(0, top, min(400000, int(40 * top * delay) + 1000))[1:]]
+                     + [0.0])
+    grid = np.unique(np.r_[grid, *[np.abs(r.imag) + np.linspace(-30, 30, 2001) * max(abs(r.real), 1e-9 * abs(r)) for r in zeros + poles]])
+    grid = grid[(grid > 0) & (grid <= top)]
+    gain, phase = log_gain_and_phase(grid)
+    turned = (phase + np.pi) / (2 * np.pi)  # whole numbers are crossings of the negative axis
+    root = lambda f, k: brentq(f, grid[k], grid[k + 1], xtol=1e-300, rtol=1e-14)
+    circle = [root(lambda w: log_gain_and_phase(w)[0][0], k) for k in np.nonzero(np.diff(np.sign(gain)))[0]]
+    axis = []
+    for k in np.nonzero(np.floor(turned[1:]) != np.floor(turned[:-1]))[0]:
+        if abs(turned[k + 1] - turned[k]) > 0.3:
+            continue  # a pole on the axis, where the phase jumps
+        level = max(np.floor(turned[k]), np.floor(turned[k + 1]))
+        w = root(lambda w: (log_gain_and_phase(w)[1][0] + np.pi) / (2 * np.pi) - level, k)
+        if log_gain_and_phase(w)[0][0] > np.log(LEAST):
+            axis.append(w)
+    return dict(exists=True, phase=circle, gain=axis, condition=1e5)
+
+
+def delayed_error(answer, reference, problem):
+    """The largest relative error of a crossing; one too many or too few counts as 1."""
+    if 'phase' not in answer:
+        return float('inf')
+    worst = 0.0
+    for ours, exact in (([p[1] for p in answer['phase']], reference['phase']), ([g[1] for g in answer['gain'] if g[0] < 0.999 / LEAST], reference['gain'])):
+        ours = [w for w in ours if w and w > 0]
+        if len(ours) != len(exact):
+            return 1.0
+        worst = max([worst] + [abs(a / b - 1) for a, b in zip(sorted(ours), sorted(exact))])
+    return worst
+
+
 # --- norms ---------------------------------------------------------------------------------------------------------------
 
 def matrices(problem, random=None):
@@ -413,6 +468,6 @@ def minimal_error(answer, reference, problem):
     return 0.0 if 'A' in answer and len(answer['A']) == reference['order'] else 1.0
 
 
-KINDS = dict(mzeros=mzeros, bounds=bounds, mh2=h2, c2d=c2d, c2d_delayed=c2d, balred=balred, minimal=minimal)
-ERRORS = dict(mzeros=lambda answer, reference, _: hard.zeros_error(answer, reference), bounds=bounds_error, mh2=h2_error, c2d=c2d_error,
+KINDS = dict(delayed=delayed, mzeros=mzeros, bounds=bounds, mh2=h2, c2d=c2d, c2d_delayed=c2d, balred=balred, minimal=minimal)
+ERRORS = dict(delayed=delayed_error, mzeros=lambda answer, reference, _: hard.zeros_error(answer, reference), bounds=bounds_error, mh2=h2_error, c2d=c2d_error,
               c2d_delayed=c2d_error, balred=balred_error, minimal=minimal_error)
