@@ -249,3 +249,9 @@ pub const EXPM_BALANCE_GAIN: f64 = 0.5;
 
 /// Refinements of the solution by the residual in twice the working precision.
 pub const GENERALISED_SYLVESTER_REFINEMENTS: usize = 4;
+
+/// Refinements of a transfer matrix at most: each gains as many digits as the condition number leaves of sixteen.
+pub const TRANSFER_REFINEMENTS: usize = 10;
+
+/// The states of a transfer matrix are settled if a refinement is below this share of them: they are then known to 32 digits.
+pub const TRANSFER_SETTLED: f64 = 1e-20;

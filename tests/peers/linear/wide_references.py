@@ -171,7 +171,7 @@ def delayed(problem):
             continue  # a pole on the axis, where the phase jumps
         level = max(np.floor(turned[k]), np.floor(turned[k + 1]))
         w = root(lambda w: (log_gain_and_phase(w)[1][0] + np.pi) / (2 * np.pi) - level, k)
-        if log_gain_and_phase(w)[0][0] > np.log(LEAST):
+        if log_gain_and_phase(w)[0][0] > np.log(LEAST / 0.99):
             axis.append(w)
     return dict(exists=True, phase=circle, gain=axis, condition=1e5)
 
@@ -181,7 +181,7 @@ def delayed_error(answer, reference, problem):
     if 'phase' not in answer:
         return float('inf')
     worst = 0.0
-    for ours, exact in (([p[1] for p in answer['phase']], reference['phase']), ([g[1] for g in answer['gain'] if g[0] < 0.999 / LEAST], reference['gain'])):
+    for ours, exact in (([p[1] for p in answer['phase']], reference['phase']), ([g[1] for g in answer['gain'] if g[0] < 0.99 / LEAST], reference['gain'])):
         ours = [w for w in ours if w and w > 0]
         if len(ours) != len(exact):
             return 1.0
@@ -428,18 +428,25 @@ def balred_error(answer, reference, problem):
     if reference.get('rigid'):
         if answer['untouched'] != problem['rigid']:
             return 1.0
-        rates = np.r_[np.logspace(-3, 5, 25)]
-        system, sizes = matrices(pair), matrices(problem)
-        gains = [(float(gain(system, flint.acb(0, w))), float(gain(sizes, flint.acb(0, w)))) for w in rates]
-        return 1.0 if any(g > answer['measured'] * (1 + 1e-6) + 1e-9 * of for g, of in gains) else 0.0
+        systems = [matrices(M) for M in (pair, problem, rounded_difference(problem))]
+        gains = [[float(gain(system, flint.acb(0, w))) for system in systems] for w in np.logspace(-3, 5, 25)]
+        return 1.0 if any(g > answer['measured'] * (1 + 1e-6) + 1e-9 * of + 1e3 * noise for g, of, noise in gains) else 0.0
     exact = reference['hankel']
     if len(answer['hankel']) != len(exact):
         return 1.0
     first = max(exact[0], 1e-300)
     real = float(norm(pair)) if answer['kept'] else None
-    low = real is not None and answer['measured'] < real * (1 - 1e-6) - 1e-11 * first
-    loose = answer['bound'] is not None and answer['bound'] < answer['measured'] * (1 - 1e-6) - 1e-11 * first
+    noise = 1e2 * float(norm(rounded_difference(problem))) + 1e-11 * first
+    low = real is not None and answer['measured'] < real * (1 - 1e-6) - noise
+    loose = answer['bound'] is not None and answer['bound'] < answer['measured'] * (1 - 1e-6) - noise
     return 1.0 if low or loose else max(abs(a - b) for a, b in zip(answer['hankel'], exact)) / first
+
+
+def rounded_difference(problem):
+    """The system minus itself with every entry changed by one rounding."""
+    r = np.random.default_rng(5)
+    change = lambda key: (lambda M: M * (1 + 2.0 ** -52 * r.integers(-1, 2, M.shape)))(np.atleast_2d(np.array(problem[key], float)))
+    return difference(problem, {key: change(key).tolist() for key in 'ABCD'})
 
 
 def difference(problem, answer):
