@@ -32,8 +32,13 @@ fn printed(name: &str, arguments: &[&str]) -> Vec<Vec<u8>> {
     let run = |(k, variables): (usize, &[(&str, &str); 5])| {
         let mut command = counterpoise();
         command.args(arguments).arg("-q").envs(variables.iter().copied());
-        let output = command.current_dir(support::folder(&format!("surroundings_{name}_{k}"))).output().unwrap();
-        assert!(output.stderr.is_empty() && !output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+        let output =
+            command.current_dir(support::folder(&format!("surroundings_{name}_{k}"))).output().unwrap();
+        assert!(
+            output.stderr.is_empty() && !output.stdout.is_empty(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
         output.stdout
     };
     SURROUNDINGS.iter().enumerate().map(run).collect()

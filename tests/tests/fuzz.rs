@@ -135,7 +135,8 @@ fn generated(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
 
 /// What no text of a project may add to a file: what ends a comment, an attribute or a line, in any of the languages.
 const ENDS: [&str; 18] = [
-    "*/", "/*", "??/", "\\", "\u{2028}", "\u{2029}", "\u{85}", "\r", "\0", "\u{b}", "\u{c}", "\"", "<", "-->", "]]>", "&", "{", "(*",
+    "*/", "/*", "??/", "\\", "\u{2028}", "\u{2029}", "\u{85}", "\r", "\0", "\u{b}", "\u{c}", "\"", "<",
+    "-->", "]]>", "&", "{", "(*",
 ];
 
 #[test]

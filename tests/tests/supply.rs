@@ -25,7 +25,9 @@ fn locked() -> BTreeSet<(String, String)> {
         let line = block.lines().find_map(|line| line.strip_prefix(&format!("{key} = \"")))?;
         line.strip_suffix('"').map(str::to_owned)
     };
-    text.split("[[package]]").filter_map(|block| Some((field(block, "name")?, field(block, "version")?))).collect()
+    text.split("[[package]]")
+        .filter_map(|block| Some((field(block, "name")?, field(block, "version")?)))
+        .collect()
 }
 
 #[test]
@@ -48,7 +50,9 @@ fn the_bill_of_materials_lists_every_crate_with_licence_and_checksum() {
     let page = fs::read_to_string(root().join("docs/evidence/dependencies.md")).unwrap();
     let counted = format!("{} crates", components.len());
     assert!(page.contains(&counted), "docs/evidence/dependencies.md does not say {counted}");
-    for listed in page.lines().filter(|line| line.starts_with("| `")).filter_map(|line| line.split('|').nth(1)) {
+    for listed in
+        page.lines().filter(|line| line.starts_with("| `")).filter_map(|line| line.split('|').nth(1))
+    {
         for name in listed.split('`').skip(1).step_by(2) {
             assert!(components.iter().any(|component| component["name"] == name), "{name} is not linked");
         }
