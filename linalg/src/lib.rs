@@ -8,7 +8,7 @@
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
 //! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`stability`].
+//! [`stability`], [`refined`] (a transfer matrix to the last digits).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};

@@ -45,7 +45,7 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
         let (re, im) = (rest.0.rounded(), rest.1.rounded());
         let step = csolve(&shifted, &CMat::from_fn(n, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))?;
         let size = step.as_slice().iter().map(C64::norm_sqr).sum::<f64>().sqrt();
-        if !(size < 0.5 * last) {
+        if size.is_nan() || size >= 0.5 * last {
             break;
         }
         last = size;

@@ -112,9 +112,12 @@ impl Data {
             ("gcare", Box::new(move || drop(gcare(A, C, B, &weights(None))))),
             ("gdare", Box::new(move || drop(gdare(A, C, B, &weights(Some(S)))))),
             ("pencil_roots", Box::new(move || drop(pencil_roots(A, &scales, &starts)))),
-            ("eigenvalue_separation", Box::new(move || drop(eigenvalue_separation(&other, &[])))),
+            (
+                "eigenvalue_separation",
+                Box::new(move || assert!(!eigenvalue_separation(&other, &[]).is_nan())),
+            ),
             ("transpose_times", Box::new(|| drop(transpose_times(A, B)))),
-            ("rank_tolerance", Box::new(|| drop(rank_tolerance(B)))),
+            ("rank_tolerance", Box::new(|| drop(rank(B, rank_tolerance(B))))),
             ("sparse", Box::new(|| drop(sparse_calls(A, Q)))),
         ]
     }
@@ -161,8 +164,7 @@ fn sparse_calls(A: &Mat, Q: &Mat) -> Result<(), Error> {
     drop(SparseCholesky::of(&M));
     let entry = sparse::Entry { row: A.nrows(), col: 0, value: 1.0 };
     drop(Sparse::from_entries(A.nrows(), A.ncols(), &[entry]));
-    drop(sparse::count_below(&K, &M, 1.0)?);
-    Ok(())
+    sparse::count_below(&K, &M, 1.0).map(|_| ())
 }
 
 /// Calls every routine; the names of those that panic.
