@@ -3,7 +3,10 @@
 use crate::error::During;
 use crate::norms::{Peak, gains};
 use crate::response::Response;
-use crate::tolerance::{CLIMB_ROUNDS, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM, SUMMITS};
+use crate::tolerance::{
+    CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM,
+    SUMMITS,
+};
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
 
@@ -43,9 +46,12 @@ impl Level {
         &self.eigenvalues
     }
 
-    /// The frequencies of all eigenvalues, ascending.
-    fn all_frequencies(&self) -> Vec<f64> {
-        let mut rates: Vec<f64> = self.eigenvalues.iter().flat_map(|s| [s.im.abs(), s.norm()]).collect();
+    /// The frequencies of all eigenvalues that rounding may have moved off the axis, ascending.
+    fn doubtful_frequencies(&self) -> Vec<f64> {
+        let near = DOUBTFUL_NORM * self.matrix.norm_fro();
+        let is_doubtful = |s: &&C64| s.im >= 0.0 && s.re >= 0.0 && s.re <= DOUBTFUL_SHARE * s.norm() + near;
+        let doubtful = self.eigenvalues.iter().filter(is_doubtful);
+        let mut rates: Vec<f64> = doubtful.flat_map(|s| [s.im.abs(), s.norm()]).collect();
         rates.retain(|rate| rate.is_finite());
         rates.sort_by(f64::total_cmp);
         rates.dedup_by(|b, a| *b - *a <= LEVEL_SAME_RATE * *b);
@@ -59,7 +65,18 @@ pub(crate) fn with_middles(rates: &[f64]) -> Vec<f64> {
     rates.iter().copied().chain(between).collect()
 }
 
-/// Looks for a higher peak at the frequency of every eigenvalue, between them, and uphill from the best of them; returns
+/// Raises the peak to the top of the hill around it, between the neighbours of its frequency in an ascending list.
+pub(crate) fn climb_between(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Error> {
+    let below = rates.iter().copied().filter(|&rate| rate < best.rate_rad_s).fold(0.0, f64::max);
+    let above = rates.iter().copied().filter(|&rate| rate > best.rate_rad_s).fold(f64::INFINITY, f64::min);
+    let high = if above.is_finite() { above } else { 2.0 * best.rate_rad_s };
+    if best.rate_rad_s.is_finite() && high > below {
+        *best = climb(response, (below, high), *best)?;
+    }
+    Ok(())
+}
+
+/// Looks for a higher peak at the frequency of every doubtful eigenvalue, between them, and uphill from the best of them; returns
 /// whether the peak rose by more than the tolerance.
 ///
 /// Rounding moves eigenvalues off the axis by more than any tolerance if the system is a difference of two that nearly
@@ -70,7 +87,7 @@ pub(crate) fn search_everywhere(
     level: &Level,
     tolerance: f64,
 ) -> Result<bool, Error> {
-    let mut rates = with_middles(&level.all_frequencies());
+    let mut rates = with_middles(&level.doubtful_frequencies());
     rates.sort_by(f64::total_cmp);
     let values = gains(response, &rates)?;
     let mut found = *best;
