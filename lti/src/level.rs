@@ -5,7 +5,7 @@ use crate::norms::{Peak, gains};
 use crate::response::Response;
 use crate::tolerance::{
     CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM,
-    SUMMITS,
+    PRECISE_SIZE, SUMMITS,
 };
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
@@ -46,23 +46,31 @@ impl Level {
         &self.eigenvalues
     }
 
-    /// The frequencies of all eigenvalues that rounding may have moved off the axis, ascending.
+    /// Zero and the frequencies of all eigenvalues that rounding may have moved off the axis, ascending; of a small system those of all
+    /// eigenvalues, because two crossings of a flat response move far.
     fn doubtful_frequencies(&self) -> Vec<f64> {
         let near = DOUBTFUL_NORM * self.matrix.norm_fro();
-        let is_doubtful = |s: &&C64| s.im >= 0.0 && s.re >= 0.0 && s.re <= DOUBTFUL_SHARE * s.norm() + near;
+        let is_small = self.matrix.nrows() <= 2 * PRECISE_SIZE;
+        let is_near = |s: &C64| s.re <= DOUBTFUL_SHARE * s.norm() + near;
+        let is_doubtful = |s: &&C64| s.im >= 0.0 && s.re >= 0.0 && (is_small || is_near(s));
         let doubtful = self.eigenvalues.iter().filter(is_doubtful);
         let mut rates: Vec<f64> = doubtful.flat_map(|s| [s.im.abs(), s.norm()]).collect();
         rates.retain(|rate| rate.is_finite());
+        rates.push(0.0);
         rates.sort_by(f64::total_cmp);
         rates.dedup_by(|b, a| *b - *a <= LEVEL_SAME_RATE * *b);
         rates
     }
 }
 
-/// The frequencies and the middles between them.
+/// Zero, the frequencies and the middles between them.
 pub(crate) fn with_middles(rates: &[f64]) -> Vec<f64> {
-    let between = rates.windows(2).map(|w| 0.5 * (w[0] + w[1]));
-    rates.iter().copied().chain(between).collect()
+    let mut all = vec![0.0];
+    for &rate in rates {
+        let last = all.last().copied().unwrap_or(0.0);
+        all.extend([0.5 * (last + rate), rate]);
+    }
+    all
 }
 
 /// Raises the peak to the top of the hill around it, between the neighbours of its frequency in an ascending list.

@@ -228,3 +228,6 @@ pub const DOUBTFUL_NORM: f64 = 1e-6;
 
 /// Frequencies of poles closer than this, relative, are one place to start from.
 pub const FIRST_SAME_RATE: f64 = 1e-3;
+
+/// Points of a response in time at most: a response of one signal takes 160 MB at this size.
+pub const MOST_POINTS: f64 = 1e7;
