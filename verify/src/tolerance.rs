@@ -316,3 +316,17 @@ pub const SCALING_SHORTEST_STEP: f64 = 1e-6;
 
 /// Relative accuracy of the scale at which an eigenvalue crosses the circle: that of the eigenvalue.
 pub const CROSSING_NEARNESS: f64 = 1e-9;
+
+/// Gains of a root locus in a decade before any are added where a pole moves fast.
+pub const LOCUS_GAINS_PER_DECADE: f64 = 20.0;
+/// A pole that moves farther than this in the z-plane between two gains gets a gain between them: a hundredth of the unit circle's
+/// radius is a few pixels of a drawing of it.
+pub const LOCUS_STEP: f64 = 0.02;
+/// Most gains of a root locus: they bound its time where a pole leaves towards infinity.
+pub const MOST_LOCUS_GAINS: usize = 400;
+
+/// Neighbours on the path of a loop are at most this far apart on the Riemann sphere of diameter 2, a hundredth of a great circle:
+/// a few pixels of a chart.
+pub const PATH_STEP: f64 = 0.04;
+/// Most points of such a path: three times as many as its grid, for lightly damped modes.
+pub const MOST_PATH_POINTS: usize = 2500;
