@@ -225,8 +225,11 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
     })?;
     let (duration_s, sample_period_s, fade_s) = DRIVE_S;
     let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
-    iso_road(drive, Vehicle::HEAVY).with_context(|| format!("--speed {speed_m_s}"))
+    iso_road(drive, Vehicle::HEAVY, GRAVITY_M_S2).with_context(|| format!("--speed {speed_m_s}"))
 }
+
+/// Standard gravity, m/s^2 (ISO 80000-3); a half of a vehicle does not roll, so that it has no effect here.
+const GRAVITY_M_S2: f64 = 9.80665;
 
 /// A triangle from `RATE/PERIOD`.
 fn triangle(text: &str) -> Result<Triangle> {

@@ -191,7 +191,7 @@ fn locus_chart(view: &View, locus: Option<&RootLocus>, crossover_hz: f64) -> Cha
         chart = chart.with_path("", view.theme.curves[0], Dash::Solid, path);
     }
     let reached = |at: &[f64; 2]| at.iter().all(|part| part.abs() < 4.0 * reach);
-    let size = 0.02 * reach;
+    let size = 0.035 * reach;
     for pole in locus.closed_poles.iter().map(&place).filter(reached) {
         chart = chart.with_path("", view.theme.curves[1], Dash::Solid, cross(pole, size));
     }

@@ -5,7 +5,7 @@ use counterpoise_lti::{C64, Response, StateSpace};
 use super::RootLocus;
 use super::frequency::grid_hz;
 use super::root_locus::root_locus;
-use crate::tolerance::{MOST_PATH_POINTS, PATH_STEP};
+use crate::tolerance::{LOWEST_PATH_GAIN, MOST_PATH_POINTS, PATH_LOGARITHM, PATH_STEP};
 use crate::{Error, Figure, LoopFigure, Requirement};
 
 /// The loop broken at the plant's input, as charts of the whole loop show it.
@@ -44,7 +44,7 @@ pub fn loop_shape(broken: &StateSpace, sample_period_s: f64) -> Result<LoopShape
 }
 
 /// Returns L at the frequencies of the curves, and between them where L turns fast: neighbours are at most
-/// [`PATH_STEP`] apart on the Riemann sphere, unless the limit of points is reached.
+/// [`PATH_STEP`] apart on the Riemann sphere and [`PATH_LOGARITHM`] in the logarithm, unless the limit of points is reached.
 ///
 /// # Errors
 /// A response that does not exist because of a pole on the unit circle.
@@ -59,7 +59,7 @@ pub fn loop_path(broken: &StateSpace, sample_period_s: f64) -> Result<LoopPath, 
     while let Some((hz, L)) = ahead.pop() {
         let last = path.frequency_hz.last().copied().zip(path.response.last().copied());
         let room = path.response.len() + ahead.len() < MOST_PATH_POINTS;
-        match last.filter(|(before, at)| room && chordal(*at, L) > PATH_STEP && hz > before * (1.0 + 1e-6)) {
+        match last.filter(|(before, at)| room && is_far(*at, L) && hz > before * (1.0 + 1e-6)) {
             Some((before, _)) => {
                 let between = (before * hz).sqrt();
                 ahead.push((hz, L));
@@ -72,6 +72,12 @@ pub fn loop_path(broken: &StateSpace, sample_period_s: f64) -> Result<LoopPath, 
         }
     }
     Ok(path)
+}
+
+/// Whether a straight line between two neighbours would show in a Nyquist or in a Nichols chart.
+fn is_far(a: C64, b: C64) -> bool {
+    let is_seen = a.norm() > LOWEST_PATH_GAIN && b.norm() > LOWEST_PATH_GAIN;
+    chordal(a, b) > PATH_STEP || (is_seen && (b / a).ln().norm() > PATH_LOGARITHM)
 }
 
 /// The distance of two numbers on the Riemann sphere about -1: large loop gains are all far from the critical point.
