@@ -72,9 +72,8 @@ length = 100.0
 beam = 14.0
 draught = 4.5
 roll_period = 9.0
-speed = 7.0
-pivot_forward = 20.0
-pivot_up = 12.0
+ship_speed = 7.0
+pivot = [20.0, 0.0, 12.0]
 duration = 60.0"#;
 
 const FOUR_WHEELS: &str = "kind = \"iso-8608\"\nclass = \"D\"\nspeed = 8.0\nbody_mass = 9000.0\ntrack = 2.2\npivot_height = 1.0\nduration = 20.0";
@@ -98,6 +97,8 @@ fn a_ship_and_a_vehicle_of_the_users_own_survive_the_file() {
     assert_eq!((vehicle.body_mass_kg, sides.track_m, sides.pivot_height_m), (9000.0, 2.2, 1.0));
     assert!((sides.roll_inertia_kg_m2 - 9000.0 * 0.88 * 0.88).abs() < 1e-9);
     assert!(motion.road().unwrap().further.is_some());
+    let flat = FOUR_WHEELS.replace("track = 2.2\n", "");
+    assert!(told(&file(&flat, &[])).contains("has no effect without `track`"), "{}", told(&file(&flat, &[])));
     let half = FOUR_WHEELS.replace("track = 2.2\npivot_height = 1.0\n", "");
     let Some(PlatformSource::Made(motion)) = read(&file(&half, &[])).unwrap().verify.unwrap().road else {
         panic!("a road")

@@ -120,7 +120,7 @@ fn columns(v: &mut dyn Visit, key: &'static str, meaning: &'static str, names: &
 }
 
 /// Three numbers, 0 where the key is absent.
-fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
+pub(super) fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
     let mut list = if *value == [0.0; 3] { Vec::new() } else { value.to_vec() };
     v.numbers(&field.or_empty(), Count::Exactly(3), &mut list);
     *value = <[f64; 3]>::try_from(list).unwrap_or([0.0; 3]);

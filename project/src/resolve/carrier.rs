@@ -5,7 +5,7 @@ use counterpoise_verify::signals::four_wheels::Sides;
 use counterpoise_verify::signals::iso_road::Vehicle;
 use counterpoise_verify::signals::sea::{Sea, Ship, WaveShape, Waves};
 
-use super::base_motion::traverse;
+use super::base_motion::{three, traverse};
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
 
@@ -79,21 +79,29 @@ fn sides(v: &mut dyn Visit, vehicle: &mut Vehicle) {
     let mut track_m = vehicle.sides.map(|sides| sides.track_m);
     let track = "distance of the left wheels from the right ones; without it both sides see the same road, and the vehicle does not roll";
     maybe_number(v, &Field::new("track", track).unit("m").limit(ABOVE_0), &mut track_m);
-    let Some(track_m) = track_m else {
-        vehicle.sides = None;
-        return;
-    };
-    let usual = vehicle.body_mass_kg * (ROLL_GYRATION * track_m).powi(2);
-    let mut sides =
-        vehicle.sides.unwrap_or(Sides { track_m, roll_inertia_kg_m2: usual, pivot_height_m: 0.0 });
-    sides.track_m = track_m;
-    let mut inertia = Some(sides.roll_inertia_kg_m2).filter(|inertia| *inertia != usual);
+    let usual = vehicle.body_mass_kg * (ROLL_GYRATION * track_m.unwrap_or_default()).powi(2);
+    let stated = vehicle.sides.map(|sides| sides.roll_inertia_kg_m2);
+    let mut roll_inertia = stated.filter(|inertia| *inertia != usual);
     let meaning = "roll inertia of the body; without it the body's mass at 0.4 times the track";
-    maybe_number(v, &Field::new("roll_inertia", meaning).unit("kg m^2").limit(ABOVE_0), &mut inertia);
-    sides.roll_inertia_kg_m2 = inertia.unwrap_or(usual);
+    maybe_number(v, &Field::new("roll_inertia", meaning).unit("kg m^2").limit(ABOVE_0), &mut roll_inertia);
+    let mut pivot_height_m = vehicle.sides.map_or(0.0, |sides| sides.pivot_height_m);
     let height = "height of the pivot above the axis about which the body rolls";
-    v.number(&Field::new("pivot_height", height).unit("m").or(0.0), &mut sides.pivot_height_m);
-    vehicle.sides = Some(sides);
+    v.number(&Field::new("pivot_height", height).unit("m").or(0.0), &mut pivot_height_m);
+    if track_m.is_none() {
+        let idle: Vec<&str> = ["roll_inertia", "pivot_height"].into_iter().filter(|key| v.has(key)).collect();
+        for key in idle {
+            v.complain(
+                key,
+                "has no effect without `track`, the distance of the left wheels from the right ones",
+                None,
+            );
+        }
+    }
+    vehicle.sides = track_m.map(|track_m| Sides {
+        track_m,
+        roll_inertia_kg_m2: roll_inertia.unwrap_or(usual),
+        pivot_height_m,
+    });
 }
 
 /// A sea of which nothing is known yet, under a ship of the size of a frigate.
@@ -169,18 +177,10 @@ pub(super) fn sea(v: &mut dyn Visit, sea: &mut Sea) {
     positive("roll_period", "natural period of the ship's roll", "s", &mut ship.roll_period_s);
     let damping = Field::new("roll_damping", "damping ratio of the ship's roll");
     v.number(&damping.limit(Limit::Between(0.01, 1.0)).or(ROLL_DAMPING), &mut ship.roll_damping);
-    let speed = Field::new("speed", "speed of the ship").unit("m/s");
+    let speed = Field::new("ship_speed", "speed of the ship").unit("m/s");
     v.number(&speed.limit(Limit::Between(0.0, 40.0)).or(0.0), &mut ship.speed_m_s);
-    for (k, (key, meaning)) in [
-        ("pivot_forward", "place of the pivot in front of the middle of the waterline"),
-        ("pivot_left", "place of the pivot to the left of it"),
-        ("pivot_up", "place of the pivot above it"),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let field = Field::new(key, meaning).unit("m").limit(Limit::Between(-500.0, 500.0));
-        v.number(&field.or(0.0), &mut ship.pivot_m[k]);
-    }
+    let pivot = "place of the pivot from the middle of the waterline: forward, to the left and up";
+    let place = Field::new("pivot", pivot).unit("m").limit(Limit::Between(-500.0, 500.0));
+    three(v, &place, &mut ship.pivot_m);
     traverse(v, ring);
 }
