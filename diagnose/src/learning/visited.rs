@@ -6,7 +6,7 @@ use crate::localisation::torque_balances::Signals;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::FITTED_SHARE;
-use crate::tolerance::learning::RANGE_QUANTILE;
+use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 
 /// The values of the regime variables, recording by recording.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +16,23 @@ pub struct Visited {
     pub drive_torque_nm: f64,
     ratio: f64,
     stiffness: f64,
+}
+
+/// How far recordings leave the range over which a free function is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeyondRange {
+    /// Name of the function.
+    pub name: String,
+    /// The component at which it acts.
+    pub place: LearnedPlace,
+    /// The variable that it is a function of.
+    pub variable: RegimeVariable,
+    /// The range over which it is known.
+    pub known: [f64; 2],
+    /// The range that the recordings visit.
+    pub reached: [f64; 2],
+    /// Share of the samples beyond the known range, 0 to 1.
+    pub share: f64,
 }
 
 /// The values of one recording.
@@ -124,6 +141,33 @@ impl Visited {
         let rare = (RANGE_QUANTILE * last as f64) as usize;
         let (low, high) = (sorted[rare], sorted[last - rare]);
         (high - low > 1e-9 * low.abs().max(high.abs()) && high > low).then_some([low, high])
+    }
+
+    /// Returns how far the recordings leave the range over which an element is known; `None` if they hardly do.
+    pub fn beyond(&self, element: &LearnedElement) -> Option<BeyondRange> {
+        let (Some(&first), Some(&last)) = (element.points.first(), element.points.last()) else {
+            return None;
+        };
+        if element.variable == RegimeVariable::Turn {
+            return None;
+        }
+        let mut samples = self.samples(element.place, element.variable).concat();
+        samples.retain(|x| x.is_finite());
+        let margin = RANGE_MARGIN * (last - first);
+        let outside = samples.iter().filter(|x| **x < first - margin || **x > last + margin).count();
+        let share = outside as f64 / samples.len().max(1) as f64;
+        let reached = [
+            samples.iter().copied().fold(f64::INFINITY, f64::min),
+            samples.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        (share > RANGE_QUANTILE).then(|| BeyondRange {
+            name: element.name.clone(),
+            place: element.place,
+            variable: element.variable,
+            known: [first, last],
+            reached,
+            share,
+        })
     }
 
     /// Returns the share of the samples nearest to each point of an element.

@@ -12,6 +12,8 @@ use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
+use super::learned::describe_beyond;
+
 /// Describes something found about the columns of a recording: its channel, and what is wrong or was done.
 pub fn describe_column_remark(remark: &ColumnRemark) -> String {
     match remark {
@@ -19,6 +21,7 @@ pub fn describe_column_remark(remark: &ColumnRemark) -> String {
         ColumnRemark::Repair { channel, repair } => format!("{channel}: {}", describe_repair(repair)),
         ColumnRemark::Controller(mismatch) => format!("control: {}", describe_control_mismatch(mismatch)),
         ColumnRemark::Anomaly { channel, anomaly } => format!("{channel}: {}", describe_anomaly(anomaly)),
+        ColumnRemark::BeyondRange(beyond) => describe_beyond(beyond),
     }
 }
 
