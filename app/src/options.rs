@@ -104,7 +104,7 @@ pub struct StageOptions {
 pub struct ReplayOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them
+    /// Recordings of one machine: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
     /// Drive the plant with the recorded control instead of the recording's controller
@@ -136,7 +136,7 @@ fn windows(text: &str) -> Result<ReplayLength, String> {
 pub struct DiagnoseOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them; none if the project has natural
+    /// Recordings of one machine: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them; none if the project has natural
     /// frequencies in its section `measured`
     pub recordings: Vec<PathBuf>,
     /// Write the improved project file
@@ -202,7 +202,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub struct IdentifyOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB or HDF5 files, or folders of them
+    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
     /// Recordings of the same machine at another out-of-balance: they separate the amplifier's curve from friction

@@ -12,7 +12,7 @@ use crate::localisation::trend::{Repetition, Trend};
 use crate::tolerance::learning::{FACTOR_STEP, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP};
 
 use LearnedPlace::{Gearbox, Motor, Pivot};
-use LearnedQuantity::{FrictionLevel, Stiffness, Torque, TorqueConstant};
+use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
 use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
 
 /// A free function to be tried.
@@ -23,8 +23,11 @@ pub(crate) struct Template {
     pub variable: RegimeVariable,
 }
 
-/// All that are tried. A torque over the motor's angle beyond one turn is one over the hub's angle.
-const TEMPLATES: [Template; 14] = [
+/// All that are tried. A torque over the motor's angle beyond one turn is one over the hub's angle. A factor over one variable on a torque
+/// that is proportional to another is a function of both: damping over the angle is a torque over angle and rate, a torque constant over the
+/// angle is one over elevation and torque.
+const TEMPLATES: [Template; 17] = [
+    Template { place: Pivot, quantity: Damping, variable: Angle },
     Template { place: Pivot, quantity: FrictionLevel, variable: Angle },
     Template { place: Pivot, quantity: FrictionLevel, variable: Load },
     Template { place: Pivot, quantity: FrictionLevel, variable: Time },
@@ -35,7 +38,9 @@ const TEMPLATES: [Template; 14] = [
     Template { place: Motor, quantity: FrictionLevel, variable: Turn },
     Template { place: Motor, quantity: Torque, variable: Rate },
     Template { place: Motor, quantity: Torque, variable: Turn },
+    Template { place: Motor, quantity: TorqueConstant, variable: Angle },
     Template { place: Motor, quantity: TorqueConstant, variable: Control },
+    Template { place: Motor, quantity: TorqueConstant, variable: Rate },
     Template { place: Motor, quantity: TorqueConstant, variable: Time },
     Template { place: Motor, quantity: TorqueConstant, variable: Turn },
     Template { place: Gearbox, quantity: Stiffness, variable: Load },
@@ -66,7 +71,8 @@ impl TemplateContext<'_> {
         let allowed = |t: &&Template| {
             let of_gear = t.place == Gearbox || t.variable == Load;
             let turns = t.variable != Turn || self.motor_turns == 1.0;
-            !(of_gear && rigid) && turns && (t.quantity != FrictionLevel || slides(t.place))
+            let damped = t.quantity != Damping || self.base.pivot_friction.viscous_nm_s_rad > 0.0;
+            !(of_gear && rigid) && turns && damped && (t.quantity != FrictionLevel || slides(t.place))
         };
         TEMPLATES.iter().filter(allowed).copied().collect()
     }

@@ -18,6 +18,15 @@ pub struct Visited {
     stiffness: f64,
 }
 
+/// How far the first parts of recordings are taken to tell of a function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// As far as their samples go.
+    Samples,
+    /// To the points nearest to their samples.
+    Points,
+}
+
 /// How far recordings leave the range over which a free function is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeyondRange {
@@ -95,8 +104,9 @@ impl Visited {
         self.recordings.iter().map(one).collect()
     }
 
-    /// Returns the range of an element's variable in the first parts of all recordings, with half a spacing of its points at either end.
-    fn range_of_heads(&self, element: &LearnedElement) -> [f64; 2] {
+    /// Returns the range of an element's variable in the first parts of all recordings, with a share of the spacing of its points at either
+    /// end.
+    fn range_of_heads(&self, element: &LearnedElement, margin: f64) -> [f64; 2] {
         let heads = |series: Vec<f64>| {
             let count = (series.len() as f64 * FITTED_SHARE) as usize;
             series.into_iter().take(count).collect::<Vec<f64>>()
@@ -107,7 +117,7 @@ impl Visited {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         let count = element.points.len();
         let spacing = (element.points[count - 1] - element.points[0]) / (count - 1).max(1) as f64;
-        [low - 0.5 * spacing, high + 0.5 * spacing]
+        [low - margin * spacing, high + margin * spacing]
     }
 
     /// Returns whether the first parts of the recordings determine each point of an element.
@@ -115,17 +125,20 @@ impl Visited {
         if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
             return vec![true; element.points.len()];
         }
-        let [low, high] = self.range_of_heads(element);
+        let [low, high] = self.range_of_heads(element, 0.5);
         element.points.iter().map(|point| (low..=high).contains(point)).collect()
     }
 
     /// Returns the share of a recording up to which it stays in the range of the first parts of all recordings: nothing is known of an
-    /// element beyond.
-    pub(crate) fn share_in_range(&self, element: &LearnedElement, recording: usize) -> f64 {
+    /// element beyond. With [`Reach::Points`] the range extends to half a spacing of the element's points at either end.
+    pub(crate) fn share_in_range(&self, element: &LearnedElement, recording: usize, reach: Reach) -> f64 {
         if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
             return 1.0;
         }
-        let [low, high] = self.range_of_heads(element);
+        let [low, high] = match reach {
+            Reach::Points => self.range_of_heads(element, 0.5),
+            Reach::Samples => self.range_of_heads(element, RANGE_MARGIN),
+        };
         let samples = self.samples(element.place, element.variable);
         let Some(series) = samples.get(recording) else { return 1.0 };
         let outside = |x: &f64| x.is_finite() && !(low..=high).contains(x);

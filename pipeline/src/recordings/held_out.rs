@@ -13,14 +13,35 @@ use crate::PipelineError;
 pub struct HeldOutRecording {
     /// Name of the recording.
     pub file: String,
-    /// Fits of the model as it was.
-    pub before: Vec<ChannelFit>,
-    /// Fits of the improved model.
-    pub after: Vec<ChannelFit>,
+    /// Its channels that both models were compared in.
+    pub channels: Vec<HeldOutFit>,
     /// Length of the windows over which both were replayed, s; `None` from start to end.
     pub window_s: Option<f64>,
     /// What was found about the recording.
     pub remarks: Vec<ColumnRemark>,
+}
+
+/// The residuals of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOutFit {
+    /// Name of the channel.
+    pub channel: &'static str,
+    /// Noise floor, in the channel's unit.
+    pub floor: f64,
+    /// RMS of the residual of the model as it was.
+    pub before: f64,
+    /// RMS of the residual of the improved model.
+    pub after: f64,
+}
+
+/// Returns the channels that both replays compare.
+fn compared(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
+    let one = |fit: &ChannelFit| {
+        let same = before.iter().find(|other| other.channel == fit.channel)?;
+        let channel = fit.channel.name();
+        Some(HeldOutFit { channel, floor: fit.floor, before: same.rms_error, after: fit.rms_error })
+    };
+    after.iter().filter_map(one).collect()
 }
 
 /// Replays files that no diagnosis was given, on the project's mechanism and on an improved one.
@@ -45,8 +66,7 @@ pub fn replay_held_out(
         let before = replay_one(&project.plant, item, &control, length)?;
         Ok(HeldOutRecording {
             file: after.file,
-            before: before.followed.replay.channels,
-            after: after.followed.replay.channels,
+            channels: compared(&before.followed.replay.channels, &after.followed.replay.channels),
             window_s,
             remarks: after.remarks,
         })

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use counterpoise_pipeline::recordings::HeldOutRecording;
-use counterpoise_simulate::replay::ChannelFit;
+use counterpoise_pipeline::recordings::held_out::HeldOutFit;
 use serde::Serialize;
 
 use super::recordings::describe_column_remark;
@@ -44,14 +44,12 @@ pub fn describe_held_out(recordings: &[HeldOutRecording]) -> Vec<HeldOutText> {
 }
 
 fn describe(recording: &HeldOutRecording) -> HeldOutText {
-    let channel = |(before, after): (&ChannelFit, &ChannelFit)| {
-        let found = HeldOutChannel { floor: after.floor, before: before.rms_error, after: after.rms_error };
-        (after.channel.name(), found)
+    let channel = |fit: &HeldOutFit| {
+        (fit.channel, HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after })
     };
-    let same = |after: &&ChannelFit| recording.before.iter().find(|before| before.channel == after.channel);
-    let pairs = recording.after.iter().filter_map(|after| Some((same(&after)?, after)));
-    let driven = |name: &str| name.starts_with("platform");
-    let channels: BTreeMap<_, _> = pairs.map(channel).filter(|(name, _)| !driven(name)).collect();
+    // the platform's channels drive the model: they are the same in every replay
+    let compared = recording.channels.iter().filter(|fit| !fit.channel.starts_with("platform"));
+    let channels: BTreeMap<_, _> = compared.map(channel).collect();
     let worst =
         |of: fn(&HeldOutChannel) -> f64| channels.values().map(|c| of(c) / c.floor).fold(0.0, f64::max);
     let [before, after] = [worst(|c| c.before), worst(|c| c.after)];
