@@ -3,12 +3,9 @@
 use counterpoise_diagnose::learning::visited::BeyondRange;
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
-use counterpoise_models::Axis;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_recordings::{
-    Channel, ChannelUnits, Controlled, Error, Mapping, Recording, Remark, Table, Travel,
-};
+use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
 use counterpoise_simulate::replay::{Loop, RecordedController};
 
 use crate::{PipelineError, model, reduce, synthesise};
@@ -126,21 +123,8 @@ pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<R
 /// Returns how the project maps columns, with the sample period of its interface for a table without a clock.
 fn mapping(project: &Project) -> Mapping {
     let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    let units = channel_units(project);
+    let units = project.channel_units();
     Mapping { sample_period_s: clock, units, ..project.recording.clone() }
-}
-
-/// Returns what the axis, the loop's sensor and the recording's controller of a project make of the units of channels.
-fn channel_units(project: &Project) -> ChannelUnits {
-    let is_position = project.plant.sensors.measured.is_position();
-    let reading = if is_position { Controlled::Position } else { Controlled::Rate };
-    let positioned = matches!(project.recording_controller, Some(RecordingController::Position(_)));
-    let demand = if positioned { Controlled::Position } else { reading };
-    let travel = match project.plant.axis {
-        Axis::Rotary => Travel::Turning,
-        Axis::Linear => Travel::Sliding,
-    };
-    ChannelUnits { reading, demand, travel }
 }
 
 /// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
