@@ -60,6 +60,9 @@ pub const SCORE_FLOOR: f64 = 0.3;
 
 // --------------------------------------------------------------------------------------------------------------- screening
 
+/// Natural logarithm of the factor, mean over the channels, by which the initial states of the first moments may leave more than fitted ones
+/// before they are of no use for a screening: twice the residual is three quarters of its power.
+pub const THROWN_OFF: f64 = 0.7;
 /// Effects that are fitted in the simulator at every stage, after the screening. Fewer lose an effect whose signature is not
 /// proportional to its size; more cost time in proportion.
 pub const SHORTLIST: usize = 8;
