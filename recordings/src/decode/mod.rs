@@ -23,6 +23,8 @@ const MATLAB: &[u8] = b"MATLAB 5.0";
 const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
 /// First bytes of an HDF5 file.
 const HDF5: &[u8] = b"\x89HDF";
+/// First bytes of a text in UTF-16, which spreadsheets call Unicode.
+const UTF_16: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
 /// So many first bytes are searched for a zero, which no text has.
 const TEXT: usize = 1024;
 
@@ -33,8 +35,13 @@ pub(crate) struct Decoded {
     pub(crate) remarks: Vec<Remark>,
 }
 
-/// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5,
-/// NumPy, else CSV.
+/// Returns whether a file with these first bytes is read as text.
+pub fn is_text(first: &[u8]) -> bool {
+    ![PARQUET, MATLAB, MATLAB_7_3, HDF5, numpy::MAGIC, zip::MAGIC].iter().any(|mark| first.starts_with(mark))
+}
+
+/// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy,
+/// else CSV.
 pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     if bytes.starts_with(PARQUET) {
         parquet::read(bytes, file)
@@ -48,6 +55,9 @@ pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         numpy::read_array(bytes, file)
     } else if bytes.starts_with(zip::MAGIC) && numpy::is_archive(bytes) {
         numpy::read_archive(bytes, file)
+    } else if UTF_16.iter().any(|mark| bytes.starts_with(mark)) {
+        let why = "it is text in UTF-16: save it as UTF-8".to_owned();
+        Err(Error::Unreadable { file: file.to_owned(), kind: "CSV", why })
     } else if bytes[..bytes.len().min(TEXT)].contains(&0) {
         Err(Error::UnknownFormat { file: file.to_owned() })
     } else {
