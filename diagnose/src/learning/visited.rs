@@ -29,7 +29,7 @@ pub(crate) enum Reach {
 
 /// How far recordings leave the range over which a free function is known.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BeyondRange {
+pub struct RangeExceedance {
     /// Name of the function.
     pub name: String,
     /// The component at which it acts.
@@ -157,7 +157,7 @@ impl Visited {
     }
 
     /// Returns how far the recordings leave the range over which an element is known; `None` if they hardly do.
-    pub fn beyond(&self, element: &LearnedElement) -> Option<BeyondRange> {
+    pub fn beyond(&self, element: &LearnedElement) -> Option<RangeExceedance> {
         let (Some(&first), Some(&last)) = (element.points.first(), element.points.last()) else {
             return None;
         };
@@ -173,7 +173,7 @@ impl Visited {
             samples.iter().copied().fold(f64::INFINITY, f64::min),
             samples.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         ];
-        (share > RANGE_QUANTILE).then(|| BeyondRange {
+        (share > RANGE_QUANTILE).then(|| RangeExceedance {
             name: element.name.clone(),
             place: element.place,
             variable: element.variable,

@@ -9,7 +9,7 @@ use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::selection::stage::{Stage, StageBreadth};
-use crate::tolerance::{EFFECTS_AT_MOST, FAR_ABOVE_FLOOR, RIVALS, SWAP_NEEDED, TEXTBOOK_EFFECTS_AT_MOST};
+use crate::tolerance::{EFFECTS_AT_MOST, RIVALS, SWAP_NEEDED};
 
 impl Searcher<'_> {
     /// Searches for up to three effects; returns `None` if the model as it is cannot be simulated.
@@ -19,7 +19,7 @@ impl Searcher<'_> {
             let present = search.accepted.as_ref();
             let found = present.map_or(0, |c| c.fit.effects.len());
             self.pool.progress("naming", found, EFFECTS_AT_MOST);
-            if !self.may_add(present, found) {
+            if found >= EFFECTS_AT_MOST {
                 break;
             }
             let stage = match present {
@@ -41,12 +41,6 @@ impl Searcher<'_> {
         self.drop_undetermined(&mut search);
         search.accepted = search.accepted.map(|best| self.place_curve_knots(best));
         Some(search)
-    }
-
-    /// Returns whether one more effect may be sought: up to three, and more where a model with textbook values leaves a large residual.
-    fn may_add(&self, present: Option<&Candidate>, found: usize) -> bool {
-        let far = present.is_some_and(|c| c.whole.worst() > FAR_ABOVE_FLOOR) && !self.sizes.typical;
-        found < if far { TEXTBOOK_EFFECTS_AT_MOST } else { EFFECTS_AT_MOST }
     }
 
     /// Returns the best candidate of a stage, validated on recordings of another kind; `None` if none is worth having.

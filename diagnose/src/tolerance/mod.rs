@@ -87,11 +87,6 @@ pub const BIAS_SEEN_RAD_S: f64 = 2e-4;
 /// Largest number of effects in a model. Of models with three effects that explain the recordings, one in three was right: see
 /// [`RIGHT_OF_THREE`].
 pub const EFFECTS_AT_MOST: usize = 3;
-/// The same of a machine with textbook values whose residual stays far above the floor: nearly all of its values are a little wrong, and
-/// held-out data decides about each.
-pub const TEXTBOOK_EFFECTS_AT_MOST: usize = 6;
-/// Noise floors in the worst channel above which a residual counts as far above the floor.
-pub const FAR_ABOVE_FLOOR: f64 = 4.0;
 /// Log-likelihood that an effect must gain on held-out data. Lower values raise the false alarm rate.
 pub const GAIN_NEEDED: f64 = 60.0;
 /// The same for a machine whose model has textbook values: what such a model leaves is slow motion, of which a recording holds few

@@ -1,6 +1,6 @@
 //! Recordings read as a project maps their columns.
 
-use counterpoise_diagnose::learning::visited::BeyondRange;
+use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
@@ -62,7 +62,7 @@ pub enum ColumnRemark {
         anomaly: Anomaly,
     },
     /// The recording leaves the range over which a free function of the mechanism is known.
-    BeyondRange(BeyondRange),
+    RangeExceeded(RangeExceedance),
 }
 
 /// A column of a file that was not used.

@@ -150,7 +150,7 @@ fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     if !plant.learned.is_empty() {
         let visited = Visited::of(plant, std::slice::from_ref(&signals));
         let beyond = plant.learned.iter().filter_map(|element| visited.beyond(element));
-        all.extend(beyond.map(ColumnRemark::BeyondRange));
+        all.extend(beyond.map(ColumnRemark::RangeExceeded));
     }
     all
 }

@@ -138,7 +138,7 @@ impl Reader<'_> {
                     Order::Rows => Array2::from_shape_vec((rows, columns), field.from_first(values)),
                 };
                 let values = shaped.map_err(|_| broken(self.file, "an array is cut off or damaged"))?;
-                self.found.arrays.push(Array { name: full, values });
+                self.found.arrays.push(Array { name: full, unit: None, values });
             }
             place += field.size;
         }

@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::findings::answer::Channels;
 use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
-use counterpoise_diagnose::learning::visited::BeyondRange;
+use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::learning::{
     LearnedElement, LearnedModel, LearnedPart, LearnedPlace, LearnedQuantity, RegimeVariable,
 };
@@ -95,7 +95,7 @@ fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> Lear
 }
 
 /// Describes that a recording leaves the range over which a free function is known.
-pub fn describe_beyond(beyond: &BeyondRange) -> String {
+pub fn describe_beyond(beyond: &RangeExceedance) -> String {
     let element = LearnedElement { variable: beyond.variable, ..LearnedElement::default() };
     let range = |[low, high]: [f64; 2]| format!("{} to {}", along(&element, low), along(&element, high));
     format!(

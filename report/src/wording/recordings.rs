@@ -25,7 +25,7 @@ pub fn describe_column_remark(remark: &ColumnRemark) -> String {
         ColumnRemark::Repair { channel, repair } => format!("{channel}: {}", describe_repair(repair)),
         ColumnRemark::Controller(mismatch) => format!("control: {}", describe_control_mismatch(mismatch)),
         ColumnRemark::Anomaly { channel, anomaly } => format!("{channel}: {}", describe_anomaly(anomaly)),
-        ColumnRemark::BeyondRange(beyond) => describe_beyond(beyond),
+        ColumnRemark::RangeExceeded(beyond) => describe_beyond(beyond),
     }
 }
 
