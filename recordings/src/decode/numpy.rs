@@ -190,7 +190,7 @@ fn quoted(text: &str) -> Option<&str> {
 
 /// Reads the fields of a structured array, such as `[('time', '<f8'), ('rate', '<f4')]`; fields with fields of their own are not read.
 fn fields(described: &str) -> Option<Vec<Field>> {
-    let list = &described[1..described.find(']')?];
+    let list = &described[1..=described.find(")]")?];
     let mut all = Vec::new();
     for part in list.split('(').skip(1) {
         let inner = part.split(')').next()?.trim();
