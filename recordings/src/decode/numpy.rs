@@ -134,8 +134,8 @@ impl Reader<'_> {
                     .map(|element| field.number(&element[place..place + field.size]))
                     .collect();
                 let shaped = match header.columns_first {
-                    Order::Columns => Array2::from_shape_vec((rows, columns).f(), field.from_first(values)),
-                    Order::Rows => Array2::from_shape_vec((rows, columns), field.from_first(values)),
+                    Order::Columns => Array2::from_shape_vec((rows, columns).f(), field.with_origin(values)),
+                    Order::Rows => Array2::from_shape_vec((rows, columns), field.with_origin(values)),
                 };
                 let values = shaped.map_err(|_| broken(self.file, "an array is cut off or damaged"))?;
                 self.found.arrays.push(Array { name: full, unit: None, values });
@@ -250,7 +250,7 @@ impl Field {
     }
 
     /// Returns times counted from the first one, so that their digits suffice; other values as they are.
-    fn from_first(&self, mut values: Vec<f64>) -> Vec<f64> {
+    fn with_origin(&self, mut values: Vec<f64>) -> Vec<f64> {
         if matches!(self.kind, Kind::Time(_)) {
             let first = values.iter().copied().find(|v| v.is_finite()).unwrap_or(0.0);
             values.iter_mut().for_each(|v| *v -= first);
