@@ -4,6 +4,7 @@ mod axis_words;
 pub mod base_motion;
 mod base_motion_checks;
 mod beam_checks;
+mod carrier;
 mod cascade;
 mod changes;
 mod checks;
