@@ -49,7 +49,7 @@ impl Studio {
             self.replay_recordings();
         }
         if had_recordings && self.jobs.recordings.is_empty() && self.jobs.recording_views.is_some() {
-            self.view.show_error("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5)");
+            self.view.show_error("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5, NumPy)");
         }
     }
 
