@@ -20,7 +20,17 @@ use options::StudioOptions;
 
 fn main() -> ExitCode {
     interrupt::install();
-    let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args_os()));
+    counterpoise_host::terminal::quiet_decoders();
+    let parsed = Arguments::try_parse_from(arguments::with_json_file_joined(std::env::args_os()));
+    let arguments = match parsed {
+        Ok(arguments) => arguments,
+        // help and version are results, too
+        Err(asked) if !asked.use_stderr() => {
+            output::put(&asked.render().to_string());
+            return ExitCode::SUCCESS;
+        }
+        Err(wrong) => wrong.exit(),
+    };
     let window = Command::Studio(StudioOptions::default());
     let done = match arguments.command.as_ref().unwrap_or(&window) {
         Command::New(options) => commands::new::run(options),
@@ -36,6 +46,7 @@ fn main() -> ExitCode {
         Command::Fra(options) => commands::fra::run(options),
         Command::Replay(options) => commands::replay::run(options),
         Command::Diagnose(options) => commands::diagnose::run(options),
+        Command::Experiment(options) => commands::experiment::run(options),
         Command::Identify(options) => commands::identify::run(options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Claims(options) => commands::claims::run(options),
