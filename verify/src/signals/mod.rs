@@ -1,9 +1,10 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`iso_road`], [`spectrum`], [`six_axes`], [`statistics`].
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`iso_road`], [`spectrum`], [`six_axes`], [`periodic`], [`statistics`].
 
 pub mod filter;
 pub mod iso_road;
+pub mod periodic;
 pub mod six_axes;
 pub mod spectrum;
 pub mod statistics;
