@@ -317,7 +317,7 @@ def rows_of(result):
 def main(path):
     with open(path, encoding="utf-8") as file:
         result = json.load(file)
-    assert result["schema"] == "counterpoise.results/1", result["schema"]
+    assert result["schema"] == "counterpoise.results/2", result["schema"]
     count, worst, wrong, cannot = 0, 0.0, [], []
     for name, value, mine, *allowed in rows_of(result):
         if not allowed:

@@ -11,5 +11,6 @@ mod target;
 mod exported_code;
 mod fault_injection;
 mod fmi_units;
+mod handover;
 mod own_recordings;
 mod requirements;
