@@ -1,6 +1,6 @@
 //! Recordings of a machine: bytes of a file to named channels in SI units on one uniform clock.
 //!
-//! In come the bytes of a CSV, Parquet, MATLAB (version 5 or 7.3) or HDF5 file and a [`Mapping`] of its columns; out comes a
+//! In come the bytes of a CSV, Parquet, MATLAB (version 5 or 7.3), HDF5 or NumPy file and a [`Mapping`] of its columns; out comes a
 //! [`Recording`], or an [`Error`] that says what is wrong with the file and where. What the user should know although the
 //! recording can be used is returned as [`Remark`]s.
 //!
@@ -32,7 +32,7 @@ pub mod table;
 mod time_unit;
 pub mod unit;
 
-pub use channel::Channel;
+pub use channel::{Channel, ChannelUnits, Controlled, Travel};
 pub use decode::{CsvParts, is_text};
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};

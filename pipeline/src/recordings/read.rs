@@ -1,5 +1,6 @@
 //! Recordings read as a project maps their columns.
 
+use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
@@ -60,6 +61,8 @@ pub enum ColumnRemark {
         /// What is wrong.
         anomaly: Anomaly,
     },
+    /// The recording leaves the range over which a free function of the mechanism is known.
+    RangeExceeded(RangeExceedance),
 }
 
 /// A column of a file that was not used.
@@ -128,7 +131,8 @@ pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<R
 /// Returns how the project maps columns, with the sample period of its interface for a table without a clock.
 fn mapping(project: &Project) -> Mapping {
     let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    Mapping { sample_period_s: clock, ..project.recording.clone() }
+    let units = project.channel_units();
+    Mapping { sample_period_s: clock, units, ..project.recording.clone() }
 }
 
 /// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
@@ -159,6 +163,7 @@ pub fn recording_controller(project: &Project) -> Result<Option<RecordedControll
     match &project.recording_controller {
         None => Ok(None),
         Some(RecordingController::ProportionalIntegral(controller)) => Ok(Some(controller.clone().into())),
+        Some(RecordingController::Position(controller)) => Ok(Some(controller.clone().into())),
         Some(RecordingController::Project) => {
             let modelled = model(project)?;
             let synthesised = synthesise(project, &modelled, &reduce(project, &modelled)?)?;

@@ -1,9 +1,27 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
-use counterpoise_recordings::{Channel, ChannelSource, Mapping};
+use counterpoise_models::Axis;
+use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
 
+use super::Project;
+use super::controller::RecordingController;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Presence, Visit, maybe_number, table};
+
+impl Project {
+    /// Returns what the axis, the loop's sensor and the recording's controller make of the units of the channels of recordings.
+    pub fn channel_units(&self) -> ChannelUnits {
+        let is_position = self.plant.sensors.measured.is_position();
+        let reading = if is_position { Controlled::Position } else { Controlled::Rate };
+        let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
+        let demand = if positioned { Controlled::Position } else { reading };
+        let travel = match self.plant.axis {
+            Axis::Rotary => Travel::Turning,
+            Axis::Linear => Travel::Sliding,
+        };
+        ChannelUnits { reading, demand, travel }
+    }
+}
 
 /// Reads or lists the mapping.
 pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
