@@ -3,18 +3,18 @@
 use counterpoise_export::{File, FormFigures, Targets};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::Certificate as StabilityCertificate;
-use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify};
-use crate::design_views::{DesignViews, design_views, loop_shape};
+use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
     Exported, LeftOut, PathForms, TargetCode, by_form, compare, every_target, export_by, forms, project_hash,
     weights,
 };
+use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
@@ -85,7 +85,7 @@ pub struct Designed {
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
     /// The loop as Nyquist, Nichols and root-locus charts show it.
-    pub loop_shape: LoopShape,
+    pub loop_view: LoopView,
     /// Rejection ratios from the time histories on the road.
     pub spectra: Vec<Spectral>,
     /// The controller in double, single and fixed point.
@@ -159,7 +159,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         certificates: certify(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
-        loop_shape: loop_shape(stages.verified.verification())?,
+        loop_view: loop_view(stages.verified.verification())?,
         spectra: spectral(stages.verified.verification()),
         targets: study_targets(project, &stages, world)?,
         first_design: first,

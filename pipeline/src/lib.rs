@@ -10,7 +10,7 @@
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`loop_view`](mod@loop_view), [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`results`].
 //!
@@ -35,6 +35,7 @@ pub mod exchange;
 pub mod export;
 pub mod first_design;
 pub mod inertial_unit;
+pub mod loop_view;
 pub mod model;
 pub mod plant_views;
 pub mod preview;

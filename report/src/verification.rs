@@ -1,7 +1,7 @@
 //! The report of a verification.
 
+use counterpoise_pipeline::loop_view::LoopView;
 use counterpoise_verify::Verification;
-use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::spectral::Spectral;
 
 use crate::{Report, Section, error_budget, evidence, loop_charts, spectra, summary};
@@ -14,7 +14,7 @@ pub struct Context {
     /// One line under it.
     pub subtitle: String,
     /// The loop as charts of the plane show it; without it those charts are left out.
-    pub loop_shape: Option<LoopShape>,
+    pub loop_view: Option<LoopView>,
     /// Sections that come after the verification's own: reduction, weights, certificates, times.
     pub more: Vec<Section>,
     /// Pairs of name and value: version, project, command.
@@ -25,8 +25,8 @@ pub struct Context {
 /// from the time histories on the road.
 pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Context) -> Report {
     let mut sections = evidence::sections(found);
-    if let Some(shape) = &context.loop_shape {
-        sections.insert(1, loop_charts::section(found, shape));
+    if let Some(view) = &context.loop_view {
+        sections.insert(1, loop_charts::section(found, view));
     }
     sections.extend(spectra::section(on_road));
     sections.extend(error_budget::section(found));

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use counterpoise_pipeline::design_views::loop_shape;
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
+use counterpoise_pipeline::loop_view::{LoopView, loop_view};
 use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::Advice;
@@ -19,7 +19,6 @@ use counterpoise_report::{
 };
 use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
-use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::structured::{Joints, RobustStability};
@@ -150,7 +149,7 @@ struct VerificationStudy {
     /// Rejection ratios from the time histories on the road.
     on_road: Vec<Spectral>,
     /// The loop as charts of the plane show it.
-    loop_shape: LoopShape,
+    loop_view: LoopView,
     /// What the linear figures were measured on.
     measured_on: VerifiedLoop,
     /// The linear worst case of the ranges of the project's sweep.
@@ -210,7 +209,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         measured_on,
         identity,
         on_road: spectral(&found),
-        loop_shape: loop_shape(&found)?,
+        loop_view: loop_view(&found)?,
         found,
         stability,
         certificate,
@@ -272,7 +271,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
     let context = Context {
         title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
-        loop_shape: Some(study.loop_shape.clone()),
+        loop_view: Some(study.loop_view.clone()),
         more: advised
             .into_iter()
             .chain(certified)

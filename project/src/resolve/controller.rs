@@ -177,11 +177,8 @@ fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
         if samples == 0 { RateSource::Measured } else { RateSource::Differences(samples as usize) };
 }
 
-/// Takes the position from the sensor of the loop if that measures one; complains if the rate is to be read and no sensor measures it.
-pub(super) fn complete_position(v: &mut dyn Visit, controller: &mut PositionController, is_position: bool) {
-    if !is_position {
-        return;
-    }
+/// Takes the position from the sensor of the loop, which measures one; complains if the rate is to be read and no sensor measures it.
+pub(super) fn read_position_of_loop(v: &mut dyn Visit, controller: &mut PositionController) {
     controller.position = PositionSource::LoopSensor;
     if controller.rate == RateSource::Measured {
         let allowed = "must be at least 1: the sensor of this loop measures a position, so no rate is read";

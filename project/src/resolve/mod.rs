@@ -312,8 +312,9 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     match &mut project.recording_controller {
         Some(RecordingController::ProportionalIntegral(controller)) => controller.sample_period_s = period_s,
         Some(RecordingController::Position(controller)) => {
-            let is_position = project.plant.sensors.measured.is_position();
-            controller::complete_position(v, controller, is_position);
+            if project.plant.sensors.measured.is_position() {
+                controller::read_position_of_loop(v, controller);
+            }
             controller.sample_period_s = period_s;
         }
         _ => {}

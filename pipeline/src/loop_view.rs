@@ -1,0 +1,172 @@
+//! The loop that was verified, as Nichols, Nyquist and root-locus charts show it: every point of them.
+
+use std::f64::consts::TAU;
+
+use counterpoise_lti::C64;
+use counterpoise_verify::linear::loop_shape::nichols;
+use counterpoise_verify::linear::root_locus::continuous_equivalent;
+use counterpoise_verify::linear::{Disk, LoopShape, RootLocus, largest_sensitivity, loop_shape};
+use counterpoise_verify::{Requirement, Verification};
+
+use crate::PipelineError;
+
+/// Points of a chart, x and y; a point without numbers breaks the curve.
+pub type Points = Vec<[f64; 2]>;
+
+/// A curve of the plane of L, as a Nyquist chart and as a Nichols chart show it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaneCurve {
+    /// Real and imaginary part.
+    pub nyquist: Points,
+    /// Phase in degrees, from -360 to 0, and modulus in dB.
+    pub nichols: Points,
+}
+
+/// A margin, at the point of L where it is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MarginPoint {
+    /// Which margin.
+    pub kind: MarginKind,
+    /// Its size, dB or degrees.
+    pub size: f64,
+    /// Where it is read, Hz.
+    pub frequency_hz: f64,
+    /// The point.
+    pub place: PlaneCurve,
+}
+
+/// The kind of a margin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MarginKind {
+    /// Of the gain, dB.
+    Gain,
+    /// Of the phase, degrees.
+    Phase,
+}
+
+/// A root locus at the equivalents of poles and zeros in continuous time, ln(z)/T over 2 pi: real and imaginary part, Hz.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocusView {
+    /// One branch a pole.
+    pub branches: Vec<Points>,
+    /// Poles of the open loop.
+    pub open_poles: Points,
+    /// Zeros of the open loop.
+    pub open_zeros: Points,
+    /// Poles of the closed loop.
+    pub closed_poles: Points,
+    /// Half the side of the square about the origin that shows the poles near the crossover, Hz.
+    pub reach_hz: f64,
+}
+
+/// The loop in the complex plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopView {
+    /// L at positive frequencies.
+    pub path: PlaneCurve,
+    /// The largest sensitivity that the requirements allow; 2 where they name none.
+    pub largest_sensitivity: f64,
+    /// Where the sensitivity has that value.
+    pub outline: PlaneCurve,
+    /// The disk of the disk margin that the loop touches, by the size of that margin; `None` where it is no disk.
+    pub disk: Option<PlaneCurve>,
+    /// The unit circle.
+    pub unit: PlaneCurve,
+    /// The nearest margins.
+    pub margins: Vec<MarginPoint>,
+    /// The root locus.
+    pub locus: LocusView,
+}
+
+/// The root locus is shown up to this many crossover frequencies from the origin.
+const LOCUS_CROSSOVERS: f64 = 5.0;
+
+/// Returns the charts of the loop that was verified.
+///
+/// # Errors
+/// A frequency response that does not exist, or eigenvalues that were not found.
+pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
+    let evidence = &found.evidence;
+    let LoopShape { path, locus } = loop_shape(&evidence.broken, evidence.sample_period_s)?;
+    let requirements: Vec<Requirement> = found.verdicts.iter().map(|(asked, _)| asked.clone()).collect();
+    let largest = largest_sensitivity(&requirements);
+    let disk = Disk::of_disk_margin(evidence.margins.disk.alpha);
+    Ok(LoopView {
+        path: plane_curve(&path.response),
+        largest_sensitivity: largest,
+        outline: plane_curve(&Disk::of_sensitivity(largest).edge()),
+        disk: disk.map(|disk| plane_curve(&disk.edge())),
+        unit: plane_curve(&Disk { centre: 0.0, radius: 1.0 }.edge()),
+        margins: margin_points(found),
+        locus: locus_view(found, &locus),
+    })
+}
+
+fn plane_curve(points: &[C64]) -> PlaneCurve {
+    PlaneCurve { nyquist: points.iter().map(|L| [L.re, L.im]).collect(), nichols: nichols(points) }
+}
+
+fn margin_points(found: &Verification) -> Vec<MarginPoint> {
+    let margins = &found.evidence.margins;
+    let gains = [margins.gain_increase(), margins.gain_decrease()].into_iter().flatten();
+    let gains =
+        gains.filter(|gain| gain.rate_rad_s > 0.0 && gain.rate_rad_s.is_finite()).map(|gain| MarginPoint {
+            kind: MarginKind::Gain,
+            size: gain.db,
+            frequency_hz: gain.rate_rad_s / TAU,
+            place: plane_curve(&[C64::new(-1.0 / gain.factor, 0.0)]),
+        });
+    let phase = margins.phase_margin().map(|phase| MarginPoint {
+        kind: MarginKind::Phase,
+        size: phase.deg,
+        frequency_hz: phase.rate_rad_s / TAU,
+        place: plane_curve(&[C64::from_polar(1.0, (phase.deg - 180.0).to_radians())]),
+    });
+    gains.chain(phase).collect()
+}
+
+fn locus_view(found: &Verification, locus: &RootLocus) -> LocusView {
+    let equivalent = |z: &C64| continuous_equivalent(*z, locus.sample_period_s);
+    let place = |z: &C64| equivalent(z).map_or([f64::NAN; 2], |s| [s.re / TAU, s.im / TAU]);
+    let places = |all: &[C64]| all.iter().map(place).filter(|at| at[0].is_finite()).collect::<Points>();
+    let closed_poles = places(&locus.closed_poles);
+    let crossover_hz = found.evidence.margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
+    let farthest = closed_poles.iter().map(|at| at[0].hypot(at[1])).fold(0.0, f64::max);
+    let reach_hz = if crossover_hz > 0.0 { LOCUS_CROSSOVERS * crossover_hz } else { farthest.max(1.0) };
+    LocusView {
+        branches: locus.branches.iter().map(|branch| unbroken(branch.iter().map(place))).collect(),
+        open_poles: places(&locus.open_poles),
+        open_zeros: places(&locus.open_zeros),
+        closed_poles,
+        reach_hz,
+    }
+}
+
+/// The points with a break where a branch reaches the negative real axis of the z-plane and its equivalent jumps to the other side.
+fn unbroken(points: impl Iterator<Item = [f64; 2]>) -> Points {
+    let mut all = Points::new();
+    for at in points {
+        let size = |at: [f64; 2]| at[0].hypot(at[1]);
+        let jumps = all.last().is_some_and(|last| {
+            last[1] * at[1] < 0.0 && (last[1] - at[1]).abs() > 0.5 * size(*last).max(size(at))
+        });
+        if jumps {
+            all.push([f64::NAN; 2]);
+        }
+        all.push(at);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn branches_break_where_they_pass_to_the_other_side() {
+        let points = unbroken([[-1.0, 3.0], [-1.0, 3.1], [-1.0, -3.1], [-1.0, -3.0]].into_iter());
+        assert_eq!(points.len(), 5);
+        assert!(points[2][0].is_nan());
+        assert_eq!(unbroken([[-4.0, 0.1], [-4.0, -0.1]].into_iter()).len(), 2);
+    }
+}
