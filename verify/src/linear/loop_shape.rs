@@ -124,8 +124,8 @@ impl Disk {
     pub fn of_disk_margin(alpha: f64) -> Option<Self> {
         let highest = (2.0 + alpha) / (2.0 - alpha);
         let (left, right) = (-highest, -1.0 / highest);
-        (alpha > 0.0 && alpha < 2.0)
-            .then(|| Self { centre: 0.5 * (left + right), radius: 0.5 * (right - left) })
+        let disk = Self { centre: 0.5 * (left + right), radius: 0.5 * (right - left) };
+        (alpha > 0.0 && alpha < 2.0).then_some(disk)
     }
 
     /// Returns its edge as a closed line.
