@@ -38,7 +38,7 @@ pub(crate) fn without_infinities(channel: Channel, values: &mut Array1<f64>) -> 
 
 /// Returns how many single readings are far from both neighbours; `None` if none is, or if the channel holds its value from sample to
 /// sample, so that a pulse of one sample may be meant.
-pub(crate) fn outliers(channel: Channel, values: ArrayView1<'_, f64>) -> Option<Remark> {
+pub(crate) fn outliers(channel: Channel, unit: &'static str, values: ArrayView1<'_, f64>) -> Option<Remark> {
     let usual = usual_step(values).filter(|_| !channel.is_held())?;
     let is_outlier = |w: &ArrayView1<'_, f64>| {
         let distance = (w[1] - 0.5 * (w[0] + w[2])).abs();
@@ -50,7 +50,7 @@ pub(crate) fn outliers(channel: Channel, values: ArrayView1<'_, f64>) -> Option<
     let first = *found.first()?;
     let is_rare = found.len() as f64 <= (MOST_OUTLIERS * values.len() as f64).max(1.0);
     let (samples, value) = (found.len(), values[first]);
-    is_rare.then_some(Remark::Outliers { channel, samples, first_row: first + 1, value })
+    is_rare.then_some(Remark::Outliers { channel, samples, first_row: first + 1, value, unit })
 }
 
 /// Returns the size that nine in ten steps between samples do not exceed, and no less than the smallest step; `None` if nothing moves.

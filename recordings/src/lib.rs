@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
-//! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
+//! Modules in reading order: [`unit`], [`channel`] and [`signals`] (what is measured), [`table`] (columns as written, from the decoders in
 //! `decode`), [`mapping`] (which column is which channel, with `shaping` and `checks`), [`clock`] (uniform time), [`recording`], [`error`], [`remark`].
 //!
 //! ```
@@ -28,6 +28,7 @@ pub mod mapping;
 pub mod recording;
 pub mod remark;
 mod shaping;
+pub mod signals;
 pub mod table;
 pub mod unit;
 
@@ -37,5 +38,6 @@ pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;
 pub use remark::{Remark, Unread};
+pub use signals::{MachineSignals, Motion, Reading};
 pub use table::{Column, Table};
 pub use unit::Unit;

@@ -5,7 +5,7 @@ use ndarray::Array1;
 use crate::checks::{check_time_unit, missing, nearly_named, outliers, without_infinities};
 use crate::clock::{Uniform, check_length, uniform};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
-use crate::{Channel, Error, Recording, Remark, Table, Unit};
+use crate::{Channel, Error, MachineSignals, Recording, Remark, Table, Unit};
 
 /// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
 const SAME_PERIOD: f64 = 1e-3;
@@ -47,6 +47,8 @@ pub struct Mapping {
     pub time: Option<ChannelSource>,
     /// Channels whose column has another name than the channel.
     pub channels: Vec<(Channel, ChannelSource)>,
+    /// What the machine's sensors measure: the units of its channels.
+    pub signals: MachineSignals,
 }
 
 impl ChannelSource {
@@ -72,6 +74,7 @@ impl ChannelSource {
         match channel {
             "rad/s" if is_slope => "rad",
             "m/s^2" if is_slope => "m/s",
+            "m/s" if is_slope => "m",
             _ => channel,
         }
     }
@@ -81,7 +84,8 @@ impl Mapping {
     /// Returns whether demand, control and hub rate of a recording are the samples that were written: not slopes of others, on one
     /// clock, not interpolated.
     pub fn keeps_samples(&self, recording: &Recording) -> bool {
-        let loop_channels = [Channel::Demand, Channel::Control, Channel::HubRate];
+        let mut loop_channels = vec![Channel::Demand, Channel::Control, Channel::HubRate];
+        loop_channels.extend(self.signals.reading_channel().map(|(channel, _)| channel));
         let is_made = |(channel, source): &(Channel, ChannelSource)| {
             let is_shaped =
                 source.slope_over_s.is_some() || source.slope_lag_s.is_some() || source.clock.is_some();
@@ -102,13 +106,11 @@ impl Mapping {
     pub fn apply(&self, table: &Table) -> Result<Recording, Error> {
         let time_s = self.time(table)?;
         let (mut channels, mut signals, mut odd) = (Vec::new(), Vec::new(), Vec::new());
-        for channel in Channel::ALL {
-            if let Some(mut values) = self.channel(table, channel, time_s.as_ref())? {
-                odd.extend(without_infinities(channel, &mut values));
-                odd.extend(outliers(channel, values.view()));
-                channels.push(channel);
-                signals.push(values);
-            }
+        for (channel, mut values) in self.channels_of(table, time_s.as_ref())? {
+            odd.extend(without_infinities(channel, &mut values));
+            odd.extend(outliers(channel, self.signals.unit(channel), values.view()));
+            channels.push(channel);
+            signals.push(values);
         }
         let mut remarks = table.remarks.clone();
         remarks.extend(nearly_named(table, self, &channels, time_s.as_ref()));
@@ -186,6 +188,28 @@ impl Mapping {
         Ok(())
     }
 
+    /// Returns every channel of a table, in SI units. The column of what the loop's sensor reads is its reading, whatever its name.
+    fn channels_of(
+        &self,
+        table: &Table,
+        time_s: Option<&Array1<f64>>,
+    ) -> Result<Vec<(Channel, Array1<f64>)>, Error> {
+        let own = self.signals.reading_channel();
+        let own = match own {
+            Some((channel, factor)) => self.channel(table, channel, time_s)?.map(|v| (channel, v * factor)),
+            None => None,
+        };
+        let mut found = Vec::new();
+        for channel in Channel::ALL {
+            match &own {
+                Some((_, values)) if channel == Channel::HubRate => found.push((channel, values.clone())),
+                Some((read, _)) if channel == *read => {}
+                _ => found.extend(self.channel(table, channel, time_s)?.map(|values| (channel, values))),
+            }
+        }
+        Ok(found)
+    }
+
     /// Returns a channel in SI units; `None` if the mapping does not name it and no column has its name.
     fn channel(
         &self,
@@ -193,7 +217,7 @@ impl Mapping {
         channel: Channel,
         time_s: Option<&Array1<f64>>,
     ) -> Result<Option<Array1<f64>>, Error> {
-        let (name, unit) = (channel.name(), channel.unit());
+        let (name, unit) = (channel.name(), self.signals.unit(channel));
         let mapped = self.channels.iter().find(|(c, _)| *c == channel).map(|(_, source)| source);
         match mapped {
             Some(source) => {

@@ -104,6 +104,8 @@ pub enum Remark {
         first_row: usize,
         /// Its value, in the channel's unit.
         value: f64,
+        /// That unit.
+        unit: &'static str,
     },
     /// The file's sample period differs from the project's, so the channels were put on the project's.
     Resampled {
@@ -141,13 +143,13 @@ impl fmt::Display for Remark {
                 "{}: {samples} values are infinite, the first in row {first_row}: they count as missing",
                 channel.name()
             ),
-            Self::Outliers { channel, samples, first_row, value } => write!(
+            Self::Outliers { channel, samples, first_row, value, unit } => write!(
                 f,
                 "{}: {samples} reading{} far from both neighbours, the first in row {first_row} ({value} {}): \
                  check the recorder",
                 channel.name(),
                 if *samples == 1 { " is" } else { "s are" },
-                channel.unit()
+                unit
             ),
             Self::Resampled { file_s, project_s } if file_s < project_s => {
                 write!(f, "sampled every {file_s} s: averaged to the project's {project_s} s")

@@ -189,7 +189,7 @@ fn infinities_count_as_missing_and_outliers_are_named() {
     let channel = Channel::HubRate;
     let wanted = [
         Remark::Infinite { channel, samples: 1, first_row: 21 },
-        Remark::Outliers { channel, samples: 1, first_row: 41, value: 1e6 },
+        Remark::Outliers { channel, samples: 1, first_row: 41, value: 1e6, unit: "rad/s" },
         Remark::Missing { channel, samples: 1, first_row: 21 },
     ];
     assert_eq!(recording.remarks, wanted);

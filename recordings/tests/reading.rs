@@ -4,7 +4,9 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
-use counterpoise_recordings::{Channel, ChannelSource, Mapping, Recording, Remark, Table, Unit};
+use counterpoise_recordings::{
+    Channel, ChannelSource, MachineSignals, Mapping, Motion, Reading, Recording, Remark, Table, Unit,
+};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -54,6 +56,31 @@ fn units_in_si() {
     assert!(Unit::parse("H").unwrap().is_like(&Unit::parse("ohm s").unwrap()));
     assert!(!Unit::parse("rpm").unwrap().is_like(&Unit::parse("Hz").unwrap()));
     assert_eq!([size("furlong"), size("rad/"), size("m^x"), size("k")], [None, Some(1.0), None, None]);
+}
+
+#[test]
+fn the_reading_of_a_loop_is_taken_from_the_column_of_what_its_sensor_reads() {
+    let slide = |reading| MachineSignals { hub: Motion::Sliding, motor: Motion::Turning, reading };
+    let read_as = |signals, header: &str| {
+        let table =
+            read(&format!("time [s],demand [mm],control [V],{header}\n0,0,0,0\n0.001,5,1,2\n0.002,5,1,4\n"));
+        Mapping { signals, ..Mapping::default() }.apply(&table).map_err(|error| error.to_string())
+    };
+    let on_motor = slide(Reading::MotorPosition { ratio: 100.0 });
+    let recording = read_as(on_motor, "motor_position [rad]").unwrap();
+    assert_eq!(channel(&recording, Channel::HubRate), [0.0, 0.02, 0.04]);
+    assert_eq!(channel(&recording, Channel::Demand), [0.0, 5e-3, 5e-3]);
+    assert!(!recording.has(Channel::MotorPosition));
+    let own_name = read_as(on_motor, "hub_rate [mm]").unwrap();
+    assert_eq!(channel(&own_name, Channel::HubRate), [0.0, 2e-3, 4e-3]);
+    let scale = read_as(slide(Reading::HubPosition), "hub_position [um]").unwrap();
+    assert!((channel(&scale, Channel::HubRate)[2] - 4e-6).abs() < 1e-20);
+    let wrong = read_as(slide(Reading::HubPosition), "hub_position [rad]").unwrap_err();
+    assert!(wrong.contains("hub_position") && wrong.contains("rad"), "{wrong}");
+    let turning = MachineSignals { reading: Reading::MotorRate { ratio: 50.0 }, ..MachineSignals::default() };
+    let table = read("time [s],demand [rad/s],control [V],motor_rate [rpm]\n0,0,0,0\n0.001,1,1,60\n");
+    let recording = Mapping { signals: turning, ..Mapping::default() }.apply(&table).unwrap();
+    assert!((channel(&recording, Channel::HubRate)[1] - TAU / 50.0).abs() < 1e-15);
 }
 
 #[test]

@@ -20,6 +20,6 @@ pub mod residuals;
 pub mod tracks;
 
 pub use diagnose::{DiagnosedRecordings, diagnose};
-pub use identify::identify;
+pub use identify::{AxisUnits, identify};
 pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, UnusedColumn, read};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

@@ -4,6 +4,7 @@ use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
+use counterpoise_project::resolve::recording::machine_signals;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
 use counterpoise_simulate::replay::{Loop, RecordedController};
 
@@ -117,10 +118,11 @@ pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<R
     Ok((table, recordings))
 }
 
-/// Returns how the project maps columns, with the sample period of its interface for a table without a clock.
+/// Returns how the project maps columns, with the signals of its machine, and the sample period of its interface for a table without a clock.
 fn mapping(project: &Project) -> Mapping {
     let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    Mapping { sample_period_s: clock, ..project.recording.clone() }
+    let signals = machine_signals(&project.plant);
+    Mapping { sample_period_s: clock, signals, ..project.recording.clone() }
 }
 
 /// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
@@ -179,7 +181,7 @@ pub fn read_recording(
     whole: Recording,
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
-    let keeps_samples = project.recording.keeps_samples(&whole);
+    let keeps_samples = mapping(project).keeps_samples(&whole);
     let name = whole.name.clone();
     let mut remarks: Vec<ColumnRemark> = whole.remarks.iter().cloned().map(ColumnRemark::File).collect();
     let parts = match gaps {

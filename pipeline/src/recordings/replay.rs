@@ -79,7 +79,7 @@ pub fn replay_one(
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
     let remarks = item.remarks.iter().cloned().chain(anomalies(plant, &item.recording)).collect();
-    let tracks = tracks(&item.recording, &followed.replay, None);
+    let tracks = tracks(plant, &item.recording, &followed.replay, None);
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 

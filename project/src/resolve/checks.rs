@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use counterpoise_models::{Parameters, Sensor};
-use counterpoise_recordings::{Mapping, Unit};
+use counterpoise_recordings::Unit;
 
 use super::controller::RecordingController;
 use super::design::{LoopKind, ReductionMethod};
 use super::import::ImportedStructure;
 use super::model::StructureChoice;
+use super::recording::machine_signals;
 use super::{Project, base_motion_checks, beam_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
@@ -69,7 +70,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     recorded_period(&mut findings, project);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);
-    units(&mut findings, &project.recording);
+    units(&mut findings, project);
     configuration(&mut findings, project);
     tolerances(&mut findings, project);
     findings.list
@@ -324,9 +325,10 @@ fn without_effect(findings: &mut Findings<'_>, plant: &Parameters) {
 }
 
 /// Units in the mapping of channels must be known and of the channel's quantity.
-fn units(findings: &mut Findings<'_>, mapping: &Mapping) {
+fn units(findings: &mut Findings<'_>, project: &Project) {
+    let (mapping, signals) = (&project.recording, machine_signals(&project.plant));
     let time = mapping.time.iter().map(|s| ("time", "s", s));
-    let channels = mapping.channels.iter().map(|(c, s)| (c.name(), s.unit_of_column(c.unit()), s));
+    let channels = mapping.channels.iter().map(|(c, s)| (c.name(), s.unit_of_column(signals.unit(*c)), s));
     for (name, wanted, source) in time.chain(channels) {
         let Some(written) = &source.unit else { continue };
         let target = Unit::parse(wanted).unwrap_or(Unit::ONE);

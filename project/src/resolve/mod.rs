@@ -22,7 +22,7 @@ pub mod model;
 mod plant;
 pub mod platform;
 pub mod purpose;
-mod recording;
+pub mod recording;
 pub mod statements;
 mod structure;
 pub mod sweep;

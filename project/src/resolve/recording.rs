@@ -1,9 +1,28 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
-use counterpoise_recordings::{Channel, ChannelSource, Mapping};
+use counterpoise_models::{Axis, Measured, Parameters, Transmission};
+use counterpoise_recordings::{Channel, ChannelSource, MachineSignals, Mapping, Motion, Reading};
 
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Presence, Visit, maybe_number, table};
+
+/// Returns what the sensors of a machine measure: the units of its recordings' channels, and which channel its loop reads.
+pub fn machine_signals(plant: &Parameters) -> MachineSignals {
+    let ratio = plant.gearbox.ratio;
+    let hub = match plant.axis {
+        Axis::Rotary => Motion::Turning,
+        Axis::Linear => Motion::Sliding,
+    };
+    // A linear motor slides with what it drives.
+    let motor = if plant.gearbox.kind == Transmission::Direct { hub } else { Motion::Turning };
+    let reading = match plant.sensors.measured {
+        Measured::HubRate | Measured::RelativeRate => Reading::HubRate,
+        Measured::HubPosition => Reading::HubPosition,
+        Measured::MotorRate => Reading::MotorRate { ratio },
+        Measured::MotorPosition => Reading::MotorPosition { ratio },
+    };
+    MachineSignals { hub, motor, reading }
+}
 
 /// Reads or lists the mapping.
 pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
