@@ -4,15 +4,16 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::options::Results;
 use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
-use counterpoise_host::terminal::harmless;
 pub use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::{harmless, harmless_json};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::listed;
 
@@ -67,7 +68,7 @@ pub fn figure(value: f64) -> String {
 pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     let Some(target) = &results.json else { return Ok(false) };
     let text = with_schema(json_text(result)?);
-    if target == Path::new("-") {
+    if [Path::new("-"), Path::new("/dev/stdout")].contains(&target.as_path()) {
         put(&text);
         return Ok(true);
     }
@@ -75,7 +76,26 @@ pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     Ok(false)
 }
 
-/// Returns the JSON of a result with the name and version of its schema first, unless it states them already. A list has no key for it.
+/// [`json`] of a list, which stands under a key so that the result can state its schema.
+pub fn json_list<T: Serialize>(results: &Results, key: &'static str, list: &[T]) -> Result<bool> {
+    json(results, &Listed { key, list })
+}
+
+/// A list under a key.
+struct Listed<'a, T> {
+    key: &'static str,
+    list: &'a [T],
+}
+
+impl<T: Serialize> Serialize for Listed<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1))?;
+        map.serialize_entry(self.key, self.list)?;
+        map.end()
+    }
+}
+
+/// Returns the JSON of a result, which is an object, with the name and version of its schema first, unless it states them already.
 fn with_schema(text: String) -> String {
     let own = "\n  \"schema\": ";
     match text.strip_prefix("{\n") {
@@ -84,14 +104,16 @@ fn with_schema(text: String) -> String {
     }
 }
 
-/// Returns a result as JSON: a key a line, a list of numbers in one line, so that a matrix can be read.
+/// Returns a result as JSON: a key a line, a list of numbers in one line, so that a matrix can be read. Characters that a terminal may
+/// obey are escaped.
 pub fn json_text<T: Serialize>(result: &T) -> Result<String> {
     let mut bytes = Vec::new();
     let mut serializer =
         serde_json::Serializer::with_formatter(&mut bytes, KeyALine { depth: 0, empty: true });
     result.serialize(&mut serializer).context("cannot write the result as JSON")?;
     bytes.push(b'\n');
-    String::from_utf8(bytes).context("cannot write the result as JSON")
+    let text = String::from_utf8(bytes).context("cannot write the result as JSON")?;
+    Ok(harmless_json(&text))
 }
 
 /// Indents the keys of objects and leaves lists in one line.
@@ -174,14 +196,24 @@ mod tests {
         let with = |value: serde_json::Value| with_schema(json_text(&value).unwrap());
         assert_eq!(
             with(serde_json::json!({"a": 1})),
-            "{\n  \"schema\": \"counterpoise.results/1\",\n  \"a\": 1\n}\n"
+            "{\n  \"schema\": \"counterpoise.results/2\",\n  \"a\": 1\n}\n"
         );
         let stated = serde_json::json!({"a": 1, "schema": SCHEMA});
         assert_eq!(with(stated.clone()), json_text(&stated).unwrap());
         let inner = serde_json::json!({"a": {"schema": SCHEMA}});
         assert!(with(inner).starts_with("{\n  \"schema\": "));
-        assert_eq!(with(serde_json::json!([{"a": 1}])), json_text(&serde_json::json!([{"a": 1}])).unwrap());
+        let listed = json_text(&Listed { key: "files", list: &["a.c"] }).unwrap();
+        let expected = serde_json::json!({"schema": SCHEMA, "files": ["a.c"]});
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&with_schema(listed)).unwrap(), expected);
         assert_eq!(with(serde_json::json!({})), "{}\n");
+    }
+
+    #[test]
+    fn json_on_a_terminal_keeps_its_meaning() {
+        let value = serde_json::json!({"a": "\u{1b}[2J \u{7f}\u{9b}\u{202e}evil Höhe"});
+        let text = json_text(&value).unwrap();
+        assert!(text.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}')), "{text}");
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
     }
 
     #[test]

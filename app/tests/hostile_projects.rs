@@ -200,3 +200,49 @@ fn the_temporary_folder_and_partial_files_belong_to_this_user_alone() {
     assert_eq!(fs::read(folder.join("b.txt")).unwrap(), b"new");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 4);
 }
+
+/// A result is never renamed over a device or a pipe: that would replace it.
+#[test]
+fn what_is_no_file_is_not_replaced_by_a_result() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = support::folder("hostile_places");
+    fs::write(folder.join("project.toml"), RIG).unwrap();
+    let model = |place: &std::path::Path| {
+        soon(counterpoise().arg("model").arg(&folder).arg("-q").arg(format!("--json={}", place.display())))
+    };
+    let pipe = folder.join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    symlink(&pipe, folder.join("link")).unwrap();
+    for place in [pipe.clone(), folder.join("link"), folder.clone()] {
+        let output = model(&place);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("no regular file") || said.contains("a folder"), "{said}");
+    }
+    assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+    assert!(fs::symlink_metadata(folder.join("link")).unwrap().is_symlink());
+    let null = folder.join("null");
+    let made = Command::new("mknod").arg(&null).args(["c", "1", "3"]).stderr(Stdio::null()).status();
+    if !made.is_ok_and(|status| status.success()) {
+        return support::skipped("no right to make a device: none is written to");
+    }
+    assert_eq!(model(&null).status.code(), Some(0));
+    assert!(fs::symlink_metadata(&null).unwrap().file_type().is_char_device());
+    let output =
+        counterpoise().arg("model").arg(&folder).args(["-q", "--json=/dev/stdout"]).output().unwrap();
+    assert!(serde_json::from_slice::<serde_json::Value>(&output.stdout).is_ok());
+}
+
+/// What JSON holds of a hostile name is harmless on a terminal, and means the same.
+#[test]
+fn json_of_hostile_names_can_be_read() {
+    let name = "a\u{1b}[2J\u{7f}\u{202e}\u{2028}b";
+    let folder = support::folder("hostile_json").join(name);
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("project.toml"), RIG).unwrap();
+    let output = counterpoise().arg("check").arg(&folder).args(["-q", "--json"]).output().unwrap();
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(result["file"].as_str().unwrap().contains(name), "{}", result["file"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}')), "{said:?}");
+}

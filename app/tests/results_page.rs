@@ -1,8 +1,11 @@
 //! The manual's page of JSON results: the keys of stored example results, and that the program still gives these keys.
 //!
 //! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test results_page` runs the commands, stores their shortened results in
-//! `app/tests/data/results`, and writes `docs/reference/results.md` anew.
+//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` anew.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "support/schema.rs"]
+mod schema;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -66,8 +69,10 @@ a list, and `NAME` a key that is a name from the project or the recording, such 
 accounted for in percent, and `ci95` a 95 % interval. The words of a diagnosis' `verdict` are explained in
 [the theory of the diagnosis](../theory/diagnosis.md).
 
-The key `schema` holds name and version of the schema. The number rises when a key changes its meaning or goes; new keys leave it as it is. A
-result that is a list has no place for it; its keys follow the same version.
+Every result is an object whose key `schema` holds name and version of the schema, `counterpoise.results/2`. The number rises when a key changes its
+meaning or goes; new keys leave it as it is. [results.schema.json](results.schema.json) is the same as JSON Schema (draft 2020-12): a program can
+check a result against the definition that has the name of the command. Version 1 had lists in place of the objects of `claims`, `export`, `fra`,
+`sweep` and `verify --against`.
 
 `counterpoise verify --json` lists every figure that a requirement can ask for, with its unit.
 ";
@@ -220,6 +225,19 @@ fn section(example: &Example) -> String {
     )
 }
 
+/// The stored results by their names.
+fn all_stored() -> Vec<(&'static str, Value)> {
+    let read =
+        |example: &Example| serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+    EXAMPLES.iter().map(|example| (example.name, read(example))).collect()
+}
+
+/// The published schema, as its file holds it.
+fn schema_text() -> String {
+    let made = schema::published(&all_stored(), &|key| NAMES.contains(&key));
+    serde_json::to_string_pretty(&made).unwrap() + "\n"
+}
+
 fn page() -> String {
     let sections = EXAMPLES.iter().map(section);
     std::iter::once(INTRODUCTION.to_owned()).chain(sections).collect::<Vec<_>>().join("\n")
@@ -228,7 +246,12 @@ fn page() -> String {
 #[test]
 fn the_program_gives_the_keys_of_the_stored_results() {
     let writes = writes();
+    let published: Value = serde_json::from_str(&schema_text()).unwrap();
     for (example, given) in EXAMPLES.iter().zip(run_all()) {
+        if !writes {
+            let wrong = schema::violations(&published["$defs"][example.name], &given, example.name);
+            assert!(wrong.is_empty(), "{wrong:#?}");
+        }
         let given = shortened(given);
         if writes {
             let text = serde_json::to_string_pretty(&given).unwrap();
@@ -239,15 +262,40 @@ fn the_program_gives_the_keys_of_the_stored_results() {
         assert_eq!(names(&given), names(&known), "{}", example.name);
     }
     if writes {
-        fs::write(root().join("docs/reference/results.md"), page()).unwrap();
+        write_page();
     }
+}
+
+/// Writes the page and the schema of the stored results.
+fn write_page() {
+    fs::write(root().join("docs/reference/results.md"), page()).unwrap();
+    fs::write(root().join("docs/reference/results.schema.json"), schema_text()).unwrap();
+}
+
+#[test]
+fn a_result_that_breaks_the_schema_is_found() {
+    let published: Value = serde_json::from_str(&schema_text()).unwrap();
+    let replay = &published["$defs"]["replay"];
+    let (_, good) = all_stored().into_iter().find(|(name, _)| *name == "replay").unwrap();
+    assert_eq!(schema::violations(replay, &good, "replay"), [""; 0]);
+    let broken = |change: &dyn Fn(&mut Value)| {
+        let mut value = good.clone();
+        change(&mut value);
+        schema::violations(replay, &value, "replay").len()
+    };
+    assert_eq!(broken(&|v| v["schema"] = "counterpoise.results/1".into()), 1);
+    assert_eq!(broken(&|v| v["recordings"] = 3.into()), 1);
+    assert_eq!(broken(&|v| drop(v.as_object_mut().unwrap().remove("recordings"))), 1);
+    assert_eq!(broken(&|v| v["recordings"][0]["file"] = 1.5.into()), 1);
+    assert_eq!(broken(&|v| v["recordings"][0]["new key"] = 1.5.into()), 0);
 }
 
 #[test]
 fn the_page_of_results_is_current() {
     if writes() {
-        return;
+        write_page();
     }
+    assert_eq!(fs::read_to_string(root().join("docs/reference/results.schema.json")).unwrap(), schema_text());
     let written = fs::read_to_string(root().join("docs/reference/results.md")).unwrap();
     for (number, (written, stored)) in written.lines().zip(page().lines()).enumerate() {
         assert_eq!(written, stored, "line {} of docs/reference/results.md", number + 1);

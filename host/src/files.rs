@@ -61,8 +61,8 @@ pub fn read(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), Strin
     Ok((document.text().to_owned(), named(disk, &document, path)))
 }
 
-/// Largest file that is read whole, bytes; a larger recording is read in parts.
-pub const LARGEST_FILE: u64 = 4 << 30;
+/// Largest file that is read whole, bytes; a larger recording is read in parts by `replay`, if it is text.
+pub const LARGEST_FILE: u64 = 1 << 30;
 
 /// Reads a file that the user named. Only a regular file is read, so that neither a pipe nor a device can hold the program up, and
 /// none larger than [`LARGEST_FILE`].
@@ -73,7 +73,10 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     let (file, size) = open_file(path)?;
     if size > LARGEST_FILE {
         let (size, most) = (size as f64 / 1e9, LARGEST_FILE as f64 / 1e9);
-        return Err(io::Error::other(format!("it has {size:.1} GB; at most {most:.1} GB are read at once")));
+        let why = format!(
+            "it has {size:.1} GB; at most {most:.1} GB are read at once: cut it, or replay it as a CSV file, which is read in parts"
+        );
+        return Err(io::Error::other(why));
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(size as usize).map_err(io::Error::other)?;
@@ -186,10 +189,11 @@ pub fn is_recording(path: &Path) -> bool {
     path.is_file() && RECORDING_ENDINGS.contains(&ending.as_str())
 }
 
-/// Writes a file whole or not at all: to a neighbour first, then renamed.
+/// Writes a file whole or not at all: to a neighbour first, then renamed. What stands in its place must be a regular file, or a link to
+/// one, which is replaced; a character device such as `/dev/null` is written to.
 ///
 /// # Errors
-/// Those of the file system; the old file is then as it was.
+/// Those of the file system, and that the place is taken by something else; the old file is then as it was.
 pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
     write_on(&Native, path, content)
 }
@@ -199,6 +203,9 @@ pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
 /// # Errors
 /// Those of the file system; the old file is then as it was.
 pub fn write_on(disk: &dyn Disk, path: &Path, content: &[u8]) -> io::Result<()> {
+    if place(path)? == Place::Device {
+        return fs::OpenOptions::new().write(true).open(path)?.write_all(content);
+    }
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
         fs::create_dir_all(folder)?;
     }
@@ -208,6 +215,32 @@ pub fn write_on(disk: &dyn Disk, path: &Path, content: &[u8]) -> io::Result<()> 
     disk.sync(partial.as_file())?;
     partial.persist(path).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// What stands where a file is to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// Nothing, or a file that can be replaced.
+    File,
+    /// A character device, which is written to: renaming a file to its name would replace the device.
+    Device,
+}
+
+/// Returns what stands where a file is to be written.
+///
+/// # Errors
+/// A folder, a pipe, a socket or another device stands there, or a link to one.
+fn place(path: &Path) -> io::Result<Place> {
+    let Ok(found) = fs::symlink_metadata(path) else { return Ok(Place::File) };
+    #[cfg(unix)]
+    if std::os::unix::fs::FileTypeExt::is_char_device(&found.file_type()) {
+        return Ok(Place::Device);
+    }
+    let target = if found.is_symlink() { fs::metadata(path) } else { Ok(found) };
+    match target {
+        Ok(target) => regular(&target).map(|()| Place::File),
+        Err(_) => Ok(Place::File),
+    }
 }
 
 /// Returns a new file beside `path`, of a random name that nothing else has; it is removed when the value is dropped.
@@ -232,6 +265,9 @@ pub fn write_set(files: &[(PathBuf, &[u8])]) -> Result<(), String> {
     for (path, content) in files {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let write = || {
+            if place(path)? == Place::Device {
+                return Err(io::Error::other("it is a device, not a file"));
+            }
             fs::create_dir_all(folder)?;
             let mut partial = new_partial(folder, path)?;
             partial.write_all(content)?;

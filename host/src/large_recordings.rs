@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use counterpoise_recordings::{CsvParts, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::files;
+use crate::files::{self, recording_files};
 
 /// Size of a CSV file above which it is read in parts, bytes.
 pub const READ_AT_ONCE: u64 = 128 << 20;
@@ -23,14 +23,25 @@ pub struct BySize {
     pub in_parts: Vec<PathBuf>,
 }
 
-/// Tells the paths that are read at once from those that are read in parts: CSV files above `limit` bytes.
+/// Tells the recordings that are read at once from those that are read in parts, which are text above `limit` bytes. A folder with such a
+/// text becomes the recordings in it.
 pub fn by_size(paths: &[PathBuf], limit: u64) -> BySize {
-    let is_large = |path: &PathBuf| {
-        let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-        is_csv && std::fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > limit)
-    };
-    let (in_parts, whole) = paths.iter().cloned().partition(is_large);
+    let expanded = paths.iter().flat_map(|path| {
+        let inside = recording_files(std::slice::from_ref(path));
+        if inside.iter().any(|file| is_large_text(file, limit)) { inside } else { vec![path.clone()] }
+    });
+    let (in_parts, whole) = expanded.partition(|path| is_large_text(path, limit));
     BySize { whole, in_parts }
+}
+
+/// Returns whether a path is a regular file above `limit` bytes that is read as text, by its first bytes.
+fn is_large_text(path: &Path, limit: u64) -> bool {
+    if !std::fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > limit) {
+        return false;
+    }
+    let mut first = [0; 16];
+    let read = files::open_file(path).and_then(|(mut file, _)| file.read_exact(&mut first));
+    read.is_ok() && counterpoise_recordings::is_text(&first)
 }
 
 /// A large recording that is being read, with a bar that says how far.
@@ -52,7 +63,7 @@ impl LargeRecording {
         let style =
             ProgressStyle::with_template("{bar:30} {bytes}/{total_bytes}, {elapsed} gone, {eta} to go")?;
         bar.set_style(style);
-        let counted = Counted { file, bar: bar.clone() };
+        let counted = Counted { file, bar: bar.clone(), line: 0 };
         let reader = BufReader::with_capacity(1 << 20, counted);
         let parts = CsvParts::new(reader, &path.display().to_string(), rows).with_context(told)?;
         Ok(Self { parts, path: path.to_owned(), bar })
@@ -71,16 +82,29 @@ impl Iterator for LargeRecording {
     }
 }
 
+/// Longest line of a text that is read in parts, bytes: a line is held in memory whole.
+const LONGEST_LINE: usize = 16 << 20;
+
 /// A file whose bytes are counted as they are read.
 struct Counted {
     file: std::fs::File,
     bar: ProgressBar,
+    line: usize,
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(buffer)?;
         self.bar.inc(count as u64);
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        self.line = match buffer[..count].iter().rposition(is_end) {
+            Some(end) => count - end - 1,
+            None => self.line + count,
+        };
+        if self.line > LONGEST_LINE {
+            let why = format!("a line of more than {} MB: is it a text of rows?", LONGEST_LINE >> 20);
+            return Err(io::Error::other(why));
+        }
         Ok(count)
     }
 }

@@ -93,7 +93,7 @@ impl ConeProgram {
         }
         let settings = DefaultSettingsBuilder::default().verbose(false).max_iter(CONE_PROGRAM_STEPS).build();
         let settings = settings.map_err(|_| Unsolved::Malformed)?;
-        let P = self.quadratic.as_ref().map_or_else(|| CscMatrix::zeros((n, n)), |P| CscMatrix::from(P));
+        let P = self.quadratic.as_ref().map_or_else(|| CscMatrix::zeros((n, n)), CscMatrix::from);
         let A = CscMatrix::from(&self.rows);
         let set_up = DefaultSolver::new(&P, &self.cost, &A, &self.bound, &self.cones, settings);
         let mut solver = set_up.map_err(|_| Unsolved::Malformed)?;

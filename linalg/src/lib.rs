@@ -8,7 +8,7 @@
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
 //! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`stability`].
+//! [`stability`], [`refined`] (a transfer matrix to the last digits).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};
@@ -42,6 +42,7 @@ mod lyapunov_leaf;
 pub mod mat;
 pub mod pencil_roots;
 mod precise;
+pub mod refined;
 pub mod riccati;
 mod scalar;
 pub mod schur;
@@ -71,6 +72,7 @@ pub use hammarling::{dlyap_factor, dlyap_factors, lyap_factor, lyap_factors};
 pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
+pub use refined::{Realisation, refined_transfer};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
 pub use schur::{Schur, Subspace, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};

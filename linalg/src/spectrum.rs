@@ -52,28 +52,15 @@ impl Spectrum {
 
     /// How `M`, n x m, reaches a mode.
     pub(crate) fn reach(&self, M: &Mat, mode: C64) -> Reach {
-        let inner = self.left_vector(mode);
-        let v: Vec<C64> = inner.iter().zip(&self.scale).map(|(e, d)| e / d).collect();
-        let length = v.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
-        let each = VECTOR_NOISE * v.len() as f64;
-        let (re, im): (Vec<f64>, Vec<f64>) = v.iter().map(|e| (e.re, e.im)).unzip();
-        let moduli: Vec<f64> = v.iter().map(|e| e.norm()).collect();
-        let unknown: Vec<f64> = self.scale.iter().map(|d| each / d).collect();
-        let absolute = |weights: &[f64], column: &[f64]| -> f64 {
-            weights.iter().zip(column).map(|(w, m)| w * m.abs()).sum()
-        };
-        let (mut sum, mut entrywise) = (0.0, 0.0_f64);
-        for j in 0..M.ncols() {
-            let column = M.column(j);
-            let product = dot(&re, column).hypot(dot(&im, column));
-            let noise = absolute(&unknown, column);
-            sum += product * product;
-            if product > noise {
-                entrywise = entrywise.max((product - noise) / absolute(&moduli, column));
-            }
-        }
-        let normwise = sum.sqrt() / (length * M.norm_fro()).max(f64::MIN_POSITIVE);
-        Reach { mode, normwise, entrywise }
+        let back: Vec<f64> = self.scale.iter().map(|d| 1.0 / d).collect();
+        acts_on(M, mode, &self.left_vector(mode), &back)
+    }
+
+    /// How `M`, n x m, sees a mode: its reach for the transposed matrix.
+    pub(crate) fn sight(&self, M: &Mat, mode: C64) -> Reach {
+        let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
+        let x = triangle.solve_right(vec![C64::new(1.0, 0.0); self.form.T.nrows()]);
+        acts_on(M, mode, &self.outward(&triangle.solve_right(x)), &self.scale)
     }
 
     /// The eigenvalues (one of each conjugate pair) that lie on the boundary of stability within what rounding the entries of `A`
@@ -124,6 +111,31 @@ impl Spectrum {
         }
         out
     }
+}
+
+/// How `M` acts on a mode with the eigenvector `inner` of the balanced matrix, whose entries are to be multiplied by `scale`.
+fn acts_on(M: &Mat, mode: C64, inner: &[C64], scale: &[f64]) -> Reach {
+    let v: Vec<C64> = inner.iter().zip(scale).map(|(e, d)| e * d).collect();
+    let length = v.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
+    let each = VECTOR_NOISE * v.len() as f64;
+    let (re, im): (Vec<f64>, Vec<f64>) = v.iter().map(|e| (e.re, e.im)).unzip();
+    let moduli: Vec<f64> = v.iter().map(|e| e.norm()).collect();
+    let unknown: Vec<f64> = scale.iter().map(|d| each * d).collect();
+    let absolute = |weights: &[f64], column: &[f64]| -> f64 {
+        weights.iter().zip(column).map(|(w, m)| w * m.abs()).sum()
+    };
+    let (mut sum, mut entrywise) = (0.0, 0.0_f64);
+    for j in 0..M.ncols() {
+        let column = M.column(j);
+        let product = dot(&re, column).hypot(dot(&im, column));
+        let noise = absolute(&unknown, column);
+        sum += product * product;
+        if product > noise {
+            entrywise = entrywise.max((product - noise) / absolute(&moduli, column));
+        }
+    }
+    let normwise = sum.sqrt() / (length * M.norm_fro()).max(f64::MIN_POSITIVE);
+    Reach { mode, normwise, entrywise }
 }
 
 /// `T - mode I` times the column operations that make it upper triangular.

@@ -63,6 +63,10 @@ pub const PRECISE_STATES: usize = 64;
 /// solved again in 32 digits. A benign problem leaves 1e-15.
 pub const RICCATI_ERROR: f64 = 1e-11;
 
+/// Up to this many states, a solution in 32 digits takes a few milliseconds and is computed even where rounding the data changes the
+/// solution by more than the error that is left.
+pub const DATA_LIMITED_STATES: usize = 24;
+
 /// The Lyapunov operator of the closed loop, computed in doubles, is trusted if its separation exceeds this times its
 /// norm: it is then known to four digits.
 pub const TRUSTED_SEPARATION: f64 = 1e-12;
@@ -257,3 +261,9 @@ pub const EXPM_BALANCE_GAIN: f64 = 0.5;
 
 /// Refinements of the solution by the residual in twice the working precision.
 pub const GENERALISED_SYLVESTER_REFINEMENTS: usize = 4;
+
+/// Refinements of a transfer matrix at most: each gains as many digits as the condition number leaves of sixteen.
+pub const TRANSFER_REFINEMENTS: usize = 10;
+
+/// The states of a transfer matrix are settled if a refinement is below this share of them: they are then known to 32 digits.
+pub const TRANSFER_SETTLED: f64 = 1e-20;

@@ -66,6 +66,16 @@ impl Asymptotes {
         rates
     }
 
+    /// Frequencies beyond the last point up to where the gain has fallen to a level; none if it does not fall, or is below it.
+    pub(crate) fn down_to(&self, level: f64, last: Point) -> Vec<f64> {
+        let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
+        let relative = Point { value: last.value / level, ..last };
+        match crossing(relative, slope).filter(|&rate| slope < 0.0 && rate > last.rate) {
+            Some(end) => between(last.rate, end * ASYMPTOTE_MARGIN),
+            None => Vec::new(),
+        }
+    }
+
     /// The power of the frequency that the gain follows below the grid.
     fn slope_at_zero(&self) -> f64 {
         let count = |roots: &[C64]| roots.iter().filter(|root| self.is_at_origin(**root)).count() as f64;

@@ -1,6 +1,7 @@
 //! Delays: a rational approximation in continuous time, exact in whole samples.
 
 use crate::error::During;
+use crate::tolerance::MOST_DELAY_STATES;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -11,8 +12,10 @@ use counterpoise_linalg as linalg;
 /// skew tridiagonal of ones but for one loss: no polynomial is expanded, so any order may be asked for.
 ///
 /// # Errors
-/// [`Error::Range`] for a delay that is negative or not finite. A delay of zero and order zero give the gain 1.
+/// [`Error::Range`] for a delay that is negative or not finite, or an order above [`MOST_DELAY_STATES`]. A delay of zero and order zero
+/// give the gain 1.
 pub fn pade(delay_s: f64, order: usize) -> Result<StateSpace, Error> {
+    needs_few("order of the Pade approximation", order)?;
     if !(delay_s >= 0.0 && delay_s.is_finite()) {
         return Err(Error::Range { what: "delay_s", value: delay_s, allowed: "finite and not negative" });
     }
@@ -31,6 +34,13 @@ pub fn pade(delay_s: f64, order: usize) -> Result<StateSpace, Error> {
     StateSpace::new(A, B, C, D, Timebase::Continuous)
 }
 
+fn needs_few(what: &'static str, states: usize) -> Result<(), Error> {
+    if states <= MOST_DELAY_STATES {
+        return Ok(());
+    }
+    Err(Error::Range { what, value: states as f64, allowed: "at most 4096" })
+}
+
 /// Ones below, minus ones above the diagonal, and the loss at the driven end.
 fn ladder(order: usize) -> Mat {
     Mat::from_fn(order, order, |i, j| match (i, j) {
@@ -44,8 +54,9 @@ fn ladder(order: usize) -> Mat {
 /// z^-samples for one signal: a shift register.
 ///
 /// # Errors
-/// [`Error::Period`] where the period is not positive.
+/// [`Error::Period`] where the period is not positive, [`Error::Range`] for more than [`MOST_DELAY_STATES`] samples.
 pub fn delay_samples(samples: usize, period_s: f64) -> Result<StateSpace, Error> {
+    needs_few("samples of delay", samples)?;
     let timebase = Timebase::Discrete { period_s };
     if samples == 0 {
         return StateSpace::gain(Mat::eye(1), timebase);

@@ -17,7 +17,7 @@ use counterpoise_linalg as linalg;
 /// one more whole period if f > 0, because a sample sees the input that was held when it was taken.
 ///
 /// # Errors
-/// [`Error::Timebase`], [`Error::Period`], [`Error::Range`] for a delay that is negative or not finite.
+/// [`Error::Timebase`], [`Error::Period`], [`Error::Range`] for a delay that is negative, not finite or longer than 4096 periods.
 pub fn c2d_delayed(g: &StateSpace, period_s: f64, delay_s: f64) -> Result<StateSpace, Error> {
     needs_continuous("c2d with delay", g)?;
     if !(period_s > 0.0 && period_s.is_finite()) {
@@ -31,6 +31,7 @@ pub fn c2d_delayed(g: &StateSpace, period_s: f64, delay_s: f64) -> Result<StateS
     let is_whole = (periods - nearest).abs() <= WHOLE_PERIODS * nearest.max(1.0);
     let (whole, share) = if is_whole { (nearest, 0.0) } else { (periods.floor(), periods.fract()) };
     let sampled = partly_delayed(g, period_s, share)?;
+    // A number beyond every size becomes the largest, which is refused.
     let line = delay_samples(whole as usize, period_s)?;
     let mut lines = StateSpace::gain(Mat::eye(0), sampled.timebase)?;
     for _ in 0..g.inputs() {

@@ -29,14 +29,14 @@ pub struct DelayedMargins {
 ///
 /// # Errors
 /// [`Error::NotSiso`], [`Error::Timebase`] for a sampled loop, [`Error::Range`] for a delay that is negative or not finite,
-/// [`Error::NotConverged`] if the delay turns the response more often than a grid of forty thousand points resolves.
+/// [`Error::NotConverged`] if the delay turns the response more often than a grid of four hundred thousand points resolves.
 pub fn margins_with_delay(loop_gain: &StateSpace, delay_s: f64) -> Result<DelayedMargins, Error> {
     needs_siso("margins with delay", loop_gain)?;
     needs_continuous("margins with delay", loop_gain)?;
     if !(delay_s >= 0.0 && delay_s.is_finite()) {
         return Err(Error::Range { what: "delay_s", value: delay_s, allowed: "finite and not negative" });
     }
-    let mut scan = Scan::of(loop_gain)?.delayed(delay_s)?;
+    let mut scan = Scan::of(loop_gain)?.delayed(loop_gain, delay_s)?;
     let at_rest = response::response_at(loop_gain, 0.0).ok();
     let ends: Vec<Point> = at_rest.map(|H| Point { rate: 0.0, value: H[(0, 0)] }).into_iter().collect();
     let phase = phase_margins(&scan);

@@ -1,6 +1,8 @@
 //! From continuous to sampled time.
 
 use crate::error::During;
+use crate::scaling::balance;
+use crate::tolerance::SPREAD_UNITS;
 use crate::zpk::matched;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
@@ -111,7 +113,19 @@ fn slope(period_s: f64, prewarp_rad_s: Option<f64>) -> Result<f64, Error> {
 }
 
 /// With M the inverse of a I - A: 2a M - I = M (a I + A), sqrt(2a) M B, sqrt(2a) C M, D + C M B. The Gramians keep their values.
+/// The states of a system whose units differ by many decades are scaled first, because the linear equations keep their digits beside the
+/// norm of A only.
 fn tustin(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {
+    let (scaled, T) = balance(g);
+    let (low, high) = T.iter().fold((1.0_f64, 1.0_f64), |(low, high), &t| (low.min(t), high.max(t)));
+    if high <= SPREAD_UNITS * low {
+        return bilinear(g, period_s, a);
+    }
+    let back: Vec<f64> = T.iter().map(|t| 1.0 / t).collect();
+    Ok(bilinear(&scaled, period_s, a)?.scale_states(&back))
+}
+
+fn bilinear(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {
     let n = g.order();
     let pole = |_| Error::Pole {
         what: "Tustin",

@@ -38,6 +38,11 @@ impl Level {
         linalg::is_clear_of_boundary(&self.matrix, Boundary::ImaginaryAxis).unwrap_or(false)
     }
 
+    /// All eigenvalues, as doubles give them.
+    pub(crate) fn eigenvalues(&self) -> &[C64] {
+        &self.eigenvalues
+    }
+
     /// The frequencies of all eigenvalues, ascending.
     fn all_frequencies(&self) -> Vec<f64> {
         let mut rates: Vec<f64> = self.eigenvalues.iter().flat_map(|s| [s.im.abs(), s.norm()]).collect();

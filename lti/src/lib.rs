@@ -27,6 +27,7 @@
 #![allow(non_snake_case)]
 
 mod asymptotes;
+mod bounds;
 pub mod components;
 pub mod connect;
 pub mod delay;

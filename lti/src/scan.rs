@@ -4,8 +4,8 @@ use crate::asymptotes::Asymptotes;
 use crate::response::Response;
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::tolerance::{
-    DELAY_TURN, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_POINTS,
-    SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
+    DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE,
+    SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -48,7 +48,8 @@ impl Scan {
     }
 
     /// The response of the same loop with a delay in seconds, up to the frequency from which on the gain is below [`LEAST_GAIN`].
-    pub fn delayed(mut self, delay_s: f64) -> Result<Self, Error> {
+    pub fn delayed(mut self, g: &StateSpace, delay_s: f64) -> Result<Self, Error> {
+        self.extend_down(g)?;
         let last = self.points.iter().rposition(|point| point.value.norm() >= LEAST_GAIN);
         self.points.truncate(last.map_or(1, |at| at + 2));
         self.delay_s = delay_s;
@@ -56,10 +57,10 @@ impl Scan {
         for w in self.points.windows(2) {
             // Close enough that no turn of the delay hides between two points.
             let count =
-                ((w[1].rate - w[0].rate) * delay_s / DELAY_TURN).ceil().clamp(1.0, SCAN_POINTS as f64);
+                ((w[1].rate - w[0].rate) * delay_s / DELAY_TURN).ceil().clamp(1.0, DELAYED_POINTS as f64);
             rates
                 .extend((1..=count as usize).map(|k| w[0].rate + (w[1].rate - w[0].rate) * k as f64 / count));
-            if rates.len() > SCAN_POINTS {
+            if rates.len() > DELAYED_POINTS {
                 break;
             }
         }
@@ -74,6 +75,22 @@ impl Scan {
             });
         }
         Ok(self)
+    }
+
+    /// Adds points beyond the last one until the gain is below [`LEAST_GAIN`].
+    fn extend_down(&mut self, g: &StateSpace) -> Result<(), Error> {
+        let (Some(first), Some(last)) = (self.points.first().copied(), self.points.last().copied()) else {
+            return Ok(());
+        };
+        let asymptotes = match self.asymptotes.take() {
+            Some(known) => known,
+            None => Asymptotes::of(g, (first.rate, last.rate))?,
+        };
+        let rates = asymptotes.down_to(LEAST_GAIN, last);
+        self.asymptotes = Some(asymptotes);
+        let more = self.evaluate(&rates);
+        self.points.extend(more);
+        Ok(())
     }
 
     /// Adds points beyond both ends until the gain leaves one for good, and up to half the sampling rate.
@@ -100,7 +117,8 @@ impl Scan {
         for _ in 0..SCAN_ROUNDS {
             let finer: Vec<f64> =
                 scan.points.windows(2).filter(|w| unresolved(w[0], w[1])).map(middle).collect();
-            if finer.is_empty() || scan.points.len() > SCAN_POINTS {
+            let most = if scan.delay_s > 0.0 { DELAYED_POINTS } else { SCAN_POINTS };
+            if finer.is_empty() || scan.points.len() > most {
                 break;
             }
             let more = scan.evaluate(&finer);

@@ -168,6 +168,9 @@ pub const SCAN_ROUNDS: usize = 40;
 /// Points of a grid at most, see [`SCAN_ROUNDS`].
 pub const SCAN_POINTS: usize = 40_000;
 
+/// The same for a loop with a delay, which turns the response thousands of times before the gain of an integrator has fallen to -60 dB.
+pub const DELAYED_POINTS: usize = 400_000;
+
 /// The gain, -60 dB, from which on a loop with delay is not followed: what it does there changes no margin that a design rests on,
 /// and the delay turns it without end.
 pub const LEAST_GAIN: f64 = 1e-3;
@@ -202,3 +205,16 @@ pub const DELAYED_BOUNDARY_POLE: f64 = 1e-3;
 
 /// A sweep over the scalings that gains less than this share of the norm is the last one.
 pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;
+
+/// Scales of states that differ by more than this cost Tustin's method digits: a third of those that a double has. Below, the operations stay
+/// those on the system as it is given.
+pub const SPREAD_UNITS: f64 = 1e6;
+
+/// An eigenvalue in 32 digits is off the axis if its real part exceeds this share of its size: a hundred roundings of a double.
+pub const CLEAR_OF_AXIS: f64 = 2e-14;
+
+/// Shares of the frequency by which the top of a hill is looked for beside a place that rounding has made uncertain.
+pub const PEAK_WIDTHS: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+
+/// States of a delay at most: its matrices are dense, and take 128 MiB each at this size.
+pub const MOST_DELAY_STATES: usize = 4096;

@@ -2,24 +2,34 @@
 
 use ndarray::{Array1, ArrayView1};
 
+use crate::time_unit::{DoubtfulUnit, doubtful_unit};
 use crate::{Channel, Error, Mapping, Remark, Table};
 
-/// A time column without a unit is refused if its steps differ from the sample period by more than this factor: no experiment is
-/// recorded so much slower or faster than its controller runs, but a file in milliseconds is off by a thousand.
-const FAR: f64 = 20.0;
-/// Units that a time column may be in, with their size in seconds.
-const UNITS: [(&str, f64); 4] = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)];
-/// In its own unit, the steps of a time column match the sample period within this factor.
-const MATCHES: f64 = 3.0;
 /// An outlier is this many times farther from its neighbours' mean than nine in ten samples are from the sample before: 46 standard
 /// deviations of white noise, which no healthy recorder shows.
 const OUTLIER: f64 = 20.0;
 /// The neighbours of an outlier agree within this fraction of its distance: in a step or a slope they do not.
 const AGREE: f64 = 0.1;
+/// Most readings of one outlier: an error of a transmission lasts a sample or two, and more of them may be a motion.
+const LONGEST_OUTLIER: usize = 3;
 /// A larger fraction of outliers is a signal of pulses.
 const MOST_OUTLIERS: f64 = 1e-3;
 /// Names for time, without marks and in lower case, that are not taken for it without being asked.
-const TIMES: [&str; 7] = ["time", "times", "timesec", "timems", "timeus", "timestamp", "seconds"];
+const TIMES: [&str; 13] = [
+    "time",
+    "times",
+    "timesec",
+    "timems",
+    "timeus",
+    "timens",
+    "timestamp",
+    "seconds",
+    "sec",
+    "t",
+    "ts",
+    "tms",
+    "tus",
+];
 
 /// Returns how many values of a channel are missing, and where the first one is; `None` if none is.
 pub(crate) fn missing(channel: Channel, values: &Array1<f64>) -> Option<Remark> {
@@ -36,21 +46,60 @@ pub(crate) fn without_infinities(channel: Channel, values: &mut Array1<f64>) -> 
     Some(Remark::Infinite { channel, samples, first_row: first + 1 })
 }
 
-/// Returns how many single readings are far from both neighbours; `None` if none is, or if the channel holds its value from sample to
-/// sample, so that a pulse of one sample may be meant.
-pub(crate) fn outliers(channel: Channel, unit: &'static str, values: ArrayView1<'_, f64>) -> Option<Remark> {
-    let usual = usual_step(values).filter(|_| !channel.is_held())?;
-    let is_outlier = |w: &ArrayView1<'_, f64>| {
-        let distance = (w[1] - 0.5 * (w[0] + w[2])).abs();
-        distance > OUTLIER * usual && (w[2] - w[0]).abs() < AGREE * distance
-    };
-    let windows = values.windows(3);
-    let found: Vec<usize> =
-        windows.into_iter().enumerate().filter(|(_, w)| is_outlier(w)).map(|(k, _)| k + 1).collect();
+/// Makes outliers of a channel missing values and returns how many there are; `None` if there are none, or if the channel holds its
+/// value from sample to sample, so that a short pulse may be meant.
+///
+/// An outlier is a run of at most [`LONGEST_OUTLIER`] readings far from the readings before and after it, which agree with each other,
+/// or readings at an end of the recording far outside the range of all others.
+pub(crate) fn without_outliers(
+    channel: Channel,
+    unit: &'static str,
+    values: &mut Array1<f64>,
+) -> Option<Remark> {
+    let usual = usual_step(values.view()).filter(|_| !channel.is_held())?;
+    let mut found = at_the_ends(values.view());
+    let mut from = 1;
+    while from + 1 < values.len() {
+        let length = run_of_outliers(values.view(), from, usual);
+        found.extend(from..from + length);
+        from += length.max(1);
+    }
+    found.sort_unstable();
+    found.dedup();
     let first = *found.first()?;
-    let is_rare = found.len() as f64 <= (MOST_OUTLIERS * values.len() as f64).max(1.0);
+    let is_rare = found.len() as f64 <= (MOST_OUTLIERS * values.len() as f64).max(LONGEST_OUTLIER as f64);
     let (samples, value) = (found.len(), values[first]);
-    is_rare.then_some(Remark::Outliers { channel, samples, first_row: first + 1, value, unit })
+    if !is_rare {
+        return None;
+    }
+    found.iter().for_each(|&k| values[k] = f64::NAN);
+    Some(Remark::Outliers { channel, samples, first_row: first + 1, value, unit })
+}
+
+/// Returns the length of the outlier that starts at a reading; 0 if none does.
+fn run_of_outliers(values: ArrayView1<'_, f64>, from: usize, usual: f64) -> usize {
+    let before = values[from - 1];
+    let is_run = |length: &usize| {
+        let Some(after) = values.get(from + length) else { return false };
+        let distance = |k: usize| (values[k] - 0.5 * (before + after)).abs();
+        let nearest = (from..from + length).map(distance).fold(f64::INFINITY, f64::min);
+        let is_whole = (from..from + length).all(|k| values[k].is_finite());
+        is_whole && nearest > OUTLIER * usual && (after - before).abs() < AGREE * nearest
+    };
+    (1..=LONGEST_OUTLIER).find(is_run).unwrap_or(0)
+}
+
+/// Returns the readings at the two ends that lie outside the range of all others by many times that range.
+fn at_the_ends(values: ArrayView1<'_, f64>) -> Vec<usize> {
+    let last = values.len().saturating_sub(1);
+    let inner = values.iter().skip(1).take(last.saturating_sub(1)).copied().filter(|v| v.is_finite());
+    let (low, high) = inner.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+    let range = high - low;
+    let is_far = |k: &usize| {
+        let outside = (low - values[*k]).max(values[*k] - high);
+        range > 0.0 && outside > OUTLIER * range
+    };
+    [0, last].into_iter().filter(|_| last > 1).filter(is_far).collect()
 }
 
 /// Returns the size that nine in ten steps between samples do not exceed, and no less than the smallest step; `None` if nothing moves.
@@ -84,24 +133,26 @@ pub(crate) fn nearly_named(
     let lacking: Vec<&'static str> =
         Channel::ALL.into_iter().filter(|c| !found.contains(c)).map(Channel::name).collect();
     let remark = |name: &str| {
-        let bare = bare(name);
-        let channel = lacking.iter().copied().find(|channel| is_near(&bare, channel));
-        let time = (time_s.is_none() && TIMES.contains(&bare.as_str())).then_some("time");
+        let last = bare(name.rsplit('.').next().unwrap_or(name));
+        let whole = bare(name);
+        let near = |channel: &&str| is_near(&last, channel) || is_near(&whole, channel);
+        let channel = lacking.iter().copied().find(near);
+        let time = (time_s.is_none() && TIMES.contains(&last.as_str())).then_some("time");
         let meant = channel.or(time)?;
         Some(Remark::NearlyNamed { column: name.to_owned(), meant })
     };
     table.columns.iter().map(|c| c.name.as_str()).filter(|name| is_unused(name)).filter_map(remark).collect()
 }
 
-/// Returns the last part of a name, its letters and digits alone, in lower case.
+/// Returns a name's letters and digits alone, in lower case.
 fn bare(name: &str) -> String {
-    let last = name.rsplit(['.', '/']).next().unwrap_or(name);
-    last.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Returns whether a bare name differs from a channel's by one letter at the most.
+/// Returns whether a bare name contains a channel's, or differs from it by one letter at the most.
 fn is_near(bare_name: &str, channel: &str) -> bool {
-    strsim::damerau_levenshtein(bare_name, &bare(channel)) <= 1
+    let channel = bare(channel);
+    bare_name.contains(&channel) || strsim::damerau_levenshtein(bare_name, &channel) <= 1
 }
 
 /// Refuses a time column without a unit whose steps, in seconds, are far from the sample period.
@@ -113,10 +164,10 @@ pub(crate) fn check_time_unit(file: &str, time_s: &Array1<f64>, project_s: f64) 
         return Ok(());
     }
     let (_, &mut file_s, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    let is_within = |step_s: f64, factor: f64| step_s < factor * project_s && project_s < factor * step_s;
-    if is_within(file_s, FAR) {
-        return Ok(());
+    match doubtful_unit(file_s, project_s) {
+        None => Ok(()),
+        Some(DoubtfulUnit { meant }) => {
+            Err(Error::TimeUnit { file: file.to_owned(), file_s, project_s, meant })
+        }
     }
-    let meant = UNITS.into_iter().find(|(_, size)| is_within(file_s * size, MATCHES)).map(|(unit, _)| unit);
-    Err(Error::TimeUnit { file: file.to_owned(), file_s, project_s, meant })
 }

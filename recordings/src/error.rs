@@ -26,7 +26,7 @@ pub enum Error {
     /// Reading the file would take more memory than its size makes plausible.
     #[error(
         "{file}: reading it would take {} MiB, more than the {} MiB that are allowed for a file of this size; \
-         read a shorter part, or check the shape of \"{column}\"",
+         read a shorter part, check the shape of \"{column}\", or save it as CSV, which `replay` reads in parts",
         bytes >> 20,
         limit >> 20
     )]
@@ -62,7 +62,11 @@ pub enum Error {
         first: String,
     },
     /// A cell that is not a number.
-    #[error("{file}:{line}: column \"{column}\": \"{value}\" is not a number")]
+    #[error(
+        "{file}:{line}: column \"{column}\": \"{}\" is not a number; a cell holds one number (such as 0.25 or 1e-3), or is empty if the \
+         sample is missing",
+        shortened(value)
+    )]
     Cell {
         /// The file.
         file: String,
@@ -74,7 +78,10 @@ pub enum Error {
         value: String,
     },
     /// A row with more or fewer cells than the header.
-    #[error("{file}:{line}: {cells} cells, but the header has {columns}")]
+    #[error(
+        "{file}:{line}: {cells} cells, but the header has {columns}: every row needs as many cells as the header; separate them by commas, \
+         or by semicolons if the comma is the decimal mark"
+    )]
     Row {
         /// The file.
         file: String,
@@ -86,7 +93,9 @@ pub enum Error {
         columns: usize,
     },
     /// No rows.
-    #[error("{file}: there is no row of numbers")]
+    #[error(
+        "{file}: there is no row of numbers: write the names of the columns in one row, and one row for each sample below it"
+    )]
     Empty {
         /// The file.
         file: String,
@@ -100,7 +109,7 @@ pub enum Error {
         first: String,
     },
     /// Two columns of one name.
-    #[error("{file}: two columns are named \"{column}\"")]
+    #[error("{file}: two columns are named \"{column}\": give every column a name of its own")]
     SameName {
         /// The file.
         file: String,
@@ -132,7 +141,10 @@ pub enum Error {
         hint: Option<String>,
     },
     /// A unit that is not known.
-    #[error("{file}: column \"{column}\": unit [{unit}] is not known")]
+    #[error(
+        "{file}: column \"{column}\": unit [{unit}] is not known; units are made of rad, deg, m, s, g, V, A, N and the like, for example \
+         [deg/s], [mV] or [m/s^2]"
+    )]
     UnknownUnit {
         /// The file.
         file: String,
@@ -156,7 +168,9 @@ pub enum Error {
         wanted: &'static str,
     },
     /// Neither a time column nor a sample period.
-    #[error("{file}: there is no time column and no recording.sample_period in the project file")]
+    #[error(
+        "{file}: there is no time column and no recording.sample_period in the project file: name a column \"time [s]\", or set the period"
+    )]
     NoTime {
         /// The file.
         file: String,
@@ -178,7 +192,9 @@ pub enum Error {
         meant: Option<&'static str>,
     },
     /// Time does not grow.
-    #[error("{file}: time does not grow: row {row} is at {time_s} s after {before_s} s")]
+    #[error(
+        "{file}: time does not grow: row {row} is at {time_s} s after {before_s} s; split the file there, or sort its rows"
+    )]
     TimeStandsStill {
         /// The file.
         file: String,
@@ -190,7 +206,7 @@ pub enum Error {
         before_s: f64,
     },
     /// Time leaps by far more than the recording's length.
-    #[error("{file}: time leaps: row {row} is at {time_s} s after {before_s} s")]
+    #[error("{file}: time leaps: row {row} is at {time_s} s after {before_s} s; split the file there")]
     TimeLeaps {
         /// The file.
         file: String,
@@ -243,11 +259,21 @@ pub enum Error {
         limit: u64,
     },
     /// Too few rows to tell a sample period.
-    #[error("{file}: {rows} rows with a time are too few for a recording")]
+    #[error("{file}: {rows} rows with a time are too few for a recording: at least 3 are needed")]
     TooShort {
         /// The file.
         file: String,
         /// Rows with a time.
         rows: usize,
     },
+}
+
+/// Returns a text that a message quotes, cut if it is long.
+fn shortened(text: &str) -> String {
+    /// Characters of a quoted text.
+    const LONGEST: usize = 40;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
 }

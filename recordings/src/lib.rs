@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
 //! Modules in reading order: [`unit`], [`channel`] and [`signals`] (what is measured), [`table`] (columns as written, from the decoders in
-//! `decode`), [`mapping`] (which column is which channel, with `shaping` and `checks`), [`clock`] (uniform time), [`recording`], [`error`], [`remark`].
+//! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`recording`], [`error`], [`remark`].
 //!
 //! ```
 //! use counterpoise_recordings::{Channel, Mapping, Table};
@@ -30,10 +30,11 @@ pub mod remark;
 mod shaping;
 pub mod signals;
 pub mod table;
+mod time_unit;
 pub mod unit;
 
 pub use channel::Channel;
-pub use decode::CsvParts;
+pub use decode::{CsvParts, is_text};
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;

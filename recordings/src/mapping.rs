@@ -2,13 +2,15 @@
 
 use ndarray::Array1;
 
-use crate::checks::{check_time_unit, missing, nearly_named, outliers, without_infinities};
+use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
 use crate::clock::{Uniform, check_length, uniform};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
 use crate::{Channel, Error, MachineSignals, Recording, Remark, Table, Unit};
 
 /// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
 const SAME_PERIOD: f64 = 1e-3;
+/// Most remarks about columns that are listed.
+const MOST_REMARKS: usize = 30;
 
 /// The column that holds a channel, and how its numbers become the channel's: value in SI = unit x (scale x (column + plus) +
 /// offset), of which the channel may be the slope over time.
@@ -108,12 +110,13 @@ impl Mapping {
         let (mut channels, mut signals, mut odd) = (Vec::new(), Vec::new(), Vec::new());
         for (channel, mut values) in self.channels_of(table, time_s.as_ref())? {
             odd.extend(without_infinities(channel, &mut values));
-            odd.extend(outliers(channel, self.signals.unit(channel), values.view()));
+            odd.extend(without_outliers(channel, self.signals.unit(channel), &mut values));
             channels.push(channel);
             signals.push(values);
         }
         let mut remarks = table.remarks.clone();
         remarks.extend(nearly_named(table, self, &channels, time_s.as_ref()));
+        let mut remarks = counted(remarks);
         remarks.extend(odd);
         let Uniform { period_s, start_s, signals, remarks: of_clock } =
             self.clocked(table, time_s, signals)?;
@@ -243,6 +246,18 @@ impl Mapping {
         }
         Ok(Some(time_s))
     }
+}
+
+/// Returns the first remarks about columns, and how many others there are.
+fn counted(mut remarks: Vec<Remark>) -> Vec<Remark> {
+    let further = remarks.len().saturating_sub(MOST_REMARKS);
+    if further > 0 {
+        // Columns with nearly the name of a channel come first: they are the likeliest to be missed.
+        remarks.sort_by_key(|remark| !matches!(remark, Remark::NearlyNamed { .. }));
+        remarks.truncate(MOST_REMARKS);
+        remarks.push(Remark::Further { columns: further });
+    }
+    remarks
 }
 
 /// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::Channel;
+use crate::time_unit::{DoubtfulUnit, doubtful_unit};
 
 /// Why a column of a file was not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -94,7 +95,12 @@ pub enum Remark {
         /// Row of the first, from 1.
         first_row: usize,
     },
-    /// Single readings of a channel are far from both neighbours, which agree with each other.
+    /// Further columns were not read or are not used.
+    Further {
+        /// Number of columns.
+        columns: usize,
+    },
+    /// Readings of a channel are far from those before and after, which agree with each other; they count as missing.
     Outliers {
         /// The channel.
         channel: Channel,
@@ -145,17 +151,24 @@ impl fmt::Display for Remark {
             ),
             Self::Outliers { channel, samples, first_row, value, unit } => write!(
                 f,
-                "{}: {samples} reading{} far from both neighbours, the first in row {first_row} ({value} {}): \
-                 check the recorder",
+                "{}: {samples} reading{} far from those before and after, the first in row {first_row} ({value} {}): \
+                 {} as missing; check the recorder",
                 channel.name(),
                 if *samples == 1 { " is" } else { "s are" },
-                unit
+                unit,
+                if *samples == 1 { "it counts" } else { "they count" }
             ),
-            Self::Resampled { file_s, project_s } if file_s < project_s => {
-                write!(f, "sampled every {file_s} s: averaged to the project's {project_s} s")
+            Self::Further { columns } => {
+                write!(f, "{columns} further columns were not read or are not used")
             }
             Self::Resampled { file_s, project_s } => {
-                write!(f, "sampled every {file_s} s: interpolated to the project's {project_s} s")
+                let how = if file_s < project_s { "averaged" } else { "interpolated" };
+                write!(f, "sampled every {file_s} s: {how} to the project's {project_s} s")?;
+                match doubtful_unit(*file_s, *project_s) {
+                    Some(DoubtfulUnit { meant: Some(unit) }) => write!(f, "; is its time in {unit}?"),
+                    Some(DoubtfulUnit { meant: None }) => write!(f, "; check the unit of its time"),
+                    None => Ok(()),
+                }
             }
         }
     }

@@ -1,5 +1,7 @@
 //! A table: the columns of a file as written.
 
+use std::collections::BTreeSet;
+
 use ndarray::Array1;
 
 use crate::decode::{self, Decoded};
@@ -123,9 +125,10 @@ impl Table {
         if rows == 0 {
             return Err(self.empty());
         }
-        for (index, column) in self.columns.iter().enumerate() {
+        let mut names = BTreeSet::new();
+        for column in &self.columns {
             let (name, length) = (column.name.clone(), column.values.len());
-            if self.columns[..index].iter().any(|c| c.name == name) {
+            if !names.insert(column.name.as_str()) {
                 return Err(Error::SameName { file: file(), column: name });
             }
             if length != rows {
@@ -139,21 +142,20 @@ impl Table {
 impl Column {
     /// Returns a column from a heading `name [unit]` or `name (unit)`.
     pub(crate) fn headed(heading: &str, values: impl Into<Array1<f64>>) -> Self {
-        let heading = heading.trim().trim_matches('"').trim();
-        let split = |open, close| {
-            let (name, rest) = heading.split_once(open)?;
-            let unit = rest.trim_end().strip_suffix(close)?;
-            Some((name.trim().to_owned(), Some(unit.trim().to_owned())))
-        };
-        let (name, unit) =
-            split('[', ']').or_else(|| split('(', ')')).unwrap_or_else(|| (heading.to_owned(), None));
+        let (name, unit) = name_and_unit(heading);
         Self { name, unit, values: values.into() }
     }
+}
 
-    /// Returns a column without a unit.
-    pub(crate) fn plain(name: impl Into<String>, values: impl Into<Array1<f64>>) -> Self {
-        Self { name: name.into(), unit: None, values: values.into() }
-    }
+/// Returns the name and the unit of a heading `name [unit]` or `name (unit)`.
+pub(crate) fn name_and_unit(heading: &str) -> (String, Option<String>) {
+    let heading = heading.trim().trim_matches('"').trim();
+    let split = |open, close| {
+        let (name, rest) = heading.split_once(open)?;
+        let unit = rest.trim_end().strip_suffix(close)?;
+        Some((name.trim().to_owned(), Some(unit.trim().to_owned())))
+    };
+    split('[', ']').or_else(|| split('(', ')')).unwrap_or_else(|| (heading.to_owned(), None))
 }
 
 /// Returns the name in `known` that is nearest to `written`; `None` if none is near enough to be meant.

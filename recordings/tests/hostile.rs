@@ -177,7 +177,7 @@ fn a_time_without_a_unit_is_asked_for_it() {
 }
 
 #[test]
-fn infinities_count_as_missing_and_outliers_are_named() {
+fn infinities_and_outliers_count_as_missing_and_are_named() {
     let rate = |k: i32| match k {
         20 => "inf".to_owned(),
         40 => "1e6".to_owned(),
@@ -190,7 +190,7 @@ fn infinities_count_as_missing_and_outliers_are_named() {
     let wanted = [
         Remark::Infinite { channel, samples: 1, first_row: 21 },
         Remark::Outliers { channel, samples: 1, first_row: 41, value: 1e6, unit: "rad/s" },
-        Remark::Missing { channel, samples: 1, first_row: 21 },
+        Remark::Missing { channel, samples: 2, first_row: 21 },
     ];
     assert_eq!(recording.remarks, wanted);
 }
@@ -216,4 +216,69 @@ fn a_claimed_size_is_refused_before_it_is_allocated() {
     bytes.extend(packed);
     let error = Table::read(&bytes, "bomb.mat").unwrap_err();
     assert!(matches!(error, Error::TooLarge { bytes, .. } if bytes > 4_000_000_000), "{error}");
+}
+
+fn rates(rate: impl Fn(usize) -> f64) -> Recording {
+    let rows: String = (0..100).map(|k| format!("{},{}\n", 0.01 * k as f64, rate(k))).collect();
+    recorded(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap()
+}
+
+#[test]
+fn outliers_of_several_readings_and_at_the_ends_are_named() {
+    let channel = Channel::HubRate;
+    let slow = |k: usize| (0.1 * k as f64).sin();
+    for (places, first_row) in [(vec![0], 1), (vec![99], 100), (vec![50, 51], 51), (vec![50, 51, 52], 51)] {
+        let recording = rates(|k| if places.contains(&k) { 1e6 } else { slow(k) });
+        let samples = places.len();
+        assert_eq!(
+            recording.remarks[0],
+            Remark::Outliers { channel, samples, first_row, value: 1e6, unit: "rad/s" }
+        );
+        let kept = recording.samples(channel).unwrap();
+        assert!(kept.iter().enumerate().all(|(k, v)| v.is_nan() == places.contains(&k)));
+    }
+    let long = rates(|k| if (50..60).contains(&k) { 1e6 } else { slow(k) });
+    assert!(long.remarks.is_empty(), "ten readings may be a motion: {:?}", long.remarks);
+}
+
+#[test]
+fn names_that_contain_a_channels_are_asked_about() {
+    for name in ["hub_rate_filtered", "meas_hub_rate", "Hub Rate", "hub_rate_rad_s", "hubrat", "run.hub_rate"]
+    {
+        let rows = "0,1\n0.001,2\n0.002,3\n";
+        let recording = recorded(&format!("time [s],{name}\n{rows}"), None).unwrap();
+        let meant = "hub_rate";
+        assert_eq!(recording.remarks, [Remark::NearlyNamed { column: name.to_owned(), meant }], "{name}");
+    }
+}
+
+#[test]
+fn very_many_columns_are_refused_or_counted() {
+    let commas = ",".repeat(20_000);
+    let error = Table::read(format!("{commas}\n{commas}\n").as_bytes(), "wide.csv").unwrap_err().to_string();
+    assert!(error.contains("20001 columns, more than the 10000 that are read"), "{error}");
+    let names: String = (0..100).map(|k| format!(",hub_rate_{k}")).collect();
+    let row = ",1".repeat(100);
+    let text = format!("time [s]{names}\n0{row}\n0.001{row}\n0.002{row}\n");
+    let recording = recorded(&text, None).unwrap();
+    assert_eq!(recording.remarks.len(), 31);
+    assert_eq!(recording.remarks[30], Remark::Further { columns: 70 });
+}
+
+#[test]
+fn text_in_another_encoding_is_refused_with_advice() {
+    let utf16: Vec<u8> = "\u{feff}time,control\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let error = Table::read(&utf16, "run.csv").unwrap_err().to_string();
+    assert!(error.contains("text in UTF-16: save it as UTF-8"), "{error}");
+    let latin = b"time,hub_rate [\xb0/s]\n0,1\n";
+    let error = Table::read(latin, "run.csv").unwrap_err().to_string();
+    assert!(error.contains("save it as UTF-8"), "{error}");
+}
+
+#[test]
+fn a_stated_unit_that_is_far_from_the_sample_period_is_asked_about() {
+    let rows: String = (0..50).map(|k| format!("{k},{}\n", 0.1 * f64::from(k))).collect();
+    let recording = recorded(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
+    let said = said(&recording.remarks);
+    assert!(said[0].ends_with("interpolated to the project's 0.001 s; is its time in ms?"), "{said:?}");
 }

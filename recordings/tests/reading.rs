@@ -135,7 +135,8 @@ fn damaged_csv_names_row_column_and_value() {
         ),
     ];
     for (text, wanted) in table {
-        assert_eq!(refused(text), wanted, "{text:?}");
+        let said = refused(text);
+        assert!(said.starts_with(wanted), "{text:?}: {said}");
     }
 }
 

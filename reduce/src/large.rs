@@ -113,8 +113,16 @@ fn projected(g: &LargeStructure, directions: &BalancedDirections, kept: usize) -
 /// Returns the largest gain of the error of a reduced structure at one frequency, from a factorisation of the whole structure there.
 ///
 /// # Errors
-/// [`Error::Matrix`] at an undamped mode's frequency, or if memory does not suffice; [`Error::System`].
+/// [`Error::Matrix`] at an undamped mode's frequency, or if memory does not suffice; [`Error::System`]; [`Error::Shape`].
 pub fn error_at(g: &LargeStructure, reduced: &StateSpace, rate_rad_s: f64) -> Result<f64, Error> {
+    let (n, m, p) = (g.M.nrows(), reduced.inputs(), reduced.outputs());
+    for (what, found, expected) in
+        [("F", g.F.shape(), (n, m)), ("P", g.P.shape(), (p, n)), ("V", g.V.shape(), (p, n))]
+    {
+        if found != expected {
+            return Err(Error::Shape { what, found, expected });
+        }
+    }
     let pencil = QuadraticPencil::of(&g.M, &g.C, &g.K).during("the response of the structure")?;
     let s = C64::new(0.0, rate_rad_s);
     let quiet = &mut |_: Progress| std::ops::ControlFlow::Continue(());

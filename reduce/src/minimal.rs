@@ -37,9 +37,13 @@ pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "between 0 and 1" });
     }
     let mut gap = Gap { kept: 1.0, dropped: 0.0 };
-    let reached = reachable(&balance(g).0, tolerance, &mut gap)?;
+    let scaled = balance(g).0;
+    let size = |M: &Mat| M.norm_fro().max(f64::MIN_POSITIVE);
+    // What is left of a matrix after the first staircase may be rounding alone, so both are judged by the whole system.
+    let sizes = (size(&scaled.A), size(&scaled.B), size(&scaled.C));
+    let reached = reachable(&scaled, (sizes.0, sizes.1), tolerance, &mut gap)?;
     let unreachable = g.order() - reached.order();
-    let seen = reachable(&reached.dual(), tolerance, &mut gap)?.dual();
+    let seen = reachable(&reached.dual(), (sizes.0, sizes.2), tolerance, &mut gap)?.dual();
     let unseen = reached.order() - seen.order();
     let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
     let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };
@@ -68,11 +72,14 @@ impl Gap {
     }
 }
 
-/// The reachable part: each stair holds the states that the one before it drives.
-fn reachable(g: &StateSpace, tolerance: f64, gap: &mut Gap) -> Result<StateSpace, Error> {
+/// The reachable part: each stair holds the states that the one before it drives. `scale` and `inputs` are the sizes of A and B.
+fn reachable(
+    g: &StateSpace,
+    (scale, inputs): (f64, f64),
+    tolerance: f64,
+    gap: &mut Gap,
+) -> Result<StateSpace, Error> {
     let (n, p) = (g.order(), g.outputs());
-    let scale = g.A.norm_fro().max(f64::MIN_POSITIVE);
-    let inputs = g.B.norm_fro().max(f64::MIN_POSITIVE);
     let (mut A, mut B, mut C) = (g.A.clone(), g.B.clone(), g.C.clone());
     let (mut done, mut driving) = (0, B.scale(1.0 / inputs));
     loop {

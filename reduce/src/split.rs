@@ -66,7 +66,16 @@ fn cluster_radius(A: &Mat, form: &Schur, boundary: Boundary) -> Result<f64, Erro
         return Ok(0.0);
     }
     let found = linalg::boundary_eigenvalues(A, boundary).during("splitting")?;
-    Ok(CLUSTER_REACH * found.into_iter().map(|pole| boundary.excess(pole).abs()).fold(0.0, f64::max))
+    // Another computation of the same eigenvalues splits a double one otherwise: as many of these as there are of those belong there.
+    let mut rest: Vec<C64> =
+        form.eigenvalues().into_iter().filter(|pole| boundary.excess(*pole).abs() < close).collect();
+    let mut radius = 0.0_f64;
+    for pole in found.iter().flat_map(|p| if p.im == 0.0 { vec![*p] } else { vec![*p, p.conj()] }) {
+        let distance = |k: &usize| (rest[*k] - pole).norm();
+        let Some(k) = (0..rest.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) else { break };
+        radius = radius.max(boundary.excess(rest.swap_remove(k)).abs());
+    }
+    Ok(CLUSTER_REACH * radius)
 }
 
 /// The part with the poles that `wanted` picks (asked about one of each conjugate pair), and the part with the others.

@@ -71,6 +71,12 @@ pub fn observer_controller(g: &StateSpace, K: &Mat, L: &Mat) -> Result<StateSpac
             problem: "the observer expects no direct path (D is not zero)",
         });
     }
+    let (n, m, p) = (g.order(), g.inputs(), g.outputs());
+    for (what, found, expected) in [("K", K.shape(), (m, n)), ("L", L.shape(), (n, p))] {
+        if found != expected {
+            return Err(counterpoise_lti::Error::Shape { what, found, expected }.into());
+        }
+    }
     let A = &(&g.A - &(&g.B * K)) - &(L * &g.C);
     Ok(StateSpace::new(A, L.clone(), -K, Mat::zeros(K.nrows(), L.ncols()), g.timebase)?)
 }

@@ -10,7 +10,9 @@ mod mutate;
 
 use counterpoise_controller::{Controller, Parts};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Options, Provenance, c99, rust_crate};
+use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
+use counterpoise_export::{File, Options, Provenance, c99, rust_crate};
+use counterpoise_models::{Plant, reference};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{CsvParts, Mapping, Table};
 use mutate::{corpus, fuzz};
@@ -111,32 +113,76 @@ fn csv_in_parts() {
     });
 }
 
+/// The files of all generated languages for a text that stands wherever a project's texts do.
+fn generated(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
+    let text = text.to_owned();
+    let provenance = Provenance {
+        generator: text.clone(),
+        project: text.clone(),
+        project_hash: text.clone(),
+        weights: vec![text.clone()],
+        verdicts: vec![text.clone()],
+        loop_signals: Some(text.clone()),
+        feedback_alone: vec![text],
+        ..Provenance::default()
+    };
+    let options = Options::double("axis");
+    let mut files = c99(Unverified(controller), &provenance, &options).unwrap();
+    files.extend(c99(Unverified(controller), &provenance, &Options::single("axis")).unwrap());
+    files.extend(rust_crate(Unverified(controller), &provenance, &options).unwrap());
+    files.extend(controller_unit(Unverified(controller), &provenance, &options).unwrap());
+    files.extend(plant_unit(PlantUnit { plant, name: "axis_plant" }, &provenance).unwrap());
+    files
+}
+
+/// What no text of a project may add to a file: what ends a comment, an attribute or a line, in any of the languages.
+const ENDS: [&str; 18] = [
+    "*/", "/*", "??/", "\\", "\u{2028}", "\u{2029}", "\u{85}", "\r", "\0", "\u{b}", "\u{c}", "\"", "<",
+    "-->", "]]>", "&", "{", "(*",
+];
+
+/// The same for XML.
+const MARKUP_ENDS: [&str; 4] = ["<", ">", "\"", "--"];
+
 #[test]
 fn texts_of_comments() {
     let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
-    let words: [&[u8]; 9] =
-        [b"*/", b"/*", b"\\", b"??/", b"\n", "\u{2028}".as_bytes(), "\u{85}".as_bytes(), b"-->", b"\r"];
+    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let words: [&[u8]; 14] = [
+        b"*/",
+        b"/*",
+        b"\\",
+        b"??/",
+        b"\n",
+        "\u{2028}".as_bytes(),
+        "\u{85}".as_bytes(),
+        b"-->",
+        b"\r",
+        b"]]>",
+        b"\"",
+        b"{{ 7 }}",
+        b"*)",
+        b"\n#include </etc/passwd>\n",
+    ];
+    let plain = generated(&controller, &plant, "plain");
     let stored = corpus(&["tests/data/fuzz/comment"], &["txt"]);
     fuzz("comment", &stored, &words, &|bytes| {
-        let text = String::from_utf8_lossy(bytes).into_owned();
-        let provenance = Provenance {
-            project: text.clone(),
-            weights: vec![text.clone()],
-            feedback_alone: vec![text],
-            ..Provenance::default()
-        };
-        let options = Options::double("axis");
-        let c = c99(Unverified(&controller), &provenance, &options).unwrap();
-        let plain = c99(Unverified(&controller), &Provenance::default(), &options).unwrap();
-        let ends = |text: &str, end: &str| text.matches(end).count();
-        for (file, plain) in c.iter().zip(&plain) {
-            for end in ["*/", "/*", "??/", "\\\n", "\u{2028}", "\r"] {
-                assert_eq!(ends(&file.text, end), ends(&plain.text, end), "{end:?} in {}", file.name);
+        let found = generated(&controller, &plant, &String::from_utf8_lossy(bytes));
+        for (file, plain) in found.iter().zip(&plain) {
+            assert_eq!(file.name, plain.name);
+            // Texts in XML are escaped: its comments and attributes have ends of their own.
+            let is_markup = file.name.ends_with(".xml");
+            for end in if is_markup { &MARKUP_ENDS[..] } else { &ENDS[..] } {
+                let count = |text: &str| text.matches(end).count();
+                assert_eq!(count(&file.text), count(&plain.text), "{end:?} in {}", file.name);
             }
+            if is_markup {
+                continue;
+            }
+            // A long text takes more lines, all of them in the comment.
+            let is_comment = |line: &&str| [" * ", "//!"].iter().any(|mark| line.starts_with(mark));
+            let code = |text: &str| text.lines().filter(|line| !is_comment(line)).count();
+            assert_eq!(code(&file.text), code(&plain.text), "{}", file.name);
         }
-        let rust = rust_crate(Unverified(&controller), &provenance, &options).unwrap();
-        let code = |text: &str| text.lines().filter(|line| !line.starts_with("//!")).count();
-        let plain = rust_crate(Unverified(&controller), &Provenance::default(), &options).unwrap();
-        rust.iter().zip(&plain).for_each(|(file, plain)| assert_eq!(code(&file.text), code(&plain.text)));
     });
 }

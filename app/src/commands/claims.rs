@@ -100,7 +100,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
     projects::write(&path, html(&report).as_bytes())?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
-    if !output::json(&options.results, &table)? {
+    if !output::json_list(&options.results, "claims", &table)? {
         table.iter().for_each(print);
         say!("report  {}", path.display());
     }

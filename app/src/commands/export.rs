@@ -32,7 +32,7 @@ pub fn run(options: &ExportOptions) -> Done {
         &ControllerResult::new(&identity, made.verified.controller()),
     )?);
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-    if !output::json(&options.results, &names)? {
+    if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
     made.left_out.iter().for_each(|code| output::tell(&format!("left out  {code}")));
@@ -67,7 +67,7 @@ struct Outcome {
 
 fn checked(options: &ExportOptions, code: &[File]) -> Done {
     let outcomes: Vec<Outcome> = options.check.iter().map(|path| outcome(path, code)).collect();
-    if !output::json(&options.results, &outcomes)? {
+    if !output::json_list(&options.results, "files", &outcomes)? {
         outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));
     }
     let unread = outcomes.iter().filter(|outcome| outcome.unread).count();

@@ -112,7 +112,7 @@ pub fn run(options: &FraOptions) -> Done {
             .join(" ");
         projects::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &maps)? {
+    if !output::json_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(print);
         tell_speed(&maps, &speed);
     }

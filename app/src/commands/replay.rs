@@ -41,7 +41,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     let read = read(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
     let control =
         if options.open_loop { Loop::Open } else { closed_loop(&loaded.project, controller, &read) };
-    let replayed = replay(&loaded.project, &read, &control, options.windows)?;
+    let replayed = replay(&loaded.project, &read, &control, options.windows).map_err(refused)?;
     let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
     for path in &in_parts {
         result.recordings.extend(replay_in_parts(&loaded.project, controller, path, options)?);
@@ -57,6 +57,9 @@ pub fn run(options: &ReplayOptions) -> Done {
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Most parts in memory at once, a hundred megabytes each.
+const PARTS_AT_ONCE: usize = 8;
 
 /// Replays a recording that is too large to be read at once: as many parts at a time as there are processors, of which the figures
 /// alone are kept. Every part starts from states of its own, as the parts of a recording with gaps do.
@@ -79,13 +82,16 @@ fn replay_in_parts(
         drop(table);
         let recordings = read.iter().map(|item| &item.recording);
         let control = if options.open_loop { Loop::Open } else { control_for(controller, recordings) };
-        let replayed = replay(project, &read, &control, options.windows)?;
+        let replayed = replay(project, &read, &control, options.windows).map_err(refused)?;
         Ok(replayed.iter().map(describe_replay).collect())
     };
     // While one processor reads the next part, the others replay those before it.
-    let parts = parts.enumerate().par_bridge();
-    let mut done: Vec<(usize, Vec<RecordingResult>)> =
-        parts.map(|(k, table)| Ok((k, one(table?)?))).collect::<anyhow::Result<_>>()?;
+    let processors = rayon::current_num_threads().min(PARTS_AT_ONCE);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(processors).build()?;
+    let mut done: Vec<(usize, Vec<RecordingResult>)> = pool.install(|| {
+        let parts = parts.enumerate().par_bridge();
+        parts.map(|(k, table)| Ok((k, one(table?)?))).collect::<anyhow::Result<_>>()
+    })?;
     done.sort_by_key(|(k, _)| *k);
     Ok(done.into_iter().flat_map(|(_, results)| results).collect())
 }

@@ -203,7 +203,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     let page = html(&sweep::report(nominal, &found, &project, context).reproduced_by(&command));
     projects::write(&options.output.join("report.html"), page.as_bytes())?;
     let rows = summaries(&found);
-    if !output::json(&options.results, &rows)? {
+    if !output::json_list(&options.results, "figures", &rows)? {
         print(&found, &rows);
         print_stability(&found);
         say!("report  {}", options.output.join("report.html").display());

@@ -296,7 +296,7 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
         holds: change.holds,
     };
     let rows: Vec<Row> = changed.iter().map(row).collect();
-    if output::json(&options.results, &rows)? {
+    if output::json_list(&options.results, "changes", &rows)? {
         return Ok(());
     }
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());

@@ -7,7 +7,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, ROUNDING};
 
 use super::newton::{Equation, Refined};
-use super::precise::{self, PreciseEquation};
+use super::precise::{self, PreciseEquation, relative_step};
 use super::reason::excess;
 use super::scaling::Problem;
 use super::{Certificate, Method, Reason, Riccati};
@@ -19,18 +19,20 @@ pub(super) struct Certified {
     pub(super) residual: Mat,
     /// The norm of the closed loop's Lyapunov operator, to which its separation is compared.
     pub(super) operator_norm: f64,
+    /// Kenney and Hewer's condition number in scaled units, of changes that are small beside the norms of the data.
+    pub(super) normwise_condition: f64,
 }
 
 /// A refined solution with its closed loop and certificate, or why it is refused.
 pub(super) fn certify(
-    equation: &impl Equation,
+    equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
     refined: Refined,
     method: Method,
 ) -> Result<Certified, Reason> {
-    let kind = equation.kind();
-    let (separation, condition) = sensitivity(problem, &refined);
-    let closed_loop = spectrum(equation, &refined, condition);
+    let kind = Equation::kind(equation);
+    let (separation, normwise_condition) = sensitivity(problem, &refined);
+    let closed_loop = spectrum(equation, &refined, normwise_condition);
     let worst = worst_excess(&closed_loop, kind);
     let inaccurate = |residual| inaccurate(residual, worst, kind);
     let (residual, size) =
@@ -44,21 +46,25 @@ pub(super) fn certify(
     }
     let unknown = equation.residual_error(&refined.gain, &refined.X) / separation;
     let forward_error = refined.derivative.solve(&residual).map(|e| e.abs() + unknown);
+    let moduli = equation.moduli(&refined.gain, &refined.X);
+    let data_change = refined.derivative.solve(&moduli).map(f64::abs);
     let operator_norm = operator_norm(refined.derivative.form.T.norm_fro(), kind);
     let certificate = Certificate {
         relative_residual,
         backward_error,
         symmetry: asymmetry(&refined.X),
         separation,
-        condition,
+        condition: relative_step(&data_change, &refined.X),
+        data_error: data_change.scale(EPS),
         forward_error,
         residual_norm: remaining,
         term_norm: size,
+        scale: Vec::new(),
         method,
         newton_steps: refined.steps,
     };
     let solution = Riccati { X: refined.X, F: refined.gain, closed_loop, certificate };
-    Ok(Certified { solution, residual, operator_norm })
+    Ok(Certified { solution, residual, operator_norm, normwise_condition })
 }
 
 /// A solution in 32 digits, rounded, with its certificate.
@@ -79,18 +85,21 @@ pub(super) fn certify_precise(
         backward_error: remaining / data_size(problem, &X),
         symmetry: asymmetry(&X),
         separation: 1.0 / h0,
-        condition: condition(problem, (h0, h2), &X),
+        condition: relative_step(&found.data_change, &X),
+        data_error: found.data_change.map(f64::abs).scale(EPS),
         forward_error: rounding.map(f64::abs) + found.last_step.map(f64::abs),
         residual_norm: remaining,
         term_norm: size,
+        scale: Vec::new(),
         method: Method::Precise,
         newton_steps: found.steps,
     };
+    let normwise_condition = condition(problem, (h0, h2), &X);
     let mut closed_loop = eigenvalues(&found.closed.rounded()).ok()?;
     closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
     let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
     let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
-    Some(Certified { solution, residual, operator_norm })
+    Some(Certified { solution, residual, operator_norm, normwise_condition })
 }
 
 /// A bound of the norm of the Lyapunov operator of a closed loop of the given norm.

@@ -10,6 +10,7 @@ use super::certify::{Certified, certify};
 use super::decide::{Refusal, decide, in_callers_units, is_beyond_doubt};
 use super::doubling::{PARAMETERS, by_doubling};
 use super::equation::{Continuous, Data, Quadratic};
+use super::modes::Modes;
 use super::newton::{Equation, refine};
 use super::precise::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
@@ -116,31 +117,33 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
         n if n > PRECISE_STATES => &[Start::Doubling(&PARAMETERS), Start::Schur],
         _ => &[Start::Doubling(usual), Start::Doubling(others), Start::Schur],
     };
+    let modes = Modes::of(problem, Kind::Continuous);
     let mut nearest = None;
     let mut refusal = Reason::NoGraph;
     for (tried, way) in ways.iter().enumerate() {
-        match attempt(equation, problem, *way, &mut nearest) {
+        match attempt(equation, &modes, *way, &mut nearest) {
             Ok(found) if is_beyond_doubt(&found, problem, Kind::Continuous) => return Outcome::Solved(found),
-            Ok(found) => return decide(equation, problem, Some(found), Refusal { reason: refusal, nearest }),
+            Ok(found) => return decide(equation, &modes, Some(found), Refusal { reason: refusal, nearest }),
             Err(Failure::Certain(reason)) => return Outcome::Infeasible(reason),
             Err(Failure::Doubtful(reason)) => refusal = reason,
         }
         if tried == 0
-            && let Some(reason) = reason::certainly_lost(problem, Kind::Continuous)
+            && let Some(reason) = reason::certainly_lost(&modes)
         {
             return Outcome::Infeasible(reason);
         }
     }
-    decide(equation, problem, None, Refusal { reason: refusal, nearest })
+    decide(equation, &modes, None, Refusal { reason: refusal, nearest })
 }
 
 /// `nearest` is set to the eigenvalue of the Hamiltonian matrix nearest to the boundary if a large problem's is computed.
 fn attempt(
-    equation: &impl Equation,
-    problem: &Problem,
+    equation: &(impl Equation + PreciseEquation),
+    modes: &Modes,
     way: Start,
     nearest: &mut Option<C64>,
 ) -> Result<Certified, Failure> {
+    let problem = modes.problem;
     let (first, method) = match way {
         Start::Schur => {
             let start = subspace::by_schur(problem);
@@ -148,11 +151,11 @@ fn attempt(
             (start.first, Method::Schur)
         }
         Start::Doubling(parameters) => {
-            (by_doubling(problem, parameters).map_err(Failure::Certain)?, Method::Doubling)
+            (by_doubling(modes, parameters).map_err(Failure::Certain)?, Method::Doubling)
         }
     };
     let first = first.ok_or(Reason::NoGraph)?;
-    if let Some(reason) = reason::lost_behind(&first, problem, Kind::Continuous) {
+    if let Some(reason) = reason::lost_behind(&first, modes) {
         return Err(Failure::Certain(reason));
     }
     let refined = refine(equation, first)?;

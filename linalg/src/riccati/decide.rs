@@ -3,11 +3,12 @@
 use crate::mat::{C64, Mat};
 use crate::sylvester::Kind;
 use crate::tolerance::{
-    EPS, PRECISE_STATES, RICCATI_DETERMINED, RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR,
+    DATA_LIMITED_STATES, EPS, PRECISE_STATES, RICCATI_DETERMINED, RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR,
     RICCATI_HARDLY_REACHED, RICCATI_UNDETERMINED, SENSITIVE, TRUSTED_SEPARATION,
 };
 
 use super::certify::{Certified, certify_precise};
+use super::modes::Modes;
 use super::newton::Equation;
 use super::precise::{self, PreciseEquation, relative_step};
 use super::reason::{self, Nearness};
@@ -20,16 +21,21 @@ pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) 
     found.solution.certificate.separation > RICCATI_DOUBTFUL_SEPARATION * size && is_accurate(found)
 }
 
-/// Whether the error that is left is small beside each pair of states.
+/// Whether the error that is left is small beside each pair of states; of a larger problem, whose solution in 32 digits takes many times as
+/// long, also if rounding the data changes the solution by more.
 fn is_accurate(found: &Certified) -> bool {
-    relative_step(&found.solution.certificate.forward_error, &found.solution.X) <= RICCATI_ERROR
+    let large = found.solution.X.nrows() > DATA_LIMITED_STATES;
+    let by_data = EPS * found.solution.certificate.condition;
+    let limit = if large { RICCATI_ERROR.max(by_data) } else { RICCATI_ERROR };
+    relative_step(&found.solution.certificate.forward_error, &found.solution.X) <= limit
 }
 
 /// Whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
 /// Newton's method makes of a multiple mode that is out of reach.
 fn is_undetermined(found: &Certified) -> bool {
-    let Certificate { condition, forward_error, .. } = &found.solution.certificate;
-    condition * EPS > RICCATI_UNDETERMINED && relative_step(forward_error, &found.solution.X) > SENSITIVE
+    let Certificate { forward_error, .. } = &found.solution.certificate;
+    found.normwise_condition * EPS > RICCATI_UNDETERMINED
+        && relative_step(forward_error, &found.solution.X) > SENSITIVE
 }
 
 /// The size to which a separation is compared.
@@ -53,16 +59,16 @@ impl From<Reason> for Refusal {
 /// Decides a problem for which doubles gave a doubtful solution (`found`) or none (`refusal`).
 pub(super) fn decide(
     equation: &(impl Equation + PreciseEquation),
-    problem: &Problem,
+    modes: &Modes,
     found: Option<Certified>,
     refusal: Refusal,
 ) -> Outcome<Certified> {
-    let kind = Equation::kind(equation);
+    let (problem, kind) = (modes.problem, modes.kind);
     let separated =
         |c: &Certified| c.solution.certificate.separation > TRUSTED_SEPARATION * size(problem, kind);
     let found = match found {
         Some(found) if is_accurate(&found) && separated(&found) => {
-            return accept(found, problem, kind, RICCATI_DETERMINED);
+            return accept(found, modes, RICCATI_DETERMINED);
         }
         other => other,
     };
@@ -75,7 +81,7 @@ pub(super) fn decide(
     }
     let start = found.as_ref().map(|found| &found.solution.X);
     if let Some(better) = solve_precisely(equation, problem, start) {
-        return accept(better, problem, kind, RICCATI_UNDETERMINED);
+        return accept(better, modes, RICCATI_UNDETERMINED);
     }
     match found {
         Some(found) if is_undetermined(&found) => {
@@ -84,10 +90,10 @@ pub(super) fn decide(
             let boundary = if kind == Kind::Continuous { 0.0 } else { 1.0 };
             let stability = boundary + reaches.fold(f64::NEG_INFINITY, f64::max);
             let reason = Reason::Inaccurate { residual, stability, hardest: None };
-            Outcome::Infeasible(explained(Refusal { reason, ..refusal }, problem, kind))
+            Outcome::Infeasible(explained(Refusal { reason, ..refusal }, modes))
         }
-        Some(found) => accept(found, problem, kind, 0.0),
-        None => Outcome::Infeasible(explained(refusal, problem, kind)),
+        Some(found) => accept(found, modes, 0.0),
+        None => Outcome::Infeasible(explained(refusal, modes)),
     }
 }
 
@@ -103,9 +109,9 @@ fn solve_precisely(
 }
 
 /// The solution, unless it is so sensitive that a mode may be within reach, or in sight, by rounding alone.
-fn accept(found: Certified, problem: &Problem, kind: Kind, limit: f64) -> Outcome<Certified> {
-    let lost = if found.solution.certificate.condition * EPS > limit {
-        reason::lost_mode(problem, kind, Nearness::Rounding)
+fn accept(found: Certified, modes: &Modes, limit: f64) -> Outcome<Certified> {
+    let lost = if found.normwise_condition * EPS > limit {
+        reason::lost_mode(modes, Nearness::Rounding)
     } else {
         None
     };
@@ -113,14 +119,13 @@ fn accept(found: Certified, problem: &Problem, kind: Kind, limit: f64) -> Outcom
 }
 
 /// The mode behind a refusal, if one can be named.
-fn explained(refusal: Refusal, problem: &Problem, kind: Kind) -> Reason {
-    if let Some(reason) = reason::diagnose(problem, kind, refusal.nearest) {
+fn explained(refusal: Refusal, modes: &Modes) -> Reason {
+    if let Some(reason) = reason::diagnose(modes, refusal.nearest) {
         return reason;
     }
     match refusal.reason {
         Reason::Inaccurate { residual, stability, .. } => {
-            let hardest =
-                reason::hardest_mode(problem, kind).filter(|(_, reach)| *reach < RICCATI_HARDLY_REACHED);
+            let hardest = reason::hardest_mode(modes).filter(|(_, reach)| *reach < RICCATI_HARDLY_REACHED);
             Reason::Inaccurate { residual, stability, hardest }
         }
         other => other,
@@ -139,6 +144,8 @@ pub(super) fn in_callers_units(
     solution.X = units.restore(&solution.X);
     solution.F = gain(&solution.F);
     certificate.forward_error = units.restore(&certificate.forward_error);
+    certificate.data_error = units.restore(&certificate.data_error);
+    certificate.scale = d.clone();
     certificate.residual_norm = {
         let back: Vec<f64> = d.iter().map(|d| 1.0 / d).collect();
         rescale(&residual, &back, &back).norm_fro()

@@ -9,6 +9,7 @@ use super::certify::{Certified, certify};
 use super::continuous::{check_input, fold};
 use super::decide::{decide, in_callers_units, is_beyond_doubt};
 use super::equation::{Data, Discrete};
+use super::modes::Modes;
 use super::newton::refine;
 use super::scaling::{Problem, rescale, scale};
 use super::{Method, Outcome, Reason, Riccati, doubling, reason, subspace};
@@ -65,20 +66,23 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
                 Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => {
                     return Outcome::Solved(found);
                 }
-                Ok(found) => return decide(equation, &problem, Some(found), refusal.into()),
+                Ok(found) => {
+                    let modes = Modes::of(&problem, Kind::Discrete);
+                    return decide(equation, &modes, Some(found), refusal.into());
+                }
                 Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
                 Err(reason) => refusal = reason,
             }
         }
         if first.is_none()
-            && let Some(reason) = reason::certainly_lost(&problem, Kind::Discrete)
+            && let Some(reason) = reason::certainly_lost(&Modes::of(&problem, Kind::Discrete))
         {
             return Outcome::Infeasible(reason);
         }
         first.get_or_insert(problem);
     }
     match first {
-        Some(problem) => decide(equation, &problem, None, refusal.into()),
+        Some(problem) => decide(equation, &Modes::of(&problem, Kind::Discrete), None, refusal.into()),
         None => Outcome::Infeasible(refusal),
     }
 }
@@ -118,7 +122,7 @@ fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -
         Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()).settled(),
     };
     let first = first.ok_or(Reason::NoGraph)?;
-    if let Some(reason) = reason::lost_behind(&first, &scaled.problem, Kind::Discrete) {
+    if let Some(reason) = reason::lost_behind(&first, &Modes::of(&scaled.problem, Kind::Discrete)) {
         return Err(reason);
     }
     let offset = Mat::eye(problem.A.nrows()).scale(shift);

@@ -12,6 +12,7 @@ use crate::tolerance::{
 };
 
 use super::Reason;
+use super::modes::Modes;
 use super::reason::certainly_unsolvable;
 use super::scaling::Problem;
 
@@ -23,12 +24,12 @@ pub(super) const PARAMETERS: [f64; 3] = [0.3, 1.7, 0.05];
 ///
 /// # Errors
 /// The reason why there is no solution, if a solution that keeps growing made the question worth its time.
-pub(super) fn by_doubling(problem: &Problem, parameters: &[f64]) -> Result<Option<Mat>, Reason> {
-    let Problem { A, G, Q } = problem;
+pub(super) fn by_doubling(modes: &Modes, parameters: &[f64]) -> Result<Option<Mat>, Reason> {
+    let Problem { A, G, Q } = modes.problem;
     let early = if A.nrows() > PRECISE_STATES { DOUBLING_EARLY_LARGE } else { DOUBLING_EARLY };
     let base = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()) / (A.nrows() as f64).sqrt();
     for factor in parameters {
-        let question = || certainly_unsolvable(problem);
+        let question = || certainly_unsolvable(modes);
         match cayley(A, G, Q, factor * base).map(|form| iterate(form, early, question)) {
             Ok(Outcome::Settled(X)) => return Ok(Some(X)),
             Ok(Outcome::Unsolvable(reason)) => return Err(reason),

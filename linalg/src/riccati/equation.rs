@@ -67,6 +67,19 @@ impl Data {
         Some([A.minus(&B.times(&K)), G, Q.minus(&S.times(&K)).symmetric_part()])
     }
 
+    /// `|Q| + |K|'|R||K| + |S||K| + |K|'|S|'`
+    fn weight_moduli(&self, K: &Mat) -> Mat {
+        let k = moduli(K);
+        let sum = moduli(&self.Q) + k.t() * &moduli(&self.R) * &k;
+        match &self.S {
+            None => sum,
+            Some(S) => {
+                let cross = moduli(S) * &k;
+                sum + &cross + cross.t()
+            }
+        }
+    }
+
     /// `A - B K`
     pub(super) fn closed(&self, K: &Mat) -> Mat {
         &self.A - &(&self.B * K)
@@ -128,6 +141,11 @@ impl PreciseEquation for Continuous {
         Some(Linearised { residual, closed, gain })
     }
 
+    fn moduli(&self, K: &Mat, X: &Mat) -> Mat {
+        let half = moduli(&self.0.A.t()) * &moduli(X);
+        half.t() + half + self.0.weight_moduli(K)
+    }
+
     fn folded(&self, _: f64) -> Option<[Precise; 3]> {
         let data = &self.0;
         let cross = data.S.as_ref().map(Precise::from);
@@ -184,6 +202,12 @@ impl PreciseEquation for Quadratic {
         let square = X.times(&gain);
         let residual = half.plus(&half.t()).plus(&square).plus(&Precise::from(&self.Q)).symmetric_part();
         Some(Linearised { residual, closed, gain })
+    }
+
+    fn moduli(&self, _: &Mat, X: &Mat) -> Mat {
+        let x = moduli(X);
+        let half = moduli(&self.A.t()) * &x;
+        half.t() + half + moduli(&self.Q) + &x * &moduli(&self.G) * &x
     }
 
     fn folded(&self, _: f64) -> Option<[Precise; 3]> {
@@ -252,6 +276,13 @@ impl PreciseEquation for Discrete {
         Some(Linearised { residual, closed, gain })
     }
 
+    fn moduli(&self, K: &Mat, X: &Mat) -> Mat {
+        let data = &self.0;
+        let inner = moduli(&data.A) + moduli(&data.B) * &moduli(K);
+        let half = moduli(&data.closed(K)).t() * &moduli(X) * &inner;
+        half.t() + half + data.weight_moduli(K)
+    }
+
     fn folded(&self, shift: f64) -> Option<[Precise; 3]> {
         let data = &self.0;
         let (A, B) = (Precise::from(&data.A), Precise::from(&data.B));
@@ -274,4 +305,9 @@ impl PreciseEquation for Discrete {
     fn kind(&self) -> Kind {
         Kind::Discrete
     }
+}
+
+/// The matrix of moduli.
+fn moduli(M: &Mat) -> Mat {
+    M.map(f64::abs)
 }

@@ -10,6 +10,7 @@ mod decide;
 mod discrete;
 mod doubling;
 mod equation;
+mod modes;
 mod newton;
 mod precise;
 mod reason;
@@ -79,9 +80,18 @@ pub struct Riccati {
 
 /// The evidence that a Riccati solution is one.
 ///
-/// `residual_norm`, `term_norm` and `forward_error` are in the caller's units and can be recomputed from the data and from `X`.
-/// The other figures refer to the problem scaled by powers of two, in which norms over states of different kinds mean
-/// something.
+/// `residual_norm`, `term_norm`, `forward_error` and `data_error` are in the caller's units, and `condition` does not depend on
+/// units; all can be recomputed from the data, from `X` and from `F`. With `L(H) = (A-BF)'H + H(A-BF)` (discrete:
+/// `(A-BF)'H(A-BF) - H`) and moduli entry by entry, `data_error = eps |L^-1(M)|`, where
+///
+/// ```text
+///   M = |A|'|X| + |X||A| + |Q| + |F|'|R||F| + |S||F| + |F|'|S|'                                      continuous
+///   M = |A|'|X| + |X||A| + |Q| + |X||G||X|                                                           care_g
+///   M = N + N' + |Q| + |F|'|R||F| + |S||F| + |F|'|S|',   N = |A-BF|'|X|(|A| + |B||F|)                discrete
+/// ```
+///
+/// The other figures refer to the problem scaled by `scale`, in which norms over states of different kinds mean something:
+/// `A_ij scale_j / scale_i`, `Q_ij scale_i scale_j`, `X_ij scale_i scale_j`.
 #[derive(Clone, Debug)]
 pub struct Certificate {
     /// `norm(residual)` over the sum of the norms of the equation's terms, Frobenius, with `X` as it is returned.
@@ -94,16 +104,19 @@ pub struct Certificate {
     /// Separation of the closed loop from its mirror image: the norm of the inverse Lyapunov operator, inverted
     /// (continuous `A'H + HA`, discrete `A'HA - H`). Small: the solution is sensitive.
     pub separation: f64,
-    /// Condition number of the solution (Kenney and Hewer, SIAM J. Control Optim. 28, 1990): relative change of `X`
-    /// over relative change of the data, an upper estimate.
+    /// Condition number: the largest entry of `data_error / eps`, each over `sqrt(|x_ii x_jj|)`. A change of every entry of the
+    /// data by a share e changes `x_ij` by at most `condition e sqrt(|x_ii x_jj|)` to first order.
     pub condition: f64,
-    /// An estimate of the modulus of the error of each entry of `X`, n x n, in the caller's units, for the data taken as exact:
-    /// the Newton step that is left. What rounding the data would change is bounded by `condition`.
+    /// What a change of every entry of the data by a share of eps (2^-52) changes each entry of `X` by, n x n, to first order.
+    pub data_error: Mat,
+    /// An estimate of the modulus of the error of each entry of `X`, n x n, for the data taken as exact: the Newton step that is left.
     pub forward_error: Mat,
-    /// Frobenius norm of the residual of `X` as it is returned, in the caller's units.
+    /// Frobenius norm of the residual of `X` as it is returned.
     pub residual_norm: f64,
-    /// Sum of the Frobenius norms of the equation's terms, in the caller's units.
+    /// Sum of the Frobenius norms of the equation's terms.
     pub term_norm: f64,
+    /// The factors of the states, powers of two, in whose units the equation was solved.
+    pub scale: Vec<f64>,
     /// Which method gave the first approximation.
     pub method: Method,
     /// How many Newton steps refined it.

@@ -28,6 +28,9 @@ pub(super) trait PreciseEquation {
     fn linearise(&self, X: &Precise) -> Option<Linearised>;
     /// Returns the equation without input as `A`, `G`, `Q`, for `X - shift I`; `None` if a weight is singular.
     fn folded(&self, shift: f64) -> Option<[Precise; 3]>;
+    /// Returns the sum of the moduli of all products in the residual at `X` with the gain `K`: what a change of every entry of the data by a
+    /// share e may change the residual by, over e.
+    fn moduli(&self, K: &Mat, X: &Mat) -> Mat;
     /// The shifts worth trying.
     fn shifts(&self) -> Vec<f64>;
     /// Which of the two equations it is.
@@ -43,6 +46,8 @@ pub(super) struct Solution {
     pub(super) last_step: Mat,
     /// `norm(L^-1(I))` and `norm(L^-1(X^2))` for the Lyapunov operator `L` of the closed loop.
     pub(super) inverse_norms: (f64, f64),
+    /// `L^-1` of the moduli of the residual's products.
+    pub(super) data_change: Mat,
     pub(super) steps: usize,
 }
 
@@ -178,7 +183,7 @@ fn refine(equation: &impl PreciseEquation, mut X: Precise) -> Option<Solution> {
             let last = if stuck { size } else { relative };
             return (last < PRECISE_SETTLED).then(|| {
                 let X = X.plus(&step);
-                conclude(equation.kind(), X, (gain, closed), step.high, steps)
+                conclude(equation, X, (gain, closed), step.high, steps)
             })?;
         }
         X = X.plus(&step);
@@ -188,14 +193,16 @@ fn refine(equation: &impl PreciseEquation, mut X: Precise) -> Option<Solution> {
 }
 
 fn conclude(
-    kind: Kind,
+    equation: &impl PreciseEquation,
     X: Precise,
     (gain, closed): (Precise, Precise),
     last_step: Mat,
     steps: usize,
 ) -> Option<Solution> {
     let square = Precise::from(&(&X.high * &X.high));
-    let [one, two] = lyapunov(&closed, [Precise::identity(X.high.nrows(), 1.0), square], kind)?;
+    let moduli = Precise::from(&equation.moduli(&gain.high, &X.high));
+    let identity = Precise::identity(X.high.nrows(), 1.0);
+    let [one, two, change] = lyapunov(&closed, [identity, square, moduli], equation.kind())?;
     let inverse_norms = (one.high.norm_fro(), two.high.norm_fro());
-    Some(Solution { X, gain, closed, last_step, inverse_norms, steps })
+    Some(Solution { X, gain, closed, last_step, inverse_norms, data_change: change.high, steps })
 }

@@ -5,13 +5,14 @@ use std::fmt;
 use crate::decomposition::csingular_values;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
-use crate::spectrum::Spectrum;
+use crate::spectrum::Reach;
 use crate::sylvester::Kind;
 use crate::tolerance::{
     AXIS_NEIGHBOUR, AXIS_REAL_PART, AXIS_ROUNDING, EXACT_MODE_STATES, HAMILTONIAN_BOUNDARY, LARGEST_FEEDBACK,
     LOST_MODE, MODE_CANDIDATES, PRECISE_STATES,
 };
 
+use super::modes::{Mode, Modes};
 use super::scaling::Problem;
 use super::subspace::hamiltonian;
 
@@ -64,14 +65,14 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Uncontrollable { mode, distance } => {
-                write!(f, "the mode {} is not stable and the input does not reach it", Mode(*mode))?;
+                write!(f, "the mode {} is not stable and the input does not reach it", Eigenvalue(*mode))?;
                 write!(f, " (relative distance from reach {distance:.1e})")
             }
             Self::Unobservable { mode, distance } => {
                 write!(
                     f,
                     "the mode {} lies on the stability boundary and the cost does not see it",
-                    Mode(*mode)
+                    Eigenvalue(*mode)
                 )?;
                 write!(f, " (relative distance from sight {distance:.1e})")
             }
@@ -79,7 +80,7 @@ impl fmt::Display for Reason {
                 write!(
                     f,
                     "the Hamiltonian has the eigenvalue {} on the stability boundary",
-                    Mode(*eigenvalue)
+                    Eigenvalue(*eigenvalue)
                 )?;
                 write!(f, " (relative distance {distance:.1e}): no stabilising solution")
             }
@@ -93,7 +94,7 @@ impl fmt::Display for Reason {
                 let Some((mode, reach)) = hardest else {
                     return f.write_str("; the equation is too sensitive for double precision");
                 };
-                write!(f, "; the mode {} is not stable and the input hardly reaches it", Mode(*mode))?;
+                write!(f, "; the mode {} is not stable and the input hardly reaches it", Eigenvalue(*mode))?;
                 write!(f, " (relative distance from reach {reach:.1e})")
             }
         }
@@ -101,9 +102,9 @@ impl fmt::Display for Reason {
 }
 
 /// An eigenvalue as an engineer reads it.
-struct Mode(C64);
+struct Eigenvalue(C64);
 
-impl fmt::Display for Mode {
+impl fmt::Display for Eigenvalue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0.im == 0.0 {
             return write!(f, "{:.6}", self.0.re);
@@ -123,84 +124,80 @@ pub(super) enum Nearness {
 
 /// Returns the mode in the way: one that is not safely stable and that the input does not reach, or one on the boundary
 /// that the cost does not see.
-pub(super) fn lost_mode(problem: &Problem, kind: Kind, nearness: Nearness) -> Option<Reason> {
-    let n = problem.A.nrows() as f64;
-    let broad = HAMILTONIAN_BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
-    let near = |spectrum: &Spectrum, m: C64| match nearness {
+pub(super) fn lost_mode(modes: &Modes, nearness: Nearness) -> Option<Reason> {
+    let (Problem { A, G, Q }, kind) = (modes.problem, modes.kind);
+    let n = A.nrows() as f64;
+    let broad = HAMILTONIAN_BOUNDARY * boundary_scale(A.norm_fro(), kind);
+    let near = |mode: Mode| match nearness {
         Nearness::Broad => broad,
-        Nearness::Rounding => spectrum.movement(m),
+        Nearness::Rounding => mode.movement(),
     };
-    let reached = least_reached(&problem.A, &problem.G, |s, m| excess(m, kind) > -near(s, m));
+    let suspects: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind) > -near(*m)).collect();
+    let reached = least(suspects.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows());
     if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST_MODE) {
         return Some(Reason::Uncontrollable { mode, distance: reach });
     }
-    let seen = least_reached(&problem.A.t(), &problem.Q, |s, m| excess(m, kind).abs() < near(s, m));
+    let suspects: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind).abs() < near(*m)).collect();
+    let seen = least(suspects.iter().map(|m| m.sight()), |mode| distance(&A.t(), Q, mode), A.nrows());
     let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST_MODE)?;
     Some(Reason::Unobservable { mode, distance: sight })
 }
 
 /// Returns a mode that is not stable and that the input does not reach for certain: not normwise, and not entry by entry.
-pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
-    lost_in(&Spectrum::of(&problem.A).ok()?, problem, kind)
-}
-
-fn lost_in(spectrum: &Spectrum, problem: &Problem, kind: Kind) -> Option<Reason> {
-    let n = problem.A.nrows() as f64;
-    let modes = spectrum.modes().into_iter().filter(|&m| excess(m, kind) >= 0.0);
-    let mut reaches = modes.map(|m| spectrum.reach(&problem.G, m));
+pub(super) fn certainly_lost(modes: &Modes) -> Option<Reason> {
+    let n = modes.problem.A.nrows() as f64;
+    let unstable = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0);
+    let mut reaches = unstable.map(Mode::reach);
     let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST_MODE)?;
     Some(Reason::Uncontrollable { mode: lost.mode, distance: lost.normwise })
 }
 
 /// Returns why a continuous problem has no solution for certain: a mode out of reach; of a large problem, which is not solved in more
 /// digits, also a mode on the boundary that the cost does not see, or a Hamiltonian matrix with an eigenvalue there.
-pub(super) fn certainly_unsolvable(problem: &Problem) -> Option<Reason> {
-    let spectrum = Spectrum::of(&problem.A).ok()?;
-    let lost = lost_in(&spectrum, problem, Kind::Continuous);
-    if lost.is_some() || problem.A.nrows() <= PRECISE_STATES {
+pub(super) fn certainly_unsolvable(modes: &Modes) -> Option<Reason> {
+    let lost = certainly_lost(modes);
+    if lost.is_some() || modes.problem.A.nrows() <= PRECISE_STATES {
         return lost;
     }
-    let may_be_unseen = !spectrum.on_boundary(|l| l.re).is_empty();
-    let unseen = if may_be_unseen { certainly_unseen(problem) } else { None };
-    unseen.or_else(|| certainly_on_boundary(problem))
+    certainly_unseen(modes).or_else(|| certainly_on_boundary(modes.problem))
 }
 
 /// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.
-fn certainly_unseen(problem: &Problem) -> Option<Reason> {
-    let n = problem.A.nrows() as f64;
-    let spectrum = Spectrum::of(&problem.A.t()).ok()?;
-    let reaches = spectrum.on_boundary(|l| l.re).into_iter().map(|m| spectrum.reach(&problem.Q, m));
-    let mut unseen = reaches.filter(|reach| reach.normwise.max(reach.entrywise) < n * LOST_MODE);
-    unseen.next().map(|reach| Reason::Unobservable { mode: reach.mode, distance: reach.normwise })
+fn certainly_unseen(modes: &Modes) -> Option<Reason> {
+    let n = modes.problem.A.nrows() as f64;
+    let sights = modes.on_boundary(|l| l.re).into_iter().map(Mode::sight);
+    let mut unseen = sights.filter(|sight| sight.normwise.max(sight.entrywise) < n * LOST_MODE);
+    unseen.next().map(|sight| Reason::Unobservable { mode: sight.mode, distance: sight.normwise })
 }
 
 /// Returns the mode out of reach for certain behind an approximation that is suspiciously large, before it is refined in vain.
-pub(super) fn lost_behind(first: &Mat, problem: &Problem, kind: Kind) -> Option<Reason> {
-    let feedback = first.norm_fro() * problem.G.norm_fro();
-    if feedback > LARGEST_FEEDBACK * boundary_scale(problem.A.norm_fro(), kind) {
-        certainly_lost(problem, kind)
-    } else {
-        None
-    }
+pub(super) fn lost_behind(first: &Mat, modes: &Modes) -> Option<Reason> {
+    let feedback = first.norm_fro() * modes.problem.G.norm_fro();
+    let suspicious = feedback > LARGEST_FEEDBACK * boundary_scale(modes.problem.A.norm_fro(), modes.kind);
+    if suspicious { certainly_lost(modes) } else { None }
 }
 
 /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
-pub(super) fn hardest_mode(problem: &Problem, kind: Kind) -> Option<(C64, f64)> {
-    least_reached(&problem.A, &problem.G, |_, m| excess(m, kind) >= 0.0)
+pub(super) fn hardest_mode(modes: &Modes) -> Option<(C64, f64)> {
+    let Problem { A, G, .. } = modes.problem;
+    let suspects: Vec<Mode> = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0).collect();
+    least(suspects.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows())
 }
 
-/// The mode among the suspects that `M` reaches least, and its relative distance from reach.
-fn least_reached(A: &Mat, M: &Mat, is_suspect: impl Fn(&Spectrum, C64) -> bool) -> Option<(C64, f64)> {
-    let spectrum = Spectrum::of(A).ok()?;
-    let suspects = spectrum.modes().into_iter().filter(|&m| is_suspect(&spectrum, m));
-    let mut reaches: Vec<(C64, f64)> =
-        suspects.map(|m| spectrum.reach(M, m)).map(|reach| (reach.mode, reach.normwise)).collect();
-    reaches.sort_by(|a, b| a.1.total_cmp(&b.1));
-    if A.nrows() <= EXACT_MODE_STATES {
-        reaches.truncate(MODE_CANDIDATES);
-        reaches.iter_mut().for_each(|(mode, reach)| *reach = distance(A, M, *mode));
+/// The mode that is reached (or seen) least, and its relative distance from reach, which a small problem's best candidates have by
+/// `exact`.
+fn least<'a>(
+    reaches: impl Iterator<Item = &'a Reach>,
+    exact: impl Fn(C64) -> f64,
+    states: usize,
+) -> Option<(C64, f64)> {
+    let mut list: Vec<(C64, f64)> = reaches.map(|reach| (reach.mode, reach.normwise)).collect();
+    list.sort_by(|a, b| a.1.total_cmp(&b.1));
+    if states <= EXACT_MODE_STATES {
+        list.truncate(MODE_CANDIDATES);
+        list.iter_mut().for_each(|(mode, reach)| *reach = exact(*mode));
     }
-    reaches.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
+    list.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// How far beyond the stability boundary an eigenvalue lies.
@@ -236,14 +233,14 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
 
 /// Returns why a problem that was not solved has no solution; `known` is the eigenvalue of the Hamiltonian matrix nearest to the
 /// boundary, if it has been computed.
-pub(super) fn diagnose(problem: &Problem, kind: Kind, known: Option<C64>) -> Option<Reason> {
-    if let Some(reason) = lost_mode(problem, kind, Nearness::Broad) {
+pub(super) fn diagnose(modes: &Modes, known: Option<C64>) -> Option<Reason> {
+    if let Some(reason) = lost_mode(modes, Nearness::Broad) {
         return Some(reason);
     }
-    if kind == Kind::Discrete {
+    if modes.kind == Kind::Discrete {
         return None;
     }
-    let H = hamiltonian(problem);
+    let H = hamiltonian(modes.problem);
     let size = H.norm_fro();
     let computed = || eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
     let nearest = known.or_else(computed)?;

@@ -17,4 +17,4 @@ pub use verified::{HistoryResult, VerifiedLoop, verified_loop};
 
 /// Name and version of the schema of every result. The number rises when a key changes its meaning or goes; new keys
 /// leave it as it is.
-pub const SCHEMA: &str = "counterpoise.results/1";
+pub const SCHEMA: &str = "counterpoise.results/2";

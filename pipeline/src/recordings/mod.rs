@@ -6,10 +6,11 @@
 //!
 //! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`diagnose`](mod@diagnose), [`identify`](mod@identify),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
-//! [`controller_origin`] (which export the recordings' controller comes from),
+//! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
 //! [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
 pub mod controller_origin;
+pub mod converter_range;
 pub mod diagnose;
 pub mod identify;
 pub mod measured_modes;

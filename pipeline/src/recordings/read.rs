@@ -8,6 +8,7 @@ use counterpoise_project::resolve::recording::machine_signals;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
 use counterpoise_simulate::replay::{Loop, RecordedController};
 
+use super::converter_range::{BeyondRange, remove_impossible};
 use crate::{PipelineError, model, reduce, synthesise};
 
 /// A file with recordings, handed in.
@@ -37,6 +38,13 @@ pub struct ReadRecording {
 pub enum ColumnRemark {
     /// Found when the file was read.
     File(Remark),
+    /// Readings lie beyond the range of their converter.
+    BeyondRange {
+        /// The channel.
+        channel: Channel,
+        /// How many, and where.
+        found: BeyondRange,
+    },
     /// Repaired.
     Repair {
         /// The channel.
@@ -178,12 +186,14 @@ pub fn recording_controller(project: &Project) -> Result<Option<RecordedControll
 pub fn read_recording(
     project: &Project,
     controller: Option<&RecordedController>,
-    whole: Recording,
+    mut whole: Recording,
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let keeps_samples = mapping(project).keeps_samples(&whole);
     let name = whole.name.clone();
     let mut remarks: Vec<ColumnRemark> = whole.remarks.iter().cloned().map(ColumnRemark::File).collect();
+    let beyond = remove_impossible(&project.plant, &mut whole);
+    remarks.extend(beyond.into_iter().map(|(channel, found)| ColumnRemark::BeyondRange { channel, found }));
     let parts = match gaps {
         Gaps::AsWritten => vec![(name.clone(), whole)],
         Gaps::Repaired => {

@@ -79,7 +79,7 @@ pub(crate) fn parse(text: &str) -> Result<ControllerContent, String> {
     if !file.schema.starts_with(SCHEMA) {
         let found = &file.schema;
         return Err(format!(
-            "the schema is \"{found}\", not {SCHEMA}1: give the controller.json of an export"
+            "the schema is \"{found}\", not {SCHEMA}2: give the controller.json of an export"
         ));
     }
     let reading_limits = reading_limits(&file)?;

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView1};
 
 use super::Decoded;
 use crate::remark::Unread;
-use crate::{Column, Remark};
+use crate::{Channel, Column, Remark};
 
 /// An array with more columns than this is not a set of channels, and does not decide which length the table has.
 const MOST_COLUMNS: usize = 64;
@@ -13,6 +13,8 @@ const MOST_COLUMNS: usize = 64;
 pub(super) struct Array {
     /// Its name; a field of a structure is `structure.field`.
     pub(super) name: String,
+    /// Its unit; `None` if the file gives none.
+    pub(super) unit: Option<String>,
     /// Its values.
     pub(super) values: Array2<f64>,
 }
@@ -44,7 +46,7 @@ impl Found {
             let (length, count) = array.extent();
             if length == rows && rows > 1 && count <= MOST_COLUMNS {
                 columns.extend(array.split());
-            } else if length > 1 {
+            } else if length > 1 || array.is_channel() {
                 self.unread(&array.name, array.left_out(rows));
             }
         }
@@ -75,14 +77,27 @@ impl Array {
 
     /// Returns whether it is a vector with the name of a time column.
     fn is_time(&self) -> bool {
-        let last = self.name.rsplit('.').next().unwrap_or_default();
-        self.extent().1 == 1 && ["time", "t"].contains(&last.to_ascii_lowercase().as_str())
+        self.extent().1 == 1 && ["time", "t"].contains(&self.last_name().to_ascii_lowercase().as_str())
+    }
+
+    /// Returns whether it has the name of a channel: a parameter of one value may stand beside the columns, a channel may not.
+    fn is_channel(&self) -> bool {
+        Channel::ALL.iter().any(|channel| channel.name() == self.last_name())
+    }
+
+    /// Returns its name without those of the structures that hold it.
+    fn last_name(&self) -> &str {
+        self.name.rsplit('.').next().unwrap_or_default()
     }
 
     fn split(self) -> Vec<Column> {
         let (rows, columns) = self.values.dim();
         let of = |k: usize| if rows >= columns { self.values.column(k) } else { self.values.row(k) };
-        let column = |name: String, values: ArrayView1<'_, f64>| Column::plain(name, values.to_owned());
+        let column = |name: String, values: ArrayView1<'_, f64>| Column {
+            name,
+            unit: self.unit.clone(),
+            values: values.to_owned(),
+        };
         match self.extent().1 {
             1 => vec![column(self.name.clone(), of(0))],
             count => (0..count).map(|k| column(format!("{}_{}", self.name, k + 1), of(k))).collect(),

@@ -6,8 +6,8 @@ use crate::Error;
 const SMALLEST: u64 = 256 << 20;
 /// Times its own size that a file may take. Compressed recordings take up to about 20 times, constant channels more.
 const EXPANSION: u64 = 200;
-/// What no file may exceed, bytes.
-const LARGEST: u64 = 8 << 30;
+/// What no file may exceed, bytes: its columns are copied once when they become channels.
+const LARGEST: u64 = 1 << 30;
 /// Bytes of a value.
 const VALUE: u64 = 8;
 
@@ -30,11 +30,21 @@ impl<'a> Budget<'a> {
     /// # Errors
     /// [`Error::TooLarge`], with the estimate, if they exceed what is left.
     pub(super) fn take(&mut self, column: &str, values: u64) -> Result<(), Error> {
+        self.admits(column, values)?;
         self.taken = self.taken.saturating_add(values.saturating_mul(VALUE));
-        if self.taken <= self.limit {
+        Ok(())
+    }
+
+    /// Returns whether there is memory for so many values of a column that are dropped again.
+    ///
+    /// # Errors
+    /// As [`Budget::take`].
+    pub(super) fn admits(&self, column: &str, values: u64) -> Result<(), Error> {
+        let bytes = self.taken.saturating_add(values.saturating_mul(VALUE));
+        if bytes <= self.limit {
             return Ok(());
         }
         let (file, column) = (self.file.to_owned(), column.to_owned());
-        Err(Error::TooLarge { file, column, bytes: self.taken, limit: self.limit })
+        Err(Error::TooLarge { file, column, bytes, limit: self.limit })
     }
 }

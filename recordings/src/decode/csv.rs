@@ -1,38 +1,79 @@
 //! CSV: one header row with the names and units of the columns, then one row per sample; commas, semicolons or tabs separate
 //! cells; # starts a comment.
 
+use super::budget::Budget;
 use crate::{Column, Error, Table};
+
+/// Most columns of a CSV file: a header of separators alone is no recording, and each takes a hundred bytes.
+const MOST_COLUMNS: usize = 10_000;
+/// Values of a part, at most: a part of many columns has fewer rows.
+const VALUES_OF_A_PART: usize = 5_000_000;
+/// The memory of a column is accounted for after so many rows.
+const ROWS_OF_A_COUNT: usize = 4096;
 
 /// Returns the columns of a CSV file.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
-    let unreadable =
-        |e: csv::Error| Error::Unreadable { file: file.to_owned(), kind: "CSV", why: e.to_string() };
+    let unreadable = |e: csv::Error| unreadable(file, &e);
+    let mut budget = Budget::new(file, bytes.len());
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let delimiter = delimiter(bytes);
+    refuse_many_columns(bytes, delimiter, file)?;
     let mut builder = csv::ReaderBuilder::new();
     builder.comment(Some(b'#')).trim(csv::Trim::All).flexible(true).delimiter(delimiter);
     let mut reader = builder.from_reader(bytes);
     let headings: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
     refuse_numbers(&headings, delimiter, file)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); headings.len()];
-    for record in reader.records() {
+    for (count, record) in reader.records().enumerate() {
+        if count % ROWS_OF_A_COUNT == 0 {
+            let column = headings.first().map_or("", String::as_str);
+            budget.take(column, (headings.len() * ROWS_OF_A_COUNT) as u64)?;
+        }
         row(&record.map_err(unreadable)?, delimiter, &headings, &mut columns, file)?;
     }
     Ok(headings.iter().zip(columns).map(|(heading, values)| Column::headed(heading, values)).collect())
 }
 
-/// Refuses a header that holds numbers: the first row of samples was taken for it.
+/// Returns the error of a file that cannot be taken apart, with what to do about text in another encoding.
+fn unreadable(file: &str, error: &csv::Error) -> Error {
+    let hint = match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => "; save it as UTF-8",
+        _ => "",
+    };
+    Error::Unreadable { file: file.to_owned(), kind: "CSV", why: format!("{error}{hint}") }
+}
+
+/// Refuses a header of very many columns before anything is allocated for them.
+fn refuse_many_columns(bytes: &[u8], delimiter: u8, file: &str) -> Result<(), Error> {
+    let columns = header(bytes).iter().filter(|b| **b == delimiter).count() + 1;
+    if columns <= MOST_COLUMNS {
+        return Ok(());
+    }
+    let why = format!(
+        "the first line has {columns} columns, more than the {MOST_COLUMNS} that are read: save the channels alone"
+    );
+    Err(Error::Unreadable { file: file.to_owned(), kind: "CSV", why })
+}
+
+/// Refuses a header that holds numbers, with or without cells that are empty: the first row of samples was taken for it.
 fn refuse_numbers(headings: &[String], delimiter: u8, file: &str) -> Result<(), Error> {
-    let is_number = |heading: &String| number(heading, delimiter).is_some_and(f64::is_finite);
-    if !headings.is_empty() && headings.iter().all(is_number) {
+    let is_number = |heading: &String| number(heading, delimiter).is_some();
+    let is_finite = |heading: &String| number(heading, delimiter).is_some_and(f64::is_finite);
+    if headings.iter().all(is_number) && headings.iter().any(is_finite) {
         return Err(Error::NoHeader { file: file.to_owned(), first: headings.join(",") });
     }
     Ok(())
 }
 
+/// Returns the first line that is no comment.
+fn header(bytes: &[u8]) -> &[u8] {
+    let lines = bytes.split(|b| matches!(b, b'\n' | b'\r'));
+    lines.filter(|line| !line.is_empty()).find(|line| !line.starts_with(b"#")).unwrap_or_default()
+}
+
 /// Returns the separator that the header uses most.
 fn delimiter(bytes: &[u8]) -> u8 {
-    let header = bytes.split(|b| *b == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or_default();
+    let header = header(bytes);
     let count = |mark: &u8| header.iter().filter(|b| *b == mark).count();
     [b',', b';', b'\t'].into_iter().rev().max_by_key(count).unwrap_or(b',')
 }
@@ -89,37 +130,32 @@ impl<R: std::io::BufRead> CsvParts<R> {
     /// # Errors
     /// As [`crate::Table::read`], of the header.
     pub fn new(mut reader: R, name: &str, rows: usize) -> Result<Self, Error> {
-        let unreadable = |why: String| Error::Unreadable { file: name.to_owned(), kind: "CSV", why };
-        let first = reader.fill_buf().map_err(|error| unreadable(error.to_string()))?;
+        let first = reader.fill_buf().map_err(|error| unreadable(name, &error.into()))?;
         let mark = "\u{feff}".as_bytes();
         let marked = first.starts_with(mark);
-        let delimiter = delimiter(first.strip_prefix(mark).unwrap_or(first));
+        let first = first.strip_prefix(mark).unwrap_or(first);
+        let delimiter = delimiter(first);
+        refuse_many_columns(first, delimiter, name)?;
         if marked {
             reader.consume(mark.len());
         }
         let mut builder = csv::ReaderBuilder::new();
         builder.comment(Some(b'#')).trim(csv::Trim::All).flexible(true).delimiter(delimiter);
         let mut reader = builder.from_reader(reader);
-        let headings: Vec<String> = reader
-            .headers()
-            .map_err(|error| unreadable(error.to_string()))?
-            .iter()
-            .map(str::to_owned)
-            .collect();
+        let headings = reader.headers().map_err(|error| unreadable(name, &error))?;
+        let headings: Vec<String> = headings.iter().map(str::to_owned).collect();
         refuse_numbers(&headings, delimiter, name)?;
+        let rows = rows.min(VALUES_OF_A_PART / headings.len().max(1)).max(1);
         let record = csv::StringRecord::new();
-        Ok(Self { reader, delimiter, headings, name: name.to_owned(), rows: rows.max(1), read: 0, record })
+        Ok(Self { reader, delimiter, headings, name: name.to_owned(), rows, read: 0, record })
     }
 
     fn part(&mut self) -> Result<Option<Table>, Error> {
         let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(self.rows); self.headings.len()];
         let mut count = 0;
         while count < self.rows {
-            let more = self.reader.read_record(&mut self.record).map_err(|error| Error::Unreadable {
-                file: self.name.clone(),
-                kind: "CSV",
-                why: error.to_string(),
-            })?;
+            let more =
+                self.reader.read_record(&mut self.record).map_err(|error| unreadable(&self.name, &error))?;
             if !more {
                 break;
             }

@@ -159,7 +159,7 @@ impl Reader<'_> {
             }
         };
         match Array2::from_shape_vec(shape.f(), values.numbers(self.order)) {
-            Ok(values) => self.found.arrays.push(Array { name, values }),
+            Ok(values) => self.found.arrays.push(Array { name, unit: None, values }),
             Err(_) => return Err(self.cut_off()),
         }
         Ok(())

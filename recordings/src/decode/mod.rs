@@ -21,6 +21,8 @@ const MATLAB: &[u8] = b"MATLAB 5.0";
 const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
 /// First bytes of an HDF5 file.
 const HDF5: &[u8] = b"\x89HDF";
+/// First bytes of a text in UTF-16, which spreadsheets call Unicode.
+const UTF_16: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
 /// So many first bytes are searched for a zero, which no text has.
 const TEXT: usize = 1024;
 
@@ -29,6 +31,11 @@ const TEXT: usize = 1024;
 pub(crate) struct Decoded {
     pub(crate) columns: Vec<Column>,
     pub(crate) remarks: Vec<Remark>,
+}
+
+/// Returns whether a file with these first bytes is read as text.
+pub fn is_text(first: &[u8]) -> bool {
+    ![PARQUET, MATLAB, MATLAB_7_3, HDF5].iter().any(|mark| first.starts_with(mark))
 }
 
 /// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, else
@@ -42,6 +49,9 @@ pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         hdf5::read(bytes, file, hdf5::Order::Matlab)
     } else if bytes.starts_with(HDF5) {
         hdf5::read(bytes, file, hdf5::Order::AsWritten)
+    } else if UTF_16.iter().any(|mark| bytes.starts_with(mark)) {
+        let why = "it is text in UTF-16: save it as UTF-8".to_owned();
+        Err(Error::Unreadable { file: file.to_owned(), kind: "CSV", why })
     } else if bytes[..bytes.len().min(TEXT)].contains(&0) {
         Err(Error::UnknownFormat { file: file.to_owned() })
     } else {

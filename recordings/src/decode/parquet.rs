@@ -42,9 +42,10 @@ fn columns(
         let description = schema.column(index);
         let is_list = description.max_rep_level() > 0;
         let what = if is_list { Holds::Other("lists") } else { holds(&description) };
-        // the innermost name of a list is that of its element
-        let outermost = description.path().parts().first().filter(|_| is_list);
-        let name = outermost.map_or(description.name(), String::as_str);
+        // the innermost name of a list is that of its element; that of a record, one of its fields
+        let parts = description.path().parts();
+        let outermost = parts.first().filter(|_| is_list).cloned();
+        let name = &outermost.unwrap_or_else(|| parts.join("."));
         if let Holds::Other(what) = what {
             let why = Unread::Type { holds: what.to_owned() };
             decoded.remarks.push(Remark::Unread { column: name.to_owned(), why });

@@ -9,6 +9,7 @@ use counterpoise_diagnose::recording::remarks::{Comparison, HeaveTreatment, Reco
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, Meaning, Standstill};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
+use counterpoise_pipeline::recordings::converter_range::BeyondRange;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
@@ -16,10 +17,26 @@ use counterpoise_pipeline::results::RecordingResult;
 pub fn describe_column_remark(remark: &ColumnRemark) -> String {
     match remark {
         ColumnRemark::File(finding) => finding.to_string(),
+        ColumnRemark::BeyondRange { channel, found } => {
+            format!("{}: {}", channel.name(), describe_beyond_range(found, channel.unit()))
+        }
         ColumnRemark::Repair { channel, repair } => format!("{channel}: {}", describe_repair(repair)),
         ColumnRemark::Controller(mismatch) => format!("control: {}", describe_control_mismatch(mismatch)),
         ColumnRemark::Anomaly { channel, anomaly } => format!("{channel}: {}", describe_anomaly(anomaly)),
     }
+}
+
+/// Describes readings beyond the range of a converter, and what to do.
+fn describe_beyond_range(found: &BeyondRange, unit: &str) -> String {
+    let BeyondRange { samples, missing, first_row, value, limit } = found;
+    let missing = match missing {
+        0 => String::new(),
+        _ => format!("; {missing} of them lie beyond twice the range and count as missing"),
+    };
+    format!(
+        "{samples} readings are beyond the converter's range of +/- {limit:.6} {unit}, the first in row {first_row} ({value:.6} {unit}){missing}: \
+         check the recorder, or the sensor's scale in the project file"
+    )
 }
 
 /// Describes that the project's recording controller could not be run; returns `None` if no recording lacks the demand.

@@ -6,8 +6,8 @@ use std::io::BufRead;
 
 use counterpoise_lti::linalg::sparse::{Entry, Sparse};
 use counterpoise_lti::linalg::{self, Mat, Outcome, Riccati};
-use counterpoise_lti::{C64, Descriptor, StateSpace, Timebase};
-use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at};
+use counterpoise_lti::{C64, Descriptor, Discretisation, StateSpace, Timebase};
+use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at, minimal};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};
 
@@ -55,7 +55,7 @@ fn solve(problem: &Value) -> Answer {
         "sylvester" => {
             whole(linalg::sylvester(&matrix(problem, "A")?, &matrix(problem, "B")?, &matrix(problem, "C")?))
         }
-        "zeros" => values(counterpoise_lti::zeros(&system(problem)?)),
+        "zeros" | "mzeros" => values(counterpoise_lti::zeros(&system(problem)?)),
         "poles" => values(counterpoise_lti::poles(&system(problem)?)),
         "linfnorm" => {
             peak(counterpoise_lti::linfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
@@ -63,6 +63,10 @@ fn solve(problem: &Value) -> Answer {
         "hinfnorm" => {
             peak(counterpoise_lti::hinfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
         }
+        "bounds" => bounds(problem),
+        "c2d" | "c2d_delayed" => sampled(problem),
+        "minimal" => minimal_part(problem),
+        "mh2" => square_norm(counterpoise_lti::h2norm(&system(problem)?)),
         "h2norm" => Ok(json!({ "value": text(counterpoise_lti::h2norm(&system(problem)?))? })),
         "margins" => margins(problem),
         "descriptor" => descriptor(problem),
@@ -122,6 +126,43 @@ fn values(list: Result<Vec<C64>, counterpoise_lti::Error>) -> Answer {
 fn peak(found: Result<counterpoise_lti::Peak, counterpoise_lti::Error>) -> Answer {
     let found = text(found)?;
     Ok(json!({ "value": found.value, "rate": found.rate_rad_s, "infinite": found.value.is_infinite() }))
+}
+
+fn square_norm(found: Result<f64, counterpoise_lti::Error>) -> Answer {
+    let value = text(found)?;
+    Ok(json!({ "value": value, "infinite": value.is_infinite() }))
+}
+
+fn bounds(problem: &Value) -> Answer {
+    let found =
+        text(counterpoise_lti::linfnorm_bounds(&system(problem)?, number(problem, "tolerance", 1e-10)))?;
+    Ok(json!({ "value": found.lower.value, "rate": found.lower.rate_rad_s, "upper": found.upper }))
+}
+
+fn sampled(problem: &Value) -> Answer {
+    let (g, period_s) = (system(problem)?, number(problem, "h", 1.0));
+    let method = match problem["method"].as_str() {
+        Some("foh") => Discretisation::FirstOrderHold,
+        Some("tustin") => Discretisation::Tustin { prewarp_rad_s: None },
+        _ => Discretisation::ZeroOrderHold,
+    };
+    let made = match problem["delay"].as_f64() {
+        Some(delay_s) => counterpoise_lti::c2d_delayed(&g, period_s, delay_s),
+        None => counterpoise_lti::c2d(&g, period_s, method),
+    };
+    Ok(whole_system(&text(made)?))
+}
+
+fn minimal_part(problem: &Value) -> Answer {
+    let found = text(minimal(&system(problem)?, number(problem, "tolerance", 1e-11)))?;
+    let mut answer = whole_system(&found.system);
+    answer["kept"] = json!(found.smallest_kept);
+    answer["dropped"] = json!(found.largest_dropped);
+    Ok(answer)
+}
+
+fn whole_system(g: &StateSpace) -> Value {
+    json!({ "A": rows(&g.A), "B": rows(&g.B), "C": rows(&g.C), "D": rows(&g.D) })
 }
 
 fn riccati(problem: &Value) -> Answer {

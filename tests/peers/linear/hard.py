@@ -42,10 +42,10 @@ def attempt(run):
         return None
 
 
-def judge(kind, problem, answer, reference, peers):
+def judge(kind, problem, answer, reference, peers, error_of=hard_references.error):
     """One line of the record."""
-    error = hard_references.error(kind, answer, reference, problem)
-    theirs = {name: hard_references.error(kind, got, reference, problem) for name, got in peers.items() if got is not None}
+    error = error_of(kind, answer, reference, problem)
+    theirs = {name: error_of(kind, got, reference, problem) for name, got in peers.items() if got is not None}
     best = min((e for e in theirs.values() if np.isfinite(e)), default=np.inf)
     condition = reference.get('condition') or answer.get('condition') or 1.0
     if reference['exists'] is None and not answer.get('panicked'):

@@ -61,7 +61,42 @@ def graded(r):
     return dict(p, A=p['A'] * d[:, None] / d, B=p['B'] * d[:, None], C=p['C'] / d)
 
 
-FAMILIES = dict(benign=benign, unstable=lambda r: benign(r, stable=False), direct=lambda r: benign(r, direct=True),
+def larger(r):
+    """Nine to fifteen states, some of them unstable."""
+    n, m2, p2 = int(r.integers(9, 16)), int(r.integers(1, 3)), int(r.integers(1, 3))
+    g = r.standard_normal
+    A = g((n, n)) - r.choice([0.0, 1.5]) * np.sqrt(n) * np.eye(n)
+    return plant(A, g((n, 3)), g((n, m2)), g((3, n)), g((p2, n)), 0.1 * g((3, 3)), np.vstack([np.zeros((3 - m2, m2)), np.eye(m2)]),
+                 np.hstack([np.zeros((p2, 3 - p2)), np.eye(p2)]))
+
+
+def uneven(r):
+    """Weights of two controls and of two noises that differ by up to eight decades."""
+    p = benign(np.random.default_rng(r.integers(1 << 30)))
+    while p['controls'] < 2 or p['measurements'] < 2:
+        p = benign(np.random.default_rng(r.integers(1 << 30)))
+    D, m2, p2 = p['D'].copy(), p['controls'], p['measurements']
+    D[:, -1] *= 10.0 ** r.uniform(-8, 0)
+    D[-1, :-m2] *= 10.0 ** r.uniform(-8, 0)
+    return dict(p, D=D)
+
+
+def mechanism(r):
+    """A free body with a flexible part, forces of disturbance, weighted rate and control."""
+    k = int(r.integers(2, 4))
+    m, c = 10.0 ** r.uniform(-1, 1, k), 10.0 ** r.uniform(1, 5, k - 1)
+    K = np.zeros((k, k))
+    for i in range(k - 1):
+        K[i:i + 2, i:i + 2] += c[i] * np.array([[1, -1], [-1, 1]])
+    A = np.block([[np.zeros((k, k)), np.eye(k)], [-K / m[:, None], -1e-3 * K / m[:, None]]])
+    B2 = np.r_[np.zeros((k, 1)), np.eye(k)[:, [0]] / m[0]]
+    B1 = np.c_[np.r_[np.zeros((k, 1)), np.ones((k, 1))], np.zeros((2 * k, 1))]
+    C2 = np.c_[np.zeros((1, k)), np.eye(k)[[int(r.integers(0, k))]]] if r.random() < 0.5 else np.c_[np.eye(k)[[0]], np.zeros((1, k))]
+    C1 = np.r_[np.c_[np.eye(k)[[k - 1]], np.zeros((1, k))], np.zeros((1, 2 * k))]
+    return plant(A, B1, B2, C1, C2, np.zeros((2, 2)), np.array([[0.0], [10.0 ** r.uniform(-3, 0)]]), np.array([[0.0, 10.0 ** r.uniform(-4, -1)]]))
+
+
+FAMILIES = dict(larger=larger, uneven=uneven, mechanism=mechanism, benign=benign, unstable=lambda r: benign(r, stable=False), direct=lambda r: benign(r, direct=True),
                 small_weight=lambda r: benign(r, scale=10.0 ** r.uniform(-12, -3)), flexible=flexible, graded=graded)
 
 

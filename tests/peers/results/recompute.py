@@ -268,7 +268,7 @@ def check_design(design):
 def main(path):
     with open(path, encoding="utf-8") as file:
         result = json.load(file)
-    assert result["schema"] == "counterpoise.results/1", result["schema"]
+    assert result["schema"] == "counterpoise.results/2", result["schema"]
     if "model" in result:
         check_design(result)
     verify = result.get("verify", result)

@@ -26,7 +26,7 @@ const BEGINS_S: f64 = 0.5;
 const RECOVERED_RAD_S: f64 = 2e-3;
 
 /// Examples with a controller, at least.
-const EXAMPLES: usize = 14;
+pub const EXAMPLES: usize = 14;
 
 /// What a fault makes of a reading.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +40,16 @@ enum Kind {
 const KINDS: [Kind; 4] = [Kind::NoNumber, Kind::Infinite, Kind::FarOut, Kind::Stuck];
 /// Lengths of the faults, samples. In single precision and in fixed point the last one is tried alone: the guard has the same steps there.
 const LENGTHS: [usize; 2] = [1, 100];
+/// Lengths that are tried in every precision if `EVERY_FAULT` is set.
+const MORE_LENGTHS: [usize; 5] = [1, 3, 30, 100, 400];
+
+/// Returns the lengths of the faults in double precision, and in the others.
+fn lengths() -> [&'static [usize]; 2] {
+    match std::env::var_os("EVERY_FAULT") {
+        Some(_) => [&MORE_LENGTHS, &MORE_LENGTHS],
+        None => [&LENGTHS, &LENGTHS[1..]],
+    }
+}
 
 /// A controller whose readings pass a faulty channel.
 struct Faulty {
@@ -77,7 +87,7 @@ impl SampledController for Faulty {
 }
 
 /// A step of the demand, on a platform that heaves and pitches.
-fn scenario(duration_s: f64) -> Scenario {
+pub fn scenario(duration_s: f64) -> Scenario {
     let platform = PlatformMotion {
         heave_m_s2: Signal::sine(0.5, 9.0),
         pitch_rate_rad_s: Signal::sine(0.02, 7.0),
@@ -92,7 +102,7 @@ fn design(path: &Path) -> Option<(Plant, Controller)> {
     Some((designed.modelled.plant.clone(), designed.made.sampled.controller.clone()))
 }
 
-fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
+pub fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
     let r = &run.readings;
     let columns = [
         &r.demand_rad_s,
@@ -132,7 +142,7 @@ impl<'a> Example<'a> {
     }
 
     fn drive(&mut self, acting: &mut dyn SampledController) -> TimeHistory {
-        let longest = *LENGTHS.last().unwrap();
+        let longest = *lengths()[0].last().unwrap();
         let fault_s = longest as f64 * self.controller.sample_period_s();
         self.simulator.run(acting, &scenario(BEGINS_S + fault_s + self.allowed_s(longest) + 0.2)).unwrap()
     }
@@ -197,11 +207,11 @@ fn slowest_recovery(path: &Path) -> Option<f64> {
     let fixed = plan(&controller, &known, 1.0, history.len()).ok();
     let double: Start = Box::new(|| Box::new(controller.runner()));
     let single: Start = Box::new(|| Box::new(controller.runner_in::<f32>()));
-    let mut slowest = example.slowest_recovery("double", &LENGTHS, &double);
-    slowest = slowest.max(example.slowest_recovery("single", &LENGTHS[1..], &single));
+    let mut slowest = example.slowest_recovery("double", lengths()[0], &double);
+    slowest = slowest.max(example.slowest_recovery("single", lengths()[1], &single));
     if let Some(fixed) = &fixed {
         let start: Start = Box::new(|| Box::new(FixedRunner::new(fixed)));
-        slowest = slowest.max(example.slowest_recovery("fixed", &LENGTHS[1..], &start));
+        slowest = slowest.max(example.slowest_recovery("fixed", lengths()[1], &start));
     }
     println!("{name}: fixed point {}, largest part of the allowed time {slowest:.3}", fixed.is_some());
     Some(slowest)

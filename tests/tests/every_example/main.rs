@@ -11,4 +11,5 @@ mod target;
 mod exported_code;
 mod fault_injection;
 mod fmi_units;
+mod handover;
 mod requirements;

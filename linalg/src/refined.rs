@@ -1,0 +1,83 @@
+//! The transfer matrix `C (sI - A)^-1 B + D` at one point, by residuals in twice the working precision.
+
+use crate::dense::csolve;
+use crate::error::{Error, check_shape, check_square};
+use crate::mat::{C64, CMat, Mat};
+use crate::precise::Precise;
+use crate::tolerance::{TRANSFER_REFINEMENTS, TRANSFER_SETTLED};
+
+/// The four matrices of a transfer matrix: `A` n x n, `B` n x m, `C` p x n, `D` p x m.
+#[derive(Clone, Copy, Debug)]
+pub struct Realisation<'a> {
+    /// How the states act on each other.
+    pub A: &'a Mat,
+    /// How the inputs act on the states.
+    pub B: &'a Mat,
+    /// What the outputs see of the states.
+    pub C: &'a Mat,
+    /// The direct path.
+    pub D: &'a Mat,
+}
+
+/// `C (sI - A)^-1 B + D`, p x m, every entry to about a rounding of a double, unless the linear equations are singular to working
+/// precision.
+///
+/// The equations are solved by LU, and the residual of the solution, which is kept as a sum of two doubles, is computed in 32 digits from
+/// the entries as they are given, so that systems whose parts nearly cancel keep their digits. Source: Higham, Accuracy and Stability of
+/// Numerical Algorithms, chapter 12. Cost: two to ten LU factorisations of order n.
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, [`Error::Singular`] at a pole.
+pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
+    let Realisation { A, B, C, D } = system;
+    check_square("A", A)?;
+    let (n, m, p) = (A.nrows(), B.ncols(), C.nrows());
+    check_shape("B", B, (n, m))?;
+    check_shape("C", C, (p, n))?;
+    check_shape("D", D, (p, m))?;
+    let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
+    let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
+    let (Re, Im) = (Precise::identity(n, s.re).minus(&Precise::from(A)), Precise::identity(n, s.im));
+    let mut rest = (Precise::from(B), Precise::from(&Mat::zeros(n, m)));
+    let mut X = (Precise::from(&Mat::zeros(n, m)), Precise::from(&Mat::zeros(n, m)));
+    let mut last = f64::INFINITY;
+    for _ in 0..=TRANSFER_REFINEMENTS {
+        let (re, im) = (rest.0.rounded(), rest.1.rounded());
+        let step = csolve(&shifted, &CMat::from_fn(n, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))?;
+        let size = step.as_slice().iter().map(C64::norm_sqr).sum::<f64>().sqrt();
+        if size.is_nan() || size >= 0.5 * last {
+            break;
+        }
+        last = size;
+        let part = |of: fn(&C64) -> f64| Precise::from(&Mat::from_fn(n, m, |i, j| of(&step[(i, j)])));
+        X = (X.0.plus(&part(|z| z.re)), X.1.plus(&part(|z| z.im)));
+        let real = Re.times(&X.0).minus(&Im.times(&X.1));
+        let imaginary = Re.times(&X.1).plus(&Im.times(&X.0));
+        rest = (Precise::from(B).minus(&real), imaginary.scale(-1.0));
+        if size <= TRANSFER_SETTLED * X.0.high.norm_fro().hypot(X.1.high.norm_fro()) {
+            break;
+        }
+    }
+    let C = Precise::from(C);
+    let (re, im) = (C.times(&X.0).plus(&Precise::from(D)).rounded(), C.times(&X.1).rounded());
+    Ok(CMat::from_fn(p, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_difference_of_two_systems_keeps_its_digits() {
+        // 1/(s+1) - 1/(s+1+e), e = 2^-40: e / ((s+1)(s+1+e)).
+        let e = f64::exp2(-40.0);
+        let A = Mat::from_rows(&[&[-1.0, 0.0], &[0.0, -1.0 - e]]);
+        let (B, C) = (Mat::col(&[1.0, 1.0]), Mat::from_rows(&[&[1.0, -1.0]]));
+        let s = C64::new(0.0, 0.7);
+        let system = Realisation { A: &A, B: &B, C: &C, D: &Mat::zeros(1, 1) };
+        let found = refined_transfer(system, s).unwrap()[(0, 0)];
+        let exact = C64::new(e, 0.0) / ((s + 1.0) * (s + 1.0 + e));
+        assert!(((found - exact) / exact).norm() < 1e-15, "{found} {exact}");
+    }
+}

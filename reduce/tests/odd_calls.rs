@@ -1,0 +1,136 @@
+//! Odd systems and structures never make a reduction panic: without states, inputs or outputs, of any scale, of shapes that do not fit,
+//! and with entries that are not finite.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use counterpoise_lti::linalg::sparse::Sparse;
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_reduce::*;
+
+/// A small generator (SplitMix64): uniform in [0, 1).
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+fn odd(state: &mut u64, rows: usize, cols: usize) -> Mat {
+    let kind = (uniform(state) * 9.0) as usize;
+    Mat::from_fn(rows, cols, |_, _| {
+        let plain = 2.0 * uniform(state) - 1.0;
+        match kind {
+            0 => 0.0,
+            1 => plain * 1e300,
+            2 => plain * 1e-300,
+            3 => (4.0 * plain).round(),
+            4 => plain * 10f64.powf(12.0 * uniform(state) - 6.0),
+            _ => plain,
+        }
+    })
+}
+
+fn size(state: &mut u64, most: f64) -> usize {
+    (uniform(state) * most) as usize
+}
+
+fn timebase(state: &mut u64) -> Timebase {
+    if size(state, 2.0) == 0 { Timebase::Continuous } else { Timebase::Discrete { period_s: 0.1 } }
+}
+
+fn system(state: &mut u64) -> StateSpace {
+    let (n, m, p) = (size(state, 6.0), size(state, 3.0), size(state, 3.0));
+    let mut A = odd(state, n, n);
+    if uniform(state) < 0.7 {
+        A = A - Mat::eye(n).scale(2.0);
+    }
+    let mut g =
+        StateSpace::new(A, odd(state, n, m), odd(state, p, n), odd(state, p, m), timebase(state)).unwrap();
+    // The matrices are public: a caller may write what the constructor refuses.
+    if n * m > 0 && uniform(state) < 0.1 {
+        g.B[(n - 1, 0)] = if uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
+    }
+    g
+}
+
+fn structure(state: &mut u64) -> SecondOrder {
+    let (n, m, p) = (size(state, 5.0), size(state, 3.0), size(state, 3.0));
+    let mut square = |shift: f64| {
+        let S = odd(state, n, n);
+        (&S * &S.t()) + Mat::eye(n).scale(shift)
+    };
+    let (M, C, K) = (square(1.0), square(0.0), square(0.1));
+    let more = usize::from(uniform(state) < 0.2);
+    SecondOrder { M, C, K, F: odd(state, n + more, m), P: odd(state, p, n), V: odd(state, p, n) }
+}
+
+fn large(s: &SecondOrder) -> LargeStructure {
+    let sparse = |A: &Mat| Sparse::from_dense(A);
+    let (F, P, V) = (s.F.clone(), s.P.clone(), s.V.clone());
+    LargeStructure { M: sparse(&s.M), C: sparse(&s.C), K: sparse(&s.K), F, P, V }
+}
+
+fn order(state: &mut u64) -> Order {
+    let list = [0.0, -1.0, 0.5, 1e-9, f64::NAN, f64::INFINITY];
+    let value = list[size(state, 6.0)];
+    match size(state, 3.0) {
+        0 => Order::States(size(state, 8.0)),
+        1 => Order::Error { largest: value },
+        _ => Order::Relative { share: value },
+    }
+}
+
+fn method(state: &mut u64) -> Method {
+    [Method::SquareRoot, Method::BalancingFree, Method::MatchDc][size(state, 3.0)]
+}
+
+/// A routine by name, and a call of it.
+type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
+
+/// Calls every routine; the names of those that panic.
+fn call_all(seed: u64) -> Vec<&'static str> {
+    let mut state = seed;
+    let (g, h, w) = (system(&mut state), system(&mut state), system(&mut state));
+    let (s, order, method) = (structure(&mut state), order(&mut state), method(&mut state));
+    let big = large(&s);
+    let count = size(&mut state, 6.0);
+    let tolerance = [0.0, 1e-11, f64::NAN, 2.0][size(&mut state, 4.0)];
+    let go_on = || |_| ControlFlow::Continue(());
+    let calls: Vec<Call> = vec![
+        ("balred", Box::new(|| drop(balred(&g, order, method)))),
+        ("Balanced", Box::new(|| drop(Balanced::of(&g).map(|b| b.reduce(count, method))))),
+        ("from_factors", Box::new(|| drop(Balanced::from_factors(g.clone(), h.B.clone(), h.C.t())))),
+        ("minimal", Box::new(|| drop(minimal(&g, tolerance)))),
+        ("split", Box::new(|| drop(split(&g).map(|parts| parts.sum())))),
+        ("split_by", Box::new(|| drop(split_by(&g, |pole: C64| pole.im > 0.0)))),
+        ("modal_truncation", Box::new(|| drop(modal_truncation(&g, tolerance, Residual::MatchDc)))),
+        ("error_norm", Box::new(|| drop(error_norm(&g, &h)))),
+        (
+            "weighted_balred",
+            Box::new(|| drop(weighted_balred(&g, Weights { output: &h, input: &w }, order, method))),
+        ),
+        ("reduce_controller", Box::new(|| drop(reduce_controller(&g, &h, order, method)))),
+        ("guyan", Box::new(|| drop(guyan(&s, &[0, count])))),
+        ("modal_basis", Box::new(|| drop(modal_basis(&s, count)))),
+        ("to_state_space", Box::new(|| drop(s.to_state_space()))),
+        ("balred_large", Box::new(|| drop(balred_large(&big, order, &mut go_on())))),
+        ("error_at", Box::new(|| drop(error_at(&big, &g, tolerance)))),
+    ];
+    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
+    calls.iter().filter(|(_, call)| panics(call)).map(|(name, _)| *name).collect()
+}
+
+#[test]
+fn no_odd_reduction_panics() {
+    std::panic::set_hook(Box::new(|_| ()));
+    let all = (0..600).flat_map(|seed| call_all(seed).into_iter().map(move |name| (name, seed)));
+    let mut found: Vec<(&str, u64)> = all.collect();
+    found.sort_unstable();
+    let count = found.len();
+    found.dedup_by_key(|(name, _)| *name);
+    let _ = std::panic::take_hook();
+    assert!(found.is_empty(), "{count} panics, the first of each: {found:?}");
+}

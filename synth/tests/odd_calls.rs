@@ -1,0 +1,179 @@
+//! Odd plants, weights and numbers never make a synthesis panic: without states, inputs or outputs, of any scale, of shapes that do not
+//! fit, with indices beyond the plant and with entries that are not finite.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_synth::*;
+
+/// A small generator (SplitMix64): uniform in [0, 1).
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+fn size(state: &mut u64, most: f64) -> usize {
+    (uniform(state) * most) as usize
+}
+
+fn odd(state: &mut u64, rows: usize, cols: usize) -> Mat {
+    let kind = size(state, 9.0);
+    Mat::from_fn(rows, cols, |_, _| {
+        let plain = 2.0 * uniform(state) - 1.0;
+        match kind {
+            0 => 0.0,
+            1 => plain * 1e300,
+            2 => plain * 1e-300,
+            3 => (4.0 * plain).round(),
+            4 => plain * 10f64.powf(12.0 * uniform(state) - 6.0),
+            _ => plain,
+        }
+    })
+}
+
+/// A number that an argument may not expect.
+fn odd_number(state: &mut u64) -> f64 {
+    let list = [0.0, -1.0, 0.03, 1.0, 1e-300, 1e300, f64::INFINITY, f64::NAN, 0.25, 1e9];
+    list[size(state, list.len() as f64)]
+}
+
+fn system(state: &mut u64) -> StateSpace {
+    let (n, m, p) = (size(state, 5.0), size(state, 5.0), size(state, 5.0));
+    let timebase =
+        if size(state, 6.0) > 0 { Timebase::Continuous } else { Timebase::Discrete { period_s: 0.1 } };
+    let (A, B) = (odd(state, n, n), odd(state, n, m));
+    let D = if size(state, 2.0) == 0 { odd(state, p, m) } else { Mat::zeros(p, m) };
+    let mut g = StateSpace::new(A, B, odd(state, p, n), D, timebase).unwrap();
+    // The matrices are public: a caller may write what the constructor refuses.
+    if n * m > 0 && uniform(state) < 0.1 {
+        g.B[(n - 1, 0)] = if uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
+    }
+    g
+}
+
+fn weight(state: &mut u64) -> Weight {
+    let (x, y, z) = (odd_number(state), odd_number(state), odd_number(state));
+    match size(state, 6.0) {
+        0 => Weight::Constant { gain: x },
+        1 => Weight::Integral { gain: x, time_s: y },
+        2 => Weight::Lag { gain: x, time_s: y },
+        3 => Weight::Quadratic { gain: x, second_s2: y, first_s: z },
+        4 => Weight::Lead { gain: x, time_s: y },
+        _ => Weight::ZeroPoleGain { zeros: vec![C64::new(x, 0.0)], poles: vec![C64::new(y, z)], gain: 1.0 },
+    }
+}
+
+/// The reference rig, or an odd plant in its place.
+fn plant(state: &mut u64, rig: &DesignPlant) -> DesignPlant {
+    let base = if size(state, 2.0) == 0 {
+        rig.clone()
+    } else {
+        let g = system(state);
+        let (control, rate) = (size(state, 4.0), size(state, 4.0));
+        DesignPlant::ideal(g, control, rate)
+    };
+    let sensor = if size(state, 4.0) == 0 { Some(system(state)) } else { None };
+    let pade_order = size(state, 4.0);
+    let heave = vec![size(state, 9.0)];
+    match size(state, 4.0) {
+        0 => DesignPlant { delay_s: odd_number(state), pade_order, ..base },
+        1 => DesignPlant { heave, hub_sensor: sensor, ..base },
+        2 => DesignPlant { control: size(state, 9.0), rate: size(state, 9.0), ..base },
+        _ => base,
+    }
+}
+
+fn specification(state: &mut u64) -> Specification {
+    let mut made = common::weights();
+    let number = odd_number(state);
+    match size(state, 8.0) {
+        0 => made.feedback.error = weight(state),
+        1 => made.feedback.control = weight(state),
+        2 => made.feedback.measurement_noise = number,
+        3 => made.feedback.loop_recovery = number,
+        4 => made.feedback.combination = vec![(size(state, 9.0), number)],
+        5 => made.heave.as_mut().unwrap().generator = weight(state),
+        6 => made.pitch.as_mut().unwrap().error = weight(state),
+        _ => made.feedback.disturbances = vec![(size(state, 9.0), number)],
+    }
+    made.assembly = [Assembly::SimpleAdd, Assembly::Grimble, Assembly::Joint][size(state, 3.0)];
+    made
+}
+
+/// A routine by name, and a call of it.
+type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
+
+/// The names of the calls that panic.
+fn panicking(calls: &[Call<'_>]) -> Vec<&'static str> {
+    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
+    calls.iter().filter(|(_, call)| panics(call)).map(|(name, _)| *name).collect()
+}
+
+/// Synthesis from matrices.
+fn from_matrices(seed: u64) -> Vec<&'static str> {
+    let mut state = seed;
+    let (g, h) = (system(&mut state), system(&mut state));
+    let (controls, measurements) = (size(&mut state, 4.0), size(&mut state, 4.0));
+    let generalised = Generalised::new(g.clone(), controls, measurements).ok();
+    let (x, y) = (odd_number(&mut state), odd_number(&mut state));
+    let square = |S: &Mat| S * &S.t();
+    let (Q, R) = (square(&g.A), square(&h.D));
+    let w = weight(&mut state);
+    let table = [(x, y), (1.0, x), (2.0, 3.0), (5.0, 1.0)];
+    let calls: Vec<Call> = vec![
+        ("h2syn", Box::new(|| drop(generalised.as_ref().map(h2syn)))),
+        ("hinfsyn", Box::new(|| drop(generalised.as_ref().map(|plant| hinfsyn(plant, 1e-3))))),
+        ("hinfsyn of any tolerance", Box::new(|| drop(generalised.as_ref().map(|plant| hinfsyn(plant, x))))),
+        ("lqr", Box::new(|| drop(lqr(&g, &Q, &R, Some(&g.B))))),
+        ("kalman", Box::new(|| drop(kalman(&g, &Q, &R)))),
+        ("observer_controller", Box::new(|| drop(observer_controller(&g, &h.C, &h.B)))),
+        ("lqg_ltr", Box::new(|| drop(lqg_ltr(&g, &h, x, y)))),
+        ("Rational", Box::new(|| drop(w.rational().realise()))),
+        ("Weight", Box::new(|| drop((w.realise(), w.realise_inverse(), w.magnitude(x), w.meaning("rate"))))),
+        ("fit_table", Box::new(|| drop(fit_table(&table, controls)))),
+        ("of no table", Box::new(|| drop(fit_table(&[], measurements)))),
+        (
+            "of_blocks",
+            Box::new(|| drop(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)])))),
+        ),
+    ];
+    panicking(&calls)
+}
+
+/// Designs from plants and weights.
+fn from_plants(seed: u64, rig: &DesignPlant) -> Vec<&'static str> {
+    let mut state = seed;
+    let (plant, weights) = (plant(&mut state, rig), specification(&mut state));
+    let sampling = Sampling::new(odd_number(&mut state), odd_number(&mut state));
+    let calls: Vec<Call> = vec![
+        ("preflight", Box::new(|| drop(preflight(&plant, &weights)))),
+        ("feedback", Box::new(|| drop(feedback(&plant, &weights.feedback, weights.reference)))),
+        (
+            "feedforward",
+            Box::new(|| drop(weights.heave.as_ref().map(|w| feedforward(&plant, w, Channel::Heave)))),
+        ),
+        ("design", Box::new(|| drop(design(&plant, &weights).map(|made| discretise(&made, &sampling))))),
+        ("sampled_plant", Box::new(|| drop(sampled_plant(&plant, &sampling)))),
+    ];
+    panicking(&calls)
+}
+
+#[test]
+fn no_odd_synthesis_panics() {
+    let rig = common::rig();
+    std::panic::set_hook(Box::new(|_| ()));
+    let matrices = (0..1200).flat_map(|seed| from_matrices(seed).into_iter().map(move |name| (name, seed)));
+    let plants = (0..250).flat_map(|seed| from_plants(seed, &rig).into_iter().map(move |name| (name, seed)));
+    let mut found: Vec<(&str, u64)> = matrices.chain(plants).collect();
+    found.sort_unstable();
+    let count = found.len();
+    found.dedup_by_key(|(name, _)| *name);
+    let _ = std::panic::take_hook();
+    assert!(found.is_empty(), "{count} panics, the first of each: {found:?}");
+}
