@@ -84,7 +84,7 @@ impl Scan {
         };
         let asymptotes = match self.asymptotes.take() {
             Some(known) => known,
-            None => Asymptotes::of(g, (first.rate, last.rate))?,
+            None => Asymptotes::of(g, &zeros(g)?, (first.rate, last.rate))?,
         };
         let rates = asymptotes.down_to(LEAST_GAIN, last);
         self.asymptotes = Some(asymptotes);
