@@ -20,7 +20,17 @@ use options::StudioOptions;
 
 fn main() -> ExitCode {
     interrupt::install();
-    let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args_os()));
+    counterpoise_host::terminal::quiet_decoders();
+    let parsed = Arguments::try_parse_from(arguments::with_json_file_joined(std::env::args_os()));
+    let arguments = match parsed {
+        Ok(arguments) => arguments,
+        // help and version are results, too
+        Err(asked) if !asked.use_stderr() => {
+            output::put(&asked.render().to_string());
+            return ExitCode::SUCCESS;
+        }
+        Err(wrong) => wrong.exit(),
+    };
     let window = Command::Studio(StudioOptions::default());
     let done = match arguments.command.as_ref().unwrap_or(&window) {
         Command::New(options) => commands::new::run(options),

@@ -171,6 +171,8 @@ fn a_lost_standard_output_is_a_failure() {
     let output = counterpoise().arg("model").arg(&folder).stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("could not be written"));
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    assert_eq!(counterpoise().arg("--help").stdout(full).output().unwrap().status.code(), Some(3));
     let mut child = counterpoise()
         .arg("model")
         .arg(&folder)
@@ -245,4 +247,42 @@ fn json_of_hostile_names_can_be_read() {
     assert!(result["file"].as_str().unwrap().contains(name), "{}", result["file"]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}')), "{said:?}");
+}
+
+/// Of two programs that export into one folder at once, the files of one stand there in the end.
+#[test]
+fn two_writers_leave_the_set_of_one() {
+    let folder = support::folder("hostile_writers");
+    let rig = fs::read_to_string(
+        std::path::Path::new(support::EXAMPLE).with_file_name("../appendix-5/integral.toml"),
+    )
+    .unwrap();
+    let out = folder.join("out");
+    let projects = ["one", "two"].map(|name| {
+        let path = folder.join(format!("{name}.toml"));
+        fs::write(&path, replaced(&rig, "name", &format!("\"machine {name}\""))).unwrap();
+        path
+    });
+    let export = |path| {
+        counterpoise()
+            .arg("export")
+            .arg(path)
+            .arg("-q")
+            .arg("-o")
+            .arg(&out)
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap()
+    };
+    for mut child in projects.each_ref().map(export) {
+        assert_eq!(child.wait().unwrap().code(), Some(0));
+    }
+    let mut marks = std::collections::BTreeSet::new();
+    let mut names = std::collections::BTreeSet::new();
+    for entry in fs::read_dir(&out).unwrap() {
+        let text = fs::read_to_string(entry.unwrap().path()).unwrap();
+        marks.extend(text.split("_SET_").skip(1).map(|rest| rest[..16].to_owned()));
+        names.extend(["machine one", "machine two"].into_iter().filter(|name| text.contains(name)));
+    }
+    assert_eq!((marks.len(), names.len()), (1, 1), "{marks:?} {names:?}");
 }

@@ -1,5 +1,5 @@
-//! Words that no name of generated code may be: keywords of C, C++ and Rust, crates that every Rust program has, and macros that
-//! compilers define by themselves.
+//! Words that no name of generated code may be: keywords of C, C++ and Rust, crates that every Rust program has, macros that compilers define by
+//! themselves, headers of the C library, and devices of Windows.
 
 /// Keywords of C, up to C23.
 const C: [&str; 45] = [
@@ -166,7 +166,45 @@ const MACROS: [&str; 14] = [
     "vax",
 ];
 
+/// Headers of the C library: a generated header of the same name stands before it wherever its folder is searched.
+const HEADERS: [&str; 31] = [
+    "assert",
+    "complex",
+    "ctype",
+    "errno",
+    "fenv",
+    "float",
+    "inttypes",
+    "iso646",
+    "limits",
+    "locale",
+    "math",
+    "memory",
+    "setjmp",
+    "signal",
+    "stdalign",
+    "stdarg",
+    "stdatomic",
+    "stdbit",
+    "stdbool",
+    "stdckdint",
+    "stddef",
+    "stdint",
+    "stdio",
+    "stdlib",
+    "stdnoreturn",
+    "string",
+    "strings",
+    "tgmath",
+    "threads",
+    "time",
+    "wchar",
+];
+
+/// Devices that Windows has under these names in every folder, whatever the ending.
+const DEVICES: [&str; 8] = ["con", "prn", "aux", "nul", "com1", "com2", "lpt1", "lpt2"];
+
 /// Whether a name is a word of a target language, or a name that its tools have taken.
 pub fn is_word(name: &str) -> bool {
-    [&C[..], &CPP, &RUST, &CRATES, &MACROS].iter().any(|words| words.contains(&name))
+    [&C[..], &CPP, &RUST, &CRATES, &MACROS, &HEADERS, &DEVICES].iter().any(|words| words.contains(&name))
 }

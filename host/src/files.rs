@@ -22,8 +22,8 @@ pub trait Disk: Send + Sync {
     ///
     /// # Errors
     /// Those of the file system.
-    fn read_reference(&self, path: &Path) -> io::Result<Vec<u8>> {
-        read_reference(path)
+    fn read_reference(&self, folder: &Path, name: &str) -> io::Result<Vec<u8>> {
+        read_reference(folder, name)
     }
 
     /// Waits until the disk has what was written.
@@ -97,17 +97,21 @@ pub fn open_file(path: &Path) -> io::Result<(fs::File, u64)> {
     Ok((file, found.len()))
 }
 
-/// Reads a file that a project names. As [`read_file`], and no symbolic link is followed: a project that was received from somebody
-/// else reaches no file through one.
+/// Reads a file that the project in a folder names. As [`read_file`], and no symbolic link below that folder is followed: a project that was
+/// received from somebody else reaches no file through one.
 ///
 /// # Errors
 /// As [`read_file`].
-pub fn read_reference(path: &Path) -> io::Result<Vec<u8>> {
-    if fs::symlink_metadata(path)?.file_type().is_symlink() {
-        let why = "it is a symbolic link, and links that a project names are not followed: name the file itself, or copy it";
-        return Err(io::Error::other(why));
+pub fn read_reference(folder: &Path, name: &str) -> io::Result<Vec<u8>> {
+    let mut path = folder.to_owned();
+    for part in Path::new(name).components() {
+        path.push(part);
+        if fs::symlink_metadata(&path)?.file_type().is_symlink() {
+            let why = "it is a symbolic link, or lies behind one, and links that a project names are not followed: name the file itself, or copy it";
+            return Err(io::Error::other(why));
+        }
     }
-    read_file(path)
+    read_file(&path)
 }
 
 fn regular(found: &fs::Metadata) -> io::Result<()> {
@@ -134,9 +138,11 @@ fn named(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
             return all;
         }
         for name in new {
-            if let Ok(bytes) = disk.read_reference(&folder.join(&name)) {
-                all = all.with(&name, bytes);
-            }
+            all = match disk.read_reference(folder, &name) {
+                Ok(bytes) => all.with(&name, bytes),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => all,
+                Err(error) => all.with_problem(&name, error.to_string()),
+            };
         }
     }
 }
@@ -276,10 +282,20 @@ pub fn write_set(files: &[(PathBuf, &[u8])]) -> Result<(), String> {
         };
         partials.push(write().map_err(|error| cannot(path, error))?);
     }
+    let _held = files.first().and_then(|(path, _)| held(path));
     for ((path, _), partial) in files.iter().zip(partials) {
         partial.persist(path).map_err(|error| cannot(path, error.error))?;
     }
     Ok(())
+}
+
+/// Holds the folder of a file for as long as the value lives, so that of two programs that write a set at once, the files of one stand there in
+/// the end. `None` where folders cannot be held: their files may then be mixed.
+fn held(path: &Path) -> Option<fs::File> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = fs::File::open(folder).ok()?;
+    folder.lock().ok()?;
+    Some(folder)
 }
 
 /// Returns a new temporary folder that only this user can enter; it is removed when the value is dropped.
@@ -300,8 +316,8 @@ pub struct Folder(pub PathBuf);
 
 impl World for Folder {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        let path = self.0.join(name);
-        read_reference(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+        let told = |error| format!("cannot read {}: {error}", self.0.join(name).display());
+        read_reference(&self.0, name).map_err(told)
     }
 }
 

@@ -83,6 +83,9 @@ pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
     Ok(Loaded { path, document, project, stated, first_design, tuned, warnings, assumptions })
 }
 
+/// So many bytes of a file that cannot be read are kept to be quoted.
+const QUOTED: usize = 1 << 20;
+
 /// Reads a project file as written, with its parts in their places, and the files that it names.
 ///
 /// # Errors
@@ -91,7 +94,8 @@ pub fn written(path: &Path) -> Result<(Document, Attachments)> {
     let bytes =
         Native.read(path).with_context(|| format!("cannot read the project file {}", path.display()))?;
     let name = path.display().to_string();
-    let lossy = || Document::parse(&String::from_utf8_lossy(&bytes), &name);
+    // What a message quotes of a file that is no text, or too large, stands at its beginning.
+    let lossy = || Document::parse(&String::from_utf8_lossy(&bytes[..bytes.len().min(QUOTED)]), &name);
     let document =
         Document::from_bytes(&bytes, &name).map_err(|errors| BadProject { errors, document: lossy() })?;
     let attachments = files::attachments(&document, path);
@@ -165,8 +169,8 @@ impl Surroundings {
 
 impl World for Surroundings {
     fn read(&self, name: &str) -> std::result::Result<Vec<u8>, String> {
-        let path = self.folder.join(name);
-        files::read_reference(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+        let told = |error| format!("cannot read {}: {error}", self.folder.join(name).display());
+        files::read_reference(&self.folder, name).map_err(told)
     }
 
     fn begins(&self, step: Step) {

@@ -25,10 +25,37 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> String {
     out
 }
 
-/// Writes a line to the standard error stream, harmless. Nobody can be told that this stream is lost.
+/// Writes lines to the standard error stream, harmless, each cut at [`LONGEST_LINE`]. Nobody can be told that this stream is lost.
 pub fn tell(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{}", harmless(text));
+    let lines: Vec<String> = text.split('\n').map(cut).collect();
+    let _ = writeln!(std::io::stderr(), "{}", harmless(&lines.join("\n")));
+}
+
+/// Longest line of a message, in characters: what a file holds may be quoted in it.
+const LONGEST_LINE: usize = 2000;
+
+/// Returns a line, cut if it is very long.
+fn cut(line: &str) -> String {
+    match line.char_indices().nth(LONGEST_LINE) {
+        Some((end, _)) => format!("{} ... (cut)", &line[..end]),
+        None => line.to_owned(),
+    }
+}
+
+/// From here on, a panic of a decoder of other people's making, which is caught and becomes an error of the file, prints nothing.
+pub fn quiet_decoders() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let is_decoder = |file: &str| {
+            ["/parquet-", "/hdf5-pure-", "/brotli", "/lz4_flex-", "/snap-"]
+                .iter()
+                .any(|name| file.contains(name))
+        };
+        if !panic.location().is_some_and(|place| is_decoder(place.file())) {
+            usual(panic);
+        }
+    }));
 }
 
 #[cfg(test)]
@@ -40,5 +67,12 @@ mod tests {
         assert_eq!(harmless("a\u{1b}[31mred\u{7}\r\n\tb"), "a\\u{1b}[31mred\\u{7}\\u{d}\n\tb");
         assert_eq!(harmless("\u{202e}evil \u{9b}2J"), "\\u{202e}evil \\u{9b}2J");
         assert_eq!(harmless("Höhe 1 °/s"), "Höhe 1 °/s");
+    }
+
+    #[test]
+    fn long_lines_are_cut() {
+        let line = "ä".repeat(3000);
+        assert_eq!(cut(&line).chars().count(), LONGEST_LINE + " ... (cut)".len());
+        assert_eq!(cut("short"), "short");
     }
 }

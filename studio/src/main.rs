@@ -28,6 +28,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
+    counterpoise_host::terminal::quiet_decoders();
     let arguments = Arguments::parse();
     let options = Options {
         project: arguments.project,

@@ -142,7 +142,7 @@ const ENDS: [&str; 18] = [
 ];
 
 /// The same for XML.
-const MARKUP_ENDS: [&str; 4] = ["<", ">", "\"", "--"];
+const MARKUP_ENDS: [&str; 3] = ["<", ">", "\""];
 
 #[test]
 fn texts_of_comments() {

@@ -1,6 +1,7 @@
 //! `counterpoise design`: every stage from the project file to code, with the report.
 
 use crate::output::say;
+use counterpoise_export::File;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
@@ -59,10 +60,9 @@ pub fn run(options: &DesignOptions) -> Done {
         first_design: first_design.as_ref(),
     };
     let page = html(&of_design(&designed, &result, &run));
-    export::write(&options.output, &designed.stages.files)?;
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
-    export::write_controller(&options.output, &controller)?;
-    projects::write(&options.output.join("report.html"), page.as_bytes())?;
+    let report = File { name: "report.html".to_owned(), text: page };
+    export::write(&options.output, &designed.stages.files, &[export::controller_file(&controller)?, report])?;
     if !output::json(&options.results, &Whole { design: &result, first_design })? {
         first_design::print(&loaded);
         print(options, &designed.stages);

@@ -25,12 +25,9 @@ pub fn run(options: &ExportOptions) -> Done {
     if !options.check.is_empty() {
         return checked(options, &made.files);
     }
-    let mut written = write(&options.output, &made.files)?;
     let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
-    written.push(write_controller(
-        &options.output,
-        &ControllerResult::new(&identity, made.verified.controller()),
-    )?);
+    let controller = ControllerResult::new(&identity, made.verified.controller());
+    let written = write(&options.output, &made.files, &[controller_file(&controller)?])?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
@@ -39,21 +36,18 @@ pub fn run(options: &ExportOptions) -> Done {
     Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
 }
 
-/// Writes generated files, and packs FMI units; with a library inside where this machine has a C compiler.
-pub fn write(folder: &Path, code: &[File]) -> anyhow::Result<Vec<PathBuf>> {
+/// Writes generated files and those that belong to them as one set, and packs FMI units; with a library inside where this machine has a C
+/// compiler.
+pub fn write(folder: &Path, code: &[File], with: &[File]) -> anyhow::Result<Vec<PathBuf>> {
+    let set = [code, with].concat();
     let written =
-        code_files::write(folder, code, unit_library::library, &|| true).map_err(anyhow::Error::msg)?;
+        code_files::write(folder, &set, unit_library::library, &|| true).map_err(anyhow::Error::msg)?;
     Ok(written.unwrap_or_default())
 }
 
-/// Name of the file that holds the controller as plain data.
-const CONTROLLER_FILE: &str = "controller.json";
-
-/// Writes the controller as plain data beside its code.
-pub fn write_controller(folder: &Path, controller: &ControllerResult) -> anyhow::Result<PathBuf> {
-    let path = folder.join(CONTROLLER_FILE);
-    projects::write(&path, output::json_text(controller)?.as_bytes())?;
-    Ok(path)
+/// Returns the file that holds the controller as plain data, beside its code.
+pub fn controller_file(controller: &ControllerResult) -> anyhow::Result<File> {
+    Ok(File { name: "controller.json".to_owned(), text: output::json_text(controller)? })
 }
 
 /// What became of a file that was checked.

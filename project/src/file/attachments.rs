@@ -6,7 +6,11 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Attachments {
     files: BTreeMap<String, Vec<u8>>,
+    problems: BTreeMap<String, String>,
 }
+
+/// Largest text that is read as a part of a project, bytes.
+pub(crate) const LARGEST_TEXT: usize = 16 << 20;
 
 impl Attachments {
     /// No files.
@@ -21,14 +25,30 @@ impl Attachments {
         self
     }
 
+    /// The same with the reason why a file could not be read.
+    #[must_use]
+    pub fn with_problem(mut self, name: &str, problem: String) -> Self {
+        self.problems.insert(name.to_owned(), problem);
+        self
+    }
+
     /// A file as text.
     pub(crate) fn text(&self, name: &str) -> Result<String, String> {
         let bytes = self.bytes(name)?;
+        if bytes.len() > LARGEST_TEXT {
+            let (size, most) = (bytes.len() >> 20, LARGEST_TEXT >> 20);
+            return Err(format!(
+                "the file \"{name}\" has {size} MB; a text that a project names has at most {most} MB"
+            ));
+        }
         String::from_utf8(bytes.to_vec()).map_err(|_| format!("the file \"{name}\" is not UTF-8 text"))
     }
 
     fn bytes(&self, name: &str) -> Result<&[u8], String> {
-        let missing = || format!("the file \"{name}\" was not found beside the project file");
+        let missing = || match self.problems.get(name) {
+            Some(problem) => format!("the file \"{name}\" cannot be read: {problem}"),
+            None => format!("the file \"{name}\" was not found beside the project file"),
+        };
         self.files.get(name).map(Vec::as_slice).ok_or_else(missing)
     }
 

@@ -21,6 +21,7 @@ pub use setting::Setting;
 pub use visit::Choice;
 
 use crate::diagnostic::{Diagnostic, Problem, Severity};
+use attachments::LARGEST_TEXT;
 use source::{Remark, Source};
 use tree::{Entry, Found, Node, Start, Value};
 
@@ -82,6 +83,15 @@ impl Document {
     /// # Errors
     /// The place of the first byte that is not text.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, Vec<Diagnostic>> {
+        if bytes.len() > LARGEST_TEXT {
+            let (size, most) = (bytes.len() >> 20, LARGEST_TEXT >> 20);
+            let allowed = format!("the file has {size} MB, but a project file has at most {most} MB");
+            return Err(vec![Source::new(name, "").diagnostic(
+                Severity::Error,
+                0,
+                Remark::new(Problem::Syntax, "", allowed),
+            )]);
+        }
         std::str::from_utf8(bytes).map(|text| Self::parse(text, name)).map_err(|error| {
             let good = error.valid_up_to();
             let source = Source::new(name, &String::from_utf8_lossy(&bytes[..good]));

@@ -1,6 +1,7 @@
 //! The `[reduce]`, `[synth]` and `[export]` sections: what is asked of the design and of its code.
 
 use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::words::is_word;
 use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
 use counterpoise_models::plant::LinearPlant;
@@ -638,6 +639,10 @@ fn identifier(name: &str) -> Option<&'static str> {
         Some("may hold only a to z, 0 to 9 and _")
     } else if name.len() > LONGEST_NAME {
         Some("must not be longer than 18 characters")
+    } else if is_word(name) {
+        Some(
+            "must not be a keyword of C, C++ or Rust, or a name that their tools have taken; \"axis_controller\" is one that is free",
+        )
     } else {
         None
     }

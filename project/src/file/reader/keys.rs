@@ -8,7 +8,17 @@ use crate::file::tree::{self, Entry, Found, Node, Value};
 use crate::file::visit::{Count, Presence, Visit};
 
 const NOT_WHOLE: &str = "must be a whole number, without decimal point";
-const CONTROL: &str = "must not hold control characters";
+/// Longest text, in bytes: the longest path of a file.
+const LONGEST_TEXT: usize = 4096;
+
+/// Returns what keeps a text from being a name or a path.
+fn text_problem(text: &str) -> Option<String> {
+    if text.chars().any(is_control) {
+        return Some("must not hold control characters".to_owned());
+    }
+    let length = text.len();
+    (length > LONGEST_TEXT).then(|| format!("must not be longer than {LONGEST_TEXT} bytes (it has {length})"))
+}
 
 impl<'a> Visit for Reader<'a> {
     fn number(&mut self, field: &Field, value: &mut f64) {
@@ -57,10 +67,10 @@ impl<'a> Visit for Reader<'a> {
             Value::Text(text) if text.trim().is_empty() && field.default == Fallback::Required => {
                 self.refuse(&path, node, Problem::OutOfRange, "must not be empty".to_owned());
             }
-            Value::Text(text) if text.chars().any(is_control) => {
-                self.refuse(&path, node, Problem::OutOfRange, CONTROL.to_owned());
-            }
-            Value::Text(text) => text.clone_into(value),
+            Value::Text(text) => match text_problem(text) {
+                Some(problem) => self.refuse(&path, node, Problem::OutOfRange, problem),
+                None => text.clone_into(value),
+            },
             _ => self.wrong_type(&path, node, "a text in quotes"),
         }
     }
@@ -128,10 +138,10 @@ impl<'a> Visit for Reader<'a> {
         let Some(items) = self.items(&path, node, "a list of texts") else { return };
         for (i, item) in items.iter().enumerate() {
             match &item.value {
-                Value::Text(text) if text.chars().any(is_control) => {
-                    self.refuse(&format!("{path}[{i}]"), item, Problem::OutOfRange, CONTROL.to_owned());
-                }
-                Value::Text(text) => value.push(text.clone()),
+                Value::Text(text) => match text_problem(text) {
+                    Some(problem) => self.refuse(&format!("{path}[{i}]"), item, Problem::OutOfRange, problem),
+                    None => value.push(text.clone()),
+                },
                 _ => self.wrong_type(&format!("{path}[{i}]"), item, "a text in quotes"),
             }
         }
