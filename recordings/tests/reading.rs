@@ -78,7 +78,8 @@ fn the_reading_of_a_loop_is_taken_from_the_column_of_what_its_sensor_reads() {
     let wrong = read_as(slide(Reading::HubPosition), "hub_position [rad]").unwrap_err();
     assert!(wrong.contains("hub_position") && wrong.contains("rad"), "{wrong}");
     let turning = MachineSignals { reading: Reading::MotorRate { ratio: 50.0 }, ..MachineSignals::default() };
-    let table = read("time [s],demand [rad/s],control [V],motor_rate [rpm]\n0,0,0,0\n0.001,1,1,60\n");
+    let table =
+        read("time [s],demand [rad/s],control [V],motor_rate [rpm]\n0,0,0,0\n0.001,1,1,60\n0.002,1,1,60\n");
     let recording = Mapping { signals: turning, ..Mapping::default() }.apply(&table).unwrap();
     assert!((channel(&recording, Channel::HubRate)[1] - TAU / 50.0).abs() < 1e-15);
 }
