@@ -11,8 +11,8 @@ use crate::commands::{
     fra::FraOptions, model::ModelOptions, sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
 };
 use crate::options::{
-    DesignOptions, DiagnoseOptions, ExportOptions, IdentifyOptions, NewOptions, ReplayOptions, StageOptions,
-    StudioOptions,
+    DesignOptions, DiagnoseOptions, ExperimentOptions, ExportOptions, IdentifyOptions, NewOptions,
+    ReplayOptions, StageOptions, StudioOptions,
 };
 
 /// From a project file to a verified controller, and back from recordings to a better model.
@@ -53,6 +53,8 @@ pub enum Command {
     Replay(ReplayOptions),
     /// Find what the model lacks, and show that the fit improves on held-out data
     Diagnose(DiagnoseOptions),
+    /// Plan the experiment that best separates what a diagnosis leaves possible
+    Experiment(ExperimentOptions),
     /// Identify out-of-balance, friction, inertia and the amplifier's gain curve from triangle waves in closed loop
     Identify(IdentifyOptions),
     /// Verify the controller on many mechanisms, in shards, and search for the worst case

@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         Command::Fra(options) => commands::fra::run(options),
         Command::Replay(options) => commands::replay::run(options),
         Command::Diagnose(options) => commands::diagnose::run(options),
+        Command::Experiment(options) => commands::experiment::run(options),
         Command::Identify(options) => commands::identify::run(options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Claims(options) => commands::claims::run(options),

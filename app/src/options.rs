@@ -104,7 +104,7 @@ pub struct StageOptions {
 pub struct ReplayOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them
+    /// Recordings of one machine: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
     /// Drive the plant with the recorded control instead of the recording's controller
@@ -136,15 +136,65 @@ fn windows(text: &str) -> Result<ReplayLength, String> {
 pub struct DiagnoseOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them; none if the project has natural
+    /// Recordings of one machine: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them; none if the project has natural
     /// frequencies in its section `measured`
     pub recordings: Vec<PathBuf>,
     /// Write the improved project file
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
+    /// Recordings that the diagnosis is not given: replayed by the model as it was and by the improved one, to show that the fit
+    /// improves
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    pub held_out: Vec<PathBuf>,
     /// Where report and results go.
     #[command(flatten)]
     pub outputs: Outputs,
+}
+
+/// Arguments of `experiment`.
+#[derive(Args)]
+pub struct ExperimentOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// JSON result of a diagnosis of this project; without it the plan is for the effects that machines most often lack
+    pub findings: Option<PathBuf>,
+    /// Largest angle from the start to either side, rad (m on a linear axis)
+    #[arg(long, value_name = "ANGLE", value_parser = positive)]
+    pub angle: f64,
+    /// Largest rate in either direction, rad/s (m/s)
+    #[arg(long, value_name = "RATE", value_parser = positive)]
+    pub rate: f64,
+    /// Largest current in either direction, A; no limit if absent
+    #[arg(long, value_name = "CURRENT", value_parser = positive)]
+    pub current: Option<f64>,
+    /// Duration, s
+    #[arg(long, value_name = "DURATION", default_value = "10", value_parser = seconds)]
+    pub duration: f64,
+    /// CSV file for the demand
+    #[arg(short, long, value_name = "FILE", default_value = "demand.csv")]
+    pub output: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// A finite number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("must be a number above 0, such as 0.1".to_owned()),
+    }
+}
+
+/// Longest experiment that is planned, s.
+const LONGEST_S: f64 = 600.0;
+
+/// A duration that can be planned.
+fn seconds(text: &str) -> Result<f64, String> {
+    match positive(text)? {
+        duration if duration <= LONGEST_S => Ok(duration),
+        _ => Err(format!("must be at most {LONGEST_S} s: a longer experiment is this one, repeated")),
+    }
 }
 
 /// Arguments of `identify`.
@@ -152,7 +202,7 @@ pub struct DiagnoseOptions {
 pub struct IdentifyOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB or HDF5 files, or folders of them
+    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
     /// Recordings of the same machine at another out-of-balance: they separate the amplifier's curve from friction

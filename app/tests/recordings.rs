@@ -157,3 +157,58 @@ fn a_controller_that_was_not_in_the_loop_is_told() {
     fs::write(project.join("project.toml"), PROJECT.replace("kp = 18.0", "kp = 12.0")).unwrap();
     assert!(run().contains("control: it is not what the project's recording controller makes"), "{}", run());
 }
+
+#[test]
+fn an_experiment_separates_what_a_diagnosis_leaves() {
+    let project = project("experiment", "");
+    let (findings, demand) = (project.join("findings.json"), project.join("demand.csv"));
+    // Stribeck friction and Coulomb friction at the pivot, as a diagnosis writes them
+    let text = r#"{ "findings": [{ "effect": "stribeck", "component": "pivot", "probability": 0.5,
+        "parameters": [{ "name": "static_ratio", "value": 1.5 }, { "name": "stribeck_rate", "value": 0.012 }],
+        "alternatives": [{ "effect": "coulomb", "component": "pivot" }] }],
+        "hypotheses": [{ "effect": "coulomb", "component": "pivot", "gain_nats": 10.0,
+        "values": [{ "name": "coulomb", "value": 140.0 }] }] }"#;
+    fs::write(&findings, text).unwrap();
+    let planned = |more: &[&str]| {
+        let path = |path: &Path| path.to_str().unwrap().to_owned();
+        let (project, findings, demand) = (path(&project), path(&findings), path(&demand));
+        let mut arguments =
+            vec!["experiment", &project, &findings, "--json", "-o", &demand, "--duration", "2"];
+        arguments.extend(more);
+        counterpoise(&arguments)
+    };
+    let run = planned(&["--angle", "0.1", "--rate", "0.2"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let plan: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(plan["machines"].as_array().unwrap().len(), 2, "{plan}");
+    assert!(plan["separations"][0]["nats"].as_f64().unwrap() > 18.0, "{plan}");
+    assert!(plan["reached_angle_rad"].as_f64().unwrap() <= 0.11, "{plan}");
+    let written = fs::read_to_string(&demand).unwrap();
+    assert_eq!((written.lines().count(), written.lines().next()), (2001, Some("time [s],demand")));
+    // a current that holds the weight already is too small for any demand
+    let refused = planned(&["--angle", "0.1", "--rate", "0.2", "--current", "0.001"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        refused.status.code() == Some(2) && said.contains("no demand of the menu keeps the limits"),
+        "{said}"
+    );
+}
+
+#[test]
+fn held_out_recordings_are_replayed_before_and_after() {
+    let project = project("held-out", "");
+    let file = data("run.csv");
+    let run = counterpoise(&[
+        "diagnose",
+        project.to_str().unwrap(),
+        file.to_str().unwrap(),
+        "--held-out",
+        file.to_str().unwrap(),
+        "--json",
+    ]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let answer: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let held_out = &answer["held_out_recordings"][0];
+    assert!(held_out["file"].as_str().unwrap().ends_with("run.csv"), "{held_out}");
+    assert!(held_out["channels"]["hub_rate"]["before"].as_f64().unwrap() > 0.0, "{held_out}");
+}

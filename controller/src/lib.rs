@@ -63,5 +63,7 @@ pub use number::Number;
 pub use parts::{Correction, DemandLimit, Parts, Path, Projection, Scaling};
 pub use program::Programs;
 pub use runner::Runner;
-pub use sampled::{ProportionalIntegral, Readings, SampledController};
+pub use sampled::{
+    PositionController, PositionSource, ProportionalIntegral, RateSource, Readings, SampledController,
+};
 pub use signal::{COMMON_READINGS, READING_NAMES, READINGS, Signal};

@@ -54,3 +54,108 @@ impl SampledController for ProportionalIntegral {
         control
     }
 }
+
+/// Where a position controller takes the rate from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RateSource {
+    /// The reading of a rate sensor.
+    Measured,
+    /// The difference of the position over this many samples.
+    Differences(usize),
+}
+
+/// Where a position controller reads the position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PositionSource {
+    /// The hub's angle, beside a rate sensor in the loop.
+    HubPosition,
+    /// The sensor of the loop, which measures a position itself.
+    LoopSensor,
+}
+
+/// A position controller with a rate loop inside, as a positioning drive has it: e = kp (demand - position) - rate,
+/// u = kv e + q, then q += ki T e.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PositionController {
+    /// Gain of the position loop, 1/s.
+    pub kp_1_s: f64,
+    /// Proportional gain of the rate loop, V s/rad.
+    pub kv_v_s_rad: f64,
+    /// Integral gain of the rate loop, V/rad.
+    pub ki_v_rad: f64,
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Where the rate comes from.
+    pub rate: RateSource,
+    /// Where the position comes from.
+    pub position: PositionSource,
+    /// Rate before the first sample, rad/s: the differences at the start need positions that were not read.
+    pub start_rate_rad_s: f64,
+    /// State q, V.
+    pub integral_v: f64,
+    /// The positions of the samples before, the latest first, rad.
+    pub earlier_rad: Vec<f64>,
+}
+
+impl PositionController {
+    /// Returns the rate at a sample with a position, and keeps the position.
+    fn rate_rad_s(&mut self, position_rad: f64, readings: &Readings) -> f64 {
+        let RateSource::Differences(count) = self.rate else { return readings.hub_rate_rad_s };
+        let count = count.max(1);
+        for k in self.earlier_rad.len()..count {
+            let before_s = (k + 1) as f64 * self.sample_period_s;
+            self.earlier_rad.push(position_rad - before_s * self.start_rate_rad_s);
+        }
+        let rate = (position_rad - self.earlier_rad[count - 1]) / (count as f64 * self.sample_period_s);
+        self.earlier_rad.rotate_right(1);
+        self.earlier_rad[0] = position_rad;
+        rate
+    }
+}
+
+impl SampledController for PositionController {
+    fn reset(&mut self) {
+        self.integral_v = 0.0;
+        self.earlier_rad.clear();
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        let position = match self.position {
+            PositionSource::HubPosition => readings.hub_position_rad,
+            PositionSource::LoopSensor => readings.hub_rate_rad_s,
+        };
+        let rate = self.rate_rad_s(position, readings);
+        let error = self.kp_1_s * (readings.demand_rad_s - position) - rate;
+        let control = self.kv_v_s_rad * error + self.integral_v;
+        self.integral_v += self.ki_v_rad * self.sample_period_s * error;
+        control
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_position_controller_differences_its_position_from_the_first_sample_on() {
+        let mut controller = PositionController {
+            kp_1_s: 10.0,
+            kv_v_s_rad: 2.0,
+            ki_v_rad: 0.0,
+            sample_period_s: 1e-3,
+            rate: RateSource::Differences(2),
+            position: PositionSource::LoopSensor,
+            start_rate_rad_s: 0.5,
+            integral_v: 0.0,
+            earlier_rad: Vec::new(),
+        };
+        for k in 0..5 {
+            let position = 0.2 + 0.5e-3 * f64::from(k);
+            let readings = Readings { demand_rad_s: 0.3, hub_rate_rad_s: position, ..Readings::default() };
+            let control = controller.step(&readings);
+            assert!((control - 2.0 * (10.0 * (0.3 - position) - 0.5)).abs() < 1e-9, "{k}: {control}");
+        }
+        controller.reset();
+        assert!(controller.earlier_rad.is_empty());
+    }
+}

@@ -16,6 +16,7 @@
 //! 8. [`identification`]: the triangle-wave method, apart from the others.
 //! 9. [`findings`]: verdict and findings.
 //! 10. [`diagnosis`]: all of it in one function.
+//! 11. [`experiment`](mod@experiment): the next experiment, which separates the machines that are left.
 //!
 //! Beside them stand [`error`] and [`tolerance`] (the numbers that decide, each with its reason).
 //!
@@ -50,6 +51,9 @@ pub mod learning;
 
 pub mod identification;
 mod machine;
+pub use machine::can_have;
+
+pub mod experiment;
 
 pub mod findings;
 

@@ -73,7 +73,7 @@ pub(crate) fn has_component(p: &Parameters, component: Component) -> bool {
 }
 
 /// Returns whether a machine can have an effect.
-pub(crate) fn can_have(p: &Parameters, effect: &Effect) -> bool {
+pub fn can_have(p: &Parameters, effect: &Effect) -> bool {
     has_component(p, effect.component)
         && match effect.component {
             Component::Structure => structure_can_have(p, effect),

@@ -170,7 +170,7 @@ pub fn create(folder: &Path, document: &Document) -> Result<PathBuf, String> {
 }
 
 /// Endings of files that can be recordings.
-pub const RECORDING_ENDINGS: [&str; 5] = ["csv", "parquet", "mat", "h5", "hdf5"];
+pub const RECORDING_ENDINGS: [&str; 7] = ["csv", "parquet", "mat", "h5", "hdf5", "npy", "npz"];
 
 /// The recordings among files and folders; a folder's are sorted by name.
 pub fn recording_files(paths: &[PathBuf]) -> Vec<PathBuf> {

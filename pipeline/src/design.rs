@@ -3,11 +3,12 @@
 use counterpoise_export::{File, FormFigures, Targets};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::Certificate as StabilityCertificate;
+use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify};
-use crate::design_views::{DesignViews, design_views};
+use crate::design_views::{DesignViews, design_views, loop_shape};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
@@ -83,6 +84,8 @@ pub struct Designed {
     pub comparison: Comparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
+    /// The loop as Nyquist, Nichols and root-locus charts show it.
+    pub loop_shape: LoopShape,
     /// Rejection ratios from the time histories on the road.
     pub spectra: Vec<Spectral>,
     /// The controller in double, single and fixed point.
@@ -156,6 +159,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         certificates: certify(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
+        loop_shape: loop_shape(stages.verified.verification())?,
         spectra: spectral(stages.verified.verification()),
         targets: study_targets(project, &stages, world)?,
         first_design: first,

@@ -3,6 +3,8 @@
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{Channel, Design, Entry, Specification, Weight};
+use counterpoise_verify::Verification;
+use counterpoise_verify::linear::{self, LoopShape};
 use ndarray::Array2;
 
 use crate::{Modelled, PipelineError, Reduced, Synthesised};
@@ -91,6 +93,14 @@ pub fn design_views(
         weights: weight_responses(&made.design.specification),
         families: controller_families(&made.balance)?,
     })
+}
+
+/// Returns the loop that was verified as Nyquist, Nichols and root-locus charts show it.
+///
+/// # Errors
+/// A frequency response that does not exist, or eigenvalues that were not found.
+pub fn loop_shape(found: &Verification) -> Result<LoopShape, PipelineError> {
+    Ok(linear::loop_shape(&found.evidence.broken, found.evidence.sample_period_s)?)
 }
 
 fn plant_responses(modelled: &Modelled, reduced: &Reduced) -> Result<Vec<PlantResponse>, PipelineError> {

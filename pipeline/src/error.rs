@@ -22,6 +22,18 @@ pub enum PipelineError {
         /// The key.
         key: &'static str,
     },
+    /// A plan of an experiment for a single machine.
+    #[error(
+        "the findings leave one machine, so that there is nothing to separate: give the JSON result of a diagnosis that is ambiguous, \
+         incomplete or unknown, or none, for the effects that machines most often lack"
+    )]
+    NothingToSeparate,
+    /// A plan of an experiment whose limits no demand keeps.
+    #[error(
+        "no demand of the menu keeps the limits: with each of them a machine that is left moves farther or faster than allowed, takes a larger \
+         current, or cannot be simulated; raise --angle, --rate or --current"
+    )]
+    NoExperiment,
     /// A feedback of fixed structure whose parameters have not been tuned.
     #[error(
         "a parameter of [[synth.block]] has no value: `counterpoise synth PROJECT --save FILE` tunes the open parameters and writes \

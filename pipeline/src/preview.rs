@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use counterpoise_diagnose::simulator_access::{Pool, map};
-use counterpoise_lti::{Margins, margins};
+use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::Synthesis;
 use counterpoise_verify::linear::closed::resolver_use;
@@ -55,6 +55,8 @@ pub struct DesignPreview {
     pub reduced: Arc<Reduced>,
     /// The controller.
     pub synthesised: Synthesised,
+    /// The loop broken at the plant's input, for negative feedback.
+    pub broken: StateSpace,
     /// All margins of the feedback loop.
     pub margins: Margins,
     /// Frequency responses.
@@ -254,11 +256,13 @@ pub fn preview_design(
     let loops = close_loops(sampled, &synthesised, &modelled)?;
     let responses = Responses { project: &project, sampled, loops: &loops };
     let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;
+    let broken = responses.feedback()?.1.clone();
     Ok(DesignPreview {
         project,
         modelled,
         reduced,
         synthesised,
+        broken,
         margins,
         curves,
         step,
@@ -337,11 +341,18 @@ impl Responses<'_> {
         Ok(Half::Motions(motions))
     }
 
+    /// Returns the loop of the feedback alone, closed and broken at the plant's input.
+    fn feedback(&self) -> Result<(&Closed, &StateSpace), PipelineError> {
+        let [.., (_, feedback), _] = self.loops else { return Err(missing_loop()) };
+        Ok((feedback, feedback.broken.as_ref().ok_or_else(missing_loop)?))
+    }
+
     /// Computes margins, frequency responses and the step. Paths that see the platform alone are at rest in a step and outside the
     /// loop's return path, so the margins and the step are those of the feedback alone.
     fn loop_responses(&self) -> Result<Half, PipelineError> {
-        let [.., (_, feedback), (_, whole)] = self.loops else { return Err(missing_loop()) };
-        let mut margins = margins(feedback.broken.as_ref().ok_or_else(missing_loop)?)?;
+        let (feedback, broken) = self.feedback()?;
+        let [.., (_, whole)] = self.loops else { return Err(missing_loop()) };
+        let mut margins = margins(broken)?;
         margins.closed_loop_stable &= whole.pole_radius() < 1.0;
         let plant = &self.sampled.plant;
         let curves = Curves::with(plant, &self.sampled.response, self.loops)?;

@@ -33,6 +33,17 @@ pub struct Panels {
     pub x: Axis,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+    /// Whether the lengths of the two axes can be compared.
+    pub aspect: Aspect,
+}
+
+/// Whether the lengths of the two axes of a panel can be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aspect {
+    /// Each axis fills its side of the panel.
+    Free,
+    /// A unit is equally long on both linear axes, so that a circle looks like one; the shorter range is widened about its middle.
+    Equal,
 }
 
 /// One pair of axes.
@@ -79,8 +90,8 @@ pub enum Scale {
 pub struct Series {
     /// Its name in the legend; empty for none.
     pub name: String,
-    /// One row a point, columns x and y, in the order in which the points are joined. In a series that is long enough to be
-    /// thinned ([`MOST_POINTS`](crate::thin::MOST_POINTS)) x must not decrease.
+    /// One row a point, columns x and y, in the order in which the points are joined. A series whose x never decreases is thinned
+    /// when it is long ([`MOST_POINTS`](crate::thin::MOST_POINTS)); a path that turns back is drawn whole.
     pub points: Array2<f64>,
     /// Its colour.
     pub colour: Colour,
@@ -104,6 +115,17 @@ pub struct Band {
 pub enum Mark {
     /// A ring about a point.
     Point {
+        /// Where along x.
+        x: f64,
+        /// Where along y.
+        y: f64,
+        /// What it is; empty for no entry in the legend.
+        text: String,
+        /// Its colour.
+        colour: Colour,
+    },
+    /// A cross at a point.
+    Cross {
         /// Where along x.
         x: f64,
         /// Where along y.
@@ -270,7 +292,7 @@ impl Panel {
 impl Figure {
     /// Returns a figure of panels, without caption and command.
     pub fn new(title: &str, x: Axis, panels: Vec<Panel>) -> Self {
-        Self::with_content(title, Content::Panels(Panels { x, panels }))
+        Self::with_content(title, Content::Panels(Panels { x, panels, aspect: Aspect::Free }))
     }
 
     /// Returns a figure of coloured cells, without caption and command.
@@ -280,6 +302,14 @@ impl Figure {
 
     fn with_content(title: &str, content: Content) -> Self {
         Self { title: title.to_owned(), caption: String::new(), command: String::new(), content }
+    }
+
+    /// Returns the same figure with a unit equally long on both axes of each panel.
+    pub fn with_equal_scales(mut self) -> Self {
+        if let Content::Panels(all) = &mut self.content {
+            all.aspect = Aspect::Equal;
+        }
+        self
     }
 
     /// Returns the same figure with a caption.

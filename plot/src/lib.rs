@@ -42,6 +42,6 @@ pub mod ticks;
 
 pub use bitmap::{Bitmap, bitmap, png};
 pub use error::PlotError;
-pub use figure::{Axis, Band, Colour, Content, Dash, Figure, Mark, Panel, Panels, Scale, Series};
+pub use figure::{Aspect, Axis, Band, Colour, Content, Dash, Figure, Mark, Panel, Panels, Scale, Series};
 pub use heat_map::{HeatMap, HeatRow};
 pub use theme::Theme;

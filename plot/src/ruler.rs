@@ -78,6 +78,15 @@ impl Ruler {
         (self.from, self.to)
     }
 
+    /// Returns the same ruler, widened about its middle to `times` its length. A logarithmic one is returned as it is.
+    pub fn widened(&self, times: f64) -> Self {
+        if self.scale == Scale::Logarithmic {
+            return self.clone();
+        }
+        let (middle, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
+        Self { from: middle - times * half, to: middle + times * half, scale: self.scale }
+    }
+
     /// Returns the ticks with text.
     pub fn major(&self) -> Vec<Tick> {
         match self.scale {

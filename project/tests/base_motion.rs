@@ -63,6 +63,61 @@ fn every_source_of_motion_survives_the_file() {
     }
 }
 
+const SEA: &str = r#"kind = "sea"
+significant_height = "2.5 m"
+peak_period = 8.8
+waves = "jonswap"
+heading = "135 deg"
+length = 100.0
+beam = 14.0
+draught = 4.5
+roll_period = 9.0
+ship_speed = 7.0
+pivot = [20.0, 0.0, 12.0]
+duration = 60.0"#;
+
+const FOUR_WHEELS: &str = "kind = \"iso-8608\"\nclass = \"D\"\nspeed = 8.0\nbody_mass = 9000.0\ntrack = 2.2\npivot_height = 1.0\nduration = 20.0";
+
+#[test]
+fn a_ship_and_a_vehicle_of_the_users_own_survive_the_file() {
+    let project = read(&file(SEA, &[])).unwrap();
+    assert_eq!(read(&project.to_text()).unwrap(), project);
+    let Some(PlatformSource::Made(motion)) = project.verify.unwrap().road else { panic!("a sea") };
+    let MotionKind::Sea(sea) = &motion.kind else { panic!("a sea") };
+    assert!((sea.waves.heading_rad - 0.75 * std::f64::consts::PI).abs() < 1e-12);
+    assert_eq!((sea.ship.pivot_m, sea.ship.roll_damping), ([20.0, 0.0, 12.0], 0.1));
+    let road = motion.road().unwrap();
+    assert!(road.further.unwrap().roll_rate_rad_s.iter().any(|rate| rate.abs() > 0.005));
+
+    let project = read(&file(FOUR_WHEELS, &[])).unwrap();
+    assert_eq!(read(&project.to_text()).unwrap(), project);
+    let Some(PlatformSource::Made(motion)) = project.verify.unwrap().road else { panic!("a road") };
+    let MotionKind::IsoRoad { vehicle, .. } = &motion.kind else { panic!("a road") };
+    let sides = vehicle.sides.unwrap();
+    assert_eq!((vehicle.body_mass_kg, sides.track_m, sides.pivot_height_m), (9000.0, 2.2, 1.0));
+    assert!((sides.roll_inertia_kg_m2 - 9000.0 * 0.88 * 0.88).abs() < 1e-9);
+    assert!(motion.road().unwrap().further.is_some());
+    let flat = FOUR_WHEELS.replace("track = 2.2\n", "");
+    assert!(told(&file(&flat, &[])).contains("has no effect without `track`"), "{}", told(&file(&flat, &[])));
+    let half = FOUR_WHEELS.replace("track = 2.2\npivot_height = 1.0\n", "");
+    let Some(PlatformSource::Made(motion)) = read(&file(&half, &[])).unwrap().verify.unwrap().road else {
+        panic!("a road")
+    };
+    assert!(motion.road().unwrap().further.is_none());
+}
+
+#[test]
+fn a_sea_that_cannot_be_is_told_at_its_height() {
+    let steep = SEA.replace("8.8", "3.0");
+    let told_of_it = told(&file(&steep, &[]));
+    assert!(told_of_it.contains("verify.road.significant_height"), "{told_of_it}");
+    assert!(told_of_it.contains("a seventh of the length"), "{told_of_it}");
+    assert!(told(&file(&SEA.replace("beam = 14.0\n", ""), &[])).contains("verify.road.beam"));
+    // where the kind is not stated, the keys say what is meant
+    let unstated = SEA.replace("kind = \"sea\"\n", "");
+    assert!(told(&file(&unstated, &[])).contains("\"sea\""), "{}", told(&file(&unstated, &[])));
+}
+
 #[test]
 fn what_is_wrong_with_a_motion_is_told_at_its_key() {
     let two = UNIT.replace("\"ax\", \"ay\", \"az\"", "\"ax\", \"az\"");

@@ -25,6 +25,55 @@ pub enum Channel {
     PlatformSurge,
 }
 
+/// What a loop's sensor measures, or its demand asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Controlled {
+    /// A rate.
+    #[default]
+    Rate,
+    /// A position.
+    Position,
+}
+
+/// How an axis moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Travel {
+    /// It turns: angles in rad.
+    #[default]
+    Turning,
+    /// It slides: places in m.
+    Sliding,
+}
+
+/// What a machine makes of the units of its channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ChannelUnits {
+    /// What the loop's sensor measures, which is the channel `hub_rate`.
+    pub reading: Controlled,
+    /// What the demand asks for.
+    pub demand: Controlled,
+    /// How the axis moves.
+    pub travel: Travel,
+}
+
+impl ChannelUnits {
+    /// Returns the unit of a channel of the machine.
+    pub fn of(self, channel: Channel) -> &'static str {
+        let controlled = |what: Controlled| match (what, self.travel) {
+            (Controlled::Rate, Travel::Turning) => "rad/s",
+            (Controlled::Rate, Travel::Sliding) => "m/s",
+            (Controlled::Position, Travel::Turning) => "rad",
+            (Controlled::Position, Travel::Sliding) => "m",
+        };
+        match channel {
+            Channel::Demand => controlled(self.demand),
+            Channel::HubRate => controlled(self.reading),
+            Channel::HubPosition => controlled(Controlled::Position),
+            other => other.unit(),
+        }
+    }
+}
+
 impl Channel {
     /// All channels.
     pub const ALL: [Self; 10] = [

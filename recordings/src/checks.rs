@@ -51,11 +51,7 @@ pub(crate) fn without_infinities(channel: Channel, values: &mut Array1<f64>) -> 
 ///
 /// An outlier is a run of at most [`LONGEST_OUTLIER`] readings far from the readings before and after it, which agree with each other,
 /// or readings at an end of the recording far outside the range of all others.
-pub(crate) fn without_outliers(
-    channel: Channel,
-    unit: &'static str,
-    values: &mut Array1<f64>,
-) -> Option<Remark> {
+pub(crate) fn without_outliers(channel: Channel, values: &mut Array1<f64>) -> Option<Remark> {
     let usual = usual_step(values.view()).filter(|_| !channel.is_held())?;
     let mut found = at_the_ends(values.view());
     let mut from = 1;
@@ -73,7 +69,7 @@ pub(crate) fn without_outliers(
         return None;
     }
     found.iter().for_each(|&k| values[k] = f64::NAN);
-    Some(Remark::Outliers { channel, samples, first_row: first + 1, value, unit })
+    Some(Remark::Outliers { channel, samples, first_row: first + 1, value })
 }
 
 /// Returns the length of the outlier that starts at a reading; 0 if none does.

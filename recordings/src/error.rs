@@ -16,8 +16,8 @@ pub enum Error {
     },
     /// The first bytes are neither text nor those of a format that is read.
     #[error(
-        "{file}: this is neither text nor a file of a known format; recordings are CSV, Parquet, MATLAB (version 5 or 7.3) \
-         or HDF5 files, not packed in an archive"
+        "{file}: this is neither text nor a file of a known format; recordings are CSV, Parquet, MATLAB (version 5 or 7.3), \
+         HDF5 or NumPy (.npy, .npz) files, not packed in another archive"
     )]
     UnknownFormat {
         /// The file.

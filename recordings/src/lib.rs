@@ -1,12 +1,12 @@
 //! Recordings of a machine: bytes of a file to named channels in SI units on one uniform clock.
 //!
-//! In come the bytes of a CSV, Parquet, MATLAB (version 5 or 7.3) or HDF5 file and a [`Mapping`] of its columns; out comes a
+//! In come the bytes of a CSV, Parquet, MATLAB (version 5 or 7.3), HDF5 or NumPy file and a [`Mapping`] of its columns; out comes a
 //! [`Recording`], or an [`Error`] that says what is wrong with the file and where. What the user should know although the
 //! recording can be used is returned as [`Remark`]s.
 //!
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
-//! Modules in reading order: [`unit`], [`channel`] and [`signals`] (what is measured), [`table`] (columns as written, from the decoders in
+//! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
 //! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`recording`], [`error`], [`remark`].
 //!
 //! ```
@@ -28,17 +28,15 @@ pub mod mapping;
 pub mod recording;
 pub mod remark;
 mod shaping;
-pub mod signals;
 pub mod table;
 mod time_unit;
 pub mod unit;
 
-pub use channel::Channel;
+pub use channel::{Channel, ChannelUnits, Controlled, Travel};
 pub use decode::{CsvParts, is_text};
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;
 pub use remark::{Remark, Unread};
-pub use signals::{MachineSignals, Motion, Reading};
 pub use table::{Column, Table};
 pub use unit::Unit;

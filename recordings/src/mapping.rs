@@ -5,12 +5,15 @@ use ndarray::Array1;
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
 use crate::clock::{Uniform, check_length, uniform};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
-use crate::{Channel, Error, MachineSignals, Recording, Remark, Table, Unit};
+use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
 
 /// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
 const SAME_PERIOD: f64 = 1e-3;
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
+
+/// Names of a column that is the time without being mapped; the last one is what PlotJuggler writes.
+const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
 
 /// The column that holds a channel, and how its numbers become the channel's: value in SI = unit x (scale x (column + plus) +
 /// offset), of which the channel may be the slope over time.
@@ -45,12 +48,12 @@ pub struct Mapping {
     pub sample_period_s: Option<f64>,
     /// The parts of each recording that are used, s from its first sample; all of it if there are none.
     pub windows_s: Vec<[f64; 2]>,
-    /// The time column; `None` for a column of the name `time`, `t` or `Time`.
+    /// The time column; `None` for a column of the name `time`, `t`, `Time` or `__time`.
     pub time: Option<ChannelSource>,
     /// Channels whose column has another name than the channel.
     pub channels: Vec<(Channel, ChannelSource)>,
-    /// What the machine's sensors measure: the units of its channels.
-    pub signals: MachineSignals,
+    /// What the machine makes of the units of its channels.
+    pub units: ChannelUnits,
 }
 
 impl ChannelSource {
@@ -75,8 +78,8 @@ impl ChannelSource {
         let is_slope = self.slope_over_s.or(self.slope_lag_s).is_some();
         match channel {
             "rad/s" if is_slope => "rad",
-            "m/s^2" if is_slope => "m/s",
             "m/s" if is_slope => "m",
+            "m/s^2" if is_slope => "m/s",
             _ => channel,
         }
     }
@@ -86,8 +89,7 @@ impl Mapping {
     /// Returns whether demand, control and hub rate of a recording are the samples that were written: not slopes of others, on one
     /// clock, not interpolated.
     pub fn keeps_samples(&self, recording: &Recording) -> bool {
-        let mut loop_channels = vec![Channel::Demand, Channel::Control, Channel::HubRate];
-        loop_channels.extend(self.signals.reading_channel().map(|(channel, _)| channel));
+        let loop_channels = [Channel::Demand, Channel::Control, Channel::HubRate];
         let is_made = |(channel, source): &(Channel, ChannelSource)| {
             let is_shaped =
                 source.slope_over_s.is_some() || source.slope_lag_s.is_some() || source.clock.is_some();
@@ -108,11 +110,13 @@ impl Mapping {
     pub fn apply(&self, table: &Table) -> Result<Recording, Error> {
         let time_s = self.time(table)?;
         let (mut channels, mut signals, mut odd) = (Vec::new(), Vec::new(), Vec::new());
-        for (channel, mut values) in self.channels_of(table, time_s.as_ref())? {
-            odd.extend(without_infinities(channel, &mut values));
-            odd.extend(without_outliers(channel, self.signals.unit(channel), &mut values));
-            channels.push(channel);
-            signals.push(values);
+        for channel in Channel::ALL {
+            if let Some(mut values) = self.channel(table, channel, time_s.as_ref())? {
+                odd.extend(without_infinities(channel, &mut values));
+                odd.extend(without_outliers(channel, &mut values));
+                channels.push(channel);
+                signals.push(values);
+            }
         }
         let mut remarks = table.remarks.clone();
         remarks.extend(nearly_named(table, self, &channels, time_s.as_ref()));
@@ -191,28 +195,6 @@ impl Mapping {
         Ok(())
     }
 
-    /// Returns every channel of a table, in SI units. The column of what the loop's sensor reads is its reading, whatever its name.
-    fn channels_of(
-        &self,
-        table: &Table,
-        time_s: Option<&Array1<f64>>,
-    ) -> Result<Vec<(Channel, Array1<f64>)>, Error> {
-        let own = self.signals.reading_channel();
-        let own = match own {
-            Some((channel, factor)) => self.channel(table, channel, time_s)?.map(|v| (channel, v * factor)),
-            None => None,
-        };
-        let mut found = Vec::new();
-        for channel in Channel::ALL {
-            match &own {
-                Some((_, values)) if channel == Channel::HubRate => found.push((channel, values.clone())),
-                Some((read, _)) if channel == *read => {}
-                _ => found.extend(self.channel(table, channel, time_s)?.map(|values| (channel, values))),
-            }
-        }
-        Ok(found)
-    }
-
     /// Returns a channel in SI units; `None` if the mapping does not name it and no column has its name.
     fn channel(
         &self,
@@ -220,26 +202,42 @@ impl Mapping {
         channel: Channel,
         time_s: Option<&Array1<f64>>,
     ) -> Result<Option<Array1<f64>>, Error> {
-        let (name, unit) = (channel.name(), self.signals.unit(channel));
-        let mapped = self.channels.iter().find(|(c, _)| *c == channel).map(|(_, source)| source);
-        match mapped {
+        let from = match channel {
+            Channel::HubRate if self.position_is_read(table) => Channel::HubPosition,
+            Channel::HubPosition if self.position_is_read(table) => return Ok(None),
+            other => other,
+        };
+        let wanted = Wanted { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
+        match self.source_of(from) {
             Some(source) => {
-                let values = converted(table, source, name, unit)?;
+                let values = converted(table, source, &wanted)?;
                 on_file_clock(table, source, values, time_s).map(Some)
             }
-            None if table.find(name).is_some() => {
-                converted(table, &ChannelSource::named(name), name, unit).map(Some)
+            None if table.find(from.name()).is_some() => {
+                converted(table, &ChannelSource::named(from.name()), &wanted).map(Some)
             }
             None => Ok(None),
         }
     }
 
+    /// Returns the source that the mapping names for a channel.
+    fn source_of(&self, channel: Channel) -> Option<&ChannelSource> {
+        self.channels.iter().find(|(c, _)| *c == channel).map(|(_, source)| source)
+    }
+
+    /// Returns whether the position stands for the reading of a loop whose sensor measures it: it is given, and no `hub_rate` is.
+    fn position_is_read(&self, table: &Table) -> bool {
+        let given =
+            |channel: Channel| self.source_of(channel).is_some() || table.find(channel.name()).is_some();
+        self.units.reading == Controlled::Position && !given(Channel::HubRate) && given(Channel::HubPosition)
+    }
+
     /// Returns the time of every row, s; `None` if the file has no time.
     fn time(&self, table: &Table) -> Result<Option<Array1<f64>>, Error> {
-        let column = ["time", "t", "Time"].into_iter().find(|name| table.find(name).is_some());
+        let column = TIME_NAMES.into_iter().find(|name| table.find(name).is_some());
         let by_name = column.map(ChannelSource::named);
         let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
-        let time_s = converted(table, source, "time", "s")?;
+        let time_s = converted(table, source, &Wanted::TIME)?;
         let has_unit = source.unit.is_some() || table.column(&source.column)?.unit.is_some();
         if let Some(project_s) = self.sample_period_s.filter(|_| !has_unit && source.scale == 1.0) {
             check_time_unit(&table.name, &time_s, project_s)?;
@@ -260,22 +258,32 @@ fn counted(mut remarks: Vec<Remark>) -> Vec<Remark> {
     remarks
 }
 
-/// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.
-fn converted(
-    table: &Table,
-    source: &ChannelSource,
+/// What a column is wanted for.
+struct Wanted {
+    /// Name of the channel, for messages.
     channel: &'static str,
-    wanted: &'static str,
-) -> Result<Array1<f64>, Error> {
+    /// Its unit on this machine.
+    unit: &'static str,
+    /// Its unit in a rate loop of a turning axis, in which every machine's channels may be written.
+    usual: &'static str,
+}
+
+impl Wanted {
+    const TIME: Self = Self { channel: "time", unit: "s", usual: "s" };
+}
+
+/// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.
+fn converted(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Result<Array1<f64>, Error> {
     let column = table.column(&source.column)?;
-    let wanted = source.unit_of_column(wanted);
-    let target = Unit::parse(wanted).unwrap_or(Unit::ONE);
+    let of_column = source.unit_of_column(wanted.unit);
+    let target = Unit::parse(of_column).unwrap_or(Unit::ONE);
+    let usual = Unit::parse(source.unit_of_column(wanted.usual)).unwrap_or(Unit::ONE);
     let written = source.unit.as_ref().or(column.unit.as_ref());
     let unit = written.map_or(Ok(target), |w| table.unit(&source.column, w))?;
-    if !unit.is_like(&target) && unit.dimension != Unit::ONE.dimension {
+    if !unit.is_like(&target) && !unit.is_like(&usual) && unit.dimension != Unit::ONE.dimension {
         let unit = written.cloned().unwrap_or_default();
         let (file, column) = (table.name.clone(), source.column.clone());
-        return Err(Error::WrongUnit { file, column, unit, channel, wanted });
+        return Err(Error::WrongUnit { file, column, unit, channel: wanted.channel, wanted: of_column });
     }
     let mut values = column.values.clone();
     if let Some(other) = &source.plus {
@@ -296,6 +304,6 @@ fn on_file_clock(
     time_s: Option<&Array1<f64>>,
 ) -> Result<Array1<f64>, Error> {
     let (Some(clock), Some(time_s)) = (&source.clock, time_s) else { return Ok(values) };
-    let own_s = converted(table, &ChannelSource::named(clock), "time", "s")?;
+    let own_s = converted(table, &ChannelSource::named(clock), &Wanted::TIME)?;
     Ok(on_clock(values.view(), own_s.view(), time_s.view()))
 }

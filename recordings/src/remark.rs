@@ -110,8 +110,6 @@ pub enum Remark {
         first_row: usize,
         /// Its value, in the channel's unit.
         value: f64,
-        /// That unit.
-        unit: &'static str,
     },
     /// The file's sample period differs from the project's, so the channels were put on the project's.
     Resampled {
@@ -149,13 +147,13 @@ impl fmt::Display for Remark {
                 "{}: {samples} values are infinite, the first in row {first_row}: they count as missing",
                 channel.name()
             ),
-            Self::Outliers { channel, samples, first_row, value, unit } => write!(
+            Self::Outliers { channel, samples, first_row, value } => write!(
                 f,
                 "{}: {samples} reading{} far from those before and after, the first in row {first_row} ({value} {}): \
                  {} as missing; check the recorder",
                 channel.name(),
                 if *samples == 1 { " is" } else { "s are" },
-                unit,
+                channel.unit(),
                 if *samples == 1 { "it counts" } else { "they count" }
             ),
             Self::Further { columns } => {

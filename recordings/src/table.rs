@@ -30,7 +30,7 @@ pub struct Column {
 }
 
 impl Table {
-    /// Reads the bytes of a recording. The format is recognised by the first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, else CSV
+    /// Reads the bytes of a recording. The format is recognised by the first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy, else CSV
     /// with one header row `name [unit]`.
     ///
     /// # Errors

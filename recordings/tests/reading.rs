@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
 use counterpoise_recordings::{
-    Channel, ChannelSource, MachineSignals, Mapping, Motion, Reading, Recording, Remark, Table, Unit,
+    Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Recording, Remark, Table, Travel, Unit,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -56,32 +56,6 @@ fn units_in_si() {
     assert!(Unit::parse("H").unwrap().is_like(&Unit::parse("ohm s").unwrap()));
     assert!(!Unit::parse("rpm").unwrap().is_like(&Unit::parse("Hz").unwrap()));
     assert_eq!([size("furlong"), size("rad/"), size("m^x"), size("k")], [None, Some(1.0), None, None]);
-}
-
-#[test]
-fn the_reading_of_a_loop_is_taken_from_the_column_of_what_its_sensor_reads() {
-    let slide = |reading| MachineSignals { hub: Motion::Sliding, motor: Motion::Turning, reading };
-    let read_as = |signals, header: &str| {
-        let table =
-            read(&format!("time [s],demand [mm],control [V],{header}\n0,0,0,0\n0.001,5,1,2\n0.002,5,1,4\n"));
-        Mapping { signals, ..Mapping::default() }.apply(&table).map_err(|error| error.to_string())
-    };
-    let on_motor = slide(Reading::MotorPosition { ratio: 100.0 });
-    let recording = read_as(on_motor, "motor_position [rad]").unwrap();
-    assert_eq!(channel(&recording, Channel::HubRate), [0.0, 0.02, 0.04]);
-    assert_eq!(channel(&recording, Channel::Demand), [0.0, 5e-3, 5e-3]);
-    assert!(!recording.has(Channel::MotorPosition));
-    let own_name = read_as(on_motor, "hub_rate [mm]").unwrap();
-    assert_eq!(channel(&own_name, Channel::HubRate), [0.0, 2e-3, 4e-3]);
-    let scale = read_as(slide(Reading::HubPosition), "hub_position [um]").unwrap();
-    assert!((channel(&scale, Channel::HubRate)[2] - 4e-6).abs() < 1e-20);
-    let wrong = read_as(slide(Reading::HubPosition), "hub_position [rad]").unwrap_err();
-    assert!(wrong.contains("hub_position") && wrong.contains("rad"), "{wrong}");
-    let turning = MachineSignals { reading: Reading::MotorRate { ratio: 50.0 }, ..MachineSignals::default() };
-    let table =
-        read("time [s],demand [rad/s],control [V],motor_rate [rpm]\n0,0,0,0\n0.001,1,1,60\n0.002,1,1,60\n");
-    let recording = Mapping { signals: turning, ..Mapping::default() }.apply(&table).unwrap();
-    assert!((channel(&recording, Channel::HubRate)[1] - TAU / 50.0).abs() < 1e-15);
 }
 
 #[test]
@@ -252,12 +226,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
-    fn a_damaged_file_never_panics(which in 0_usize..9, place in 0.0..1.0_f64, byte in any::<u8>(), cut in any::<bool>()) {
+    fn a_damaged_file_never_panics(which in 0_usize..11, place in 0.0..1.0_f64, byte in any::<u8>(), cut in any::<bool>()) {
         let file = [
             "plain_v5.mat", "structure_v7.mat", "mixed.parquet", "mixed_snappy.parquet", "v73.mat", "hostile/types.h5",
-            "hostile/types.mat", "hostile/types.parquet", "run.csv",
+            "hostile/types.mat", "hostile/types.parquet", "arrays.npz", "fields.npy", "run.csv",
         ][which];
-        let mut bytes = if which < 8 { data(file) } else { b"time [s],control [V]\n0,1\n0.1,2\n0.2,nan\n0.4,inf\n".to_vec() };
+        let mut bytes = if which < 10 { data(file) } else { b"time [s],control [V]\n0,1\n0.1,2\n0.2,nan\n0.4,inf\n".to_vec() };
         let at = ((bytes.len() - 1) as f64 * place) as usize;
         if cut { bytes.truncate(at) } else { bytes[at] = byte }
         let _ = Table::read(&bytes, file).map(|table| Mapping::default().apply(&table));
@@ -356,4 +330,55 @@ fn rows_written_twice_count_once_and_a_time_that_stands_still_with_other_values_
     assert_eq!(record.sample_period_s, 1e-3);
     let said = refused(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2.5,5\n0.002,3,6\n"));
     assert!(said.contains("time does not grow: row 3"), "{said}");
+}
+
+#[test]
+fn a_column_of_texts_is_left_out_and_said() {
+    let table = read("time [s],state,hub_rate [rad/s]\n0,idle,1\n0.1,run,2\n0.2,,3\n");
+    assert_eq!(table.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["time", "hub_rate"]);
+    assert_eq!(
+        table.remarks[0].to_string(),
+        "column \"state\" was not read: it holds texts, not real numbers"
+    );
+    assert!(refused("time [s],state\n0,idle\n0.1,3\n").contains("\"idle\" is not a number"));
+}
+
+#[test]
+fn the_time_of_plot_juggler_is_the_time() {
+    let table = read("__time,/axis/rate,hub_rate [rad/s]\n5.0,,1\n5.1,7,2\n5.2,8,3\n");
+    let recording = Mapping::default().apply(&table).unwrap();
+    assert!((recording.sample_period_s - 0.1).abs() < 1e-9);
+}
+
+#[test]
+fn a_position_loop_reads_its_position_in_the_units_of_its_axis() {
+    let table = read("time [s],demand [mm],hub_position [mm],control [V]\n0,1,2,0\n0.1,1,3,0\n0.2,1,4,0\n");
+    let units =
+        ChannelUnits { reading: Controlled::Position, demand: Controlled::Position, travel: Travel::Sliding };
+    let recording = Mapping { units, ..Mapping::default() }.apply(&table).unwrap();
+    assert_eq!(recording.samples(Channel::HubRate), Some(&[2e-3, 3e-3, 4e-3][..]));
+    assert_eq!(
+        (recording.samples(Channel::HubPosition), recording.samples(Channel::Demand).unwrap()[0]),
+        (None, 1e-3)
+    );
+    assert!(Mapping::default().apply(&table).is_err(), "a rate loop of a turning axis has no demand in mm");
+}
+
+#[test]
+fn numpy_arrays_are_read_with_their_names() {
+    // np.savez_compressed(time=t, hub_rate=sin(t) as float32, pair=[t; sin(t)], label=texts)
+    let table = Table::read(&data("arrays.npz"), "arrays.npz").unwrap();
+    let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["time", "hub_rate", "pair_1", "pair_2"]);
+    assert!(table.remarks.iter().any(|remark| remark.to_string().contains("label")), "{:?}", table.remarks);
+    let recording = Mapping::default().apply(&table).unwrap();
+    let rate = recording.samples(Channel::HubRate).unwrap();
+    assert!((recording.sample_period_s - 0.01).abs() < 1e-9 && (rate[30] - 0.3_f64.sin()).abs() < 1e-6);
+    // a structured array (time, hub_rate, count, note)
+    let fields = Table::read(&data("fields.npy"), "fields.npy").unwrap();
+    assert_eq!(
+        fields.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(),
+        ["time", "hub_rate", "count"]
+    );
+    assert_eq!(fields.column("count").unwrap().values[49], 49.0);
 }

@@ -62,6 +62,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     let context = Context {
         title: designed.identity.name.clone(),
         subtitle: "From the project file to a verified controller".to_owned(),
+        loop_shape: Some(designed.loop_shape.clone()),
         more,
         provenance: run.origin.provenance(&designed.identity),
     };

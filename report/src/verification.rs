@@ -1,9 +1,10 @@
 //! The report of a verification.
 
 use counterpoise_verify::Verification;
+use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::spectral::Spectral;
 
-use crate::{Report, Section, error_budget, evidence, spectra, summary};
+use crate::{Report, Section, error_budget, evidence, loop_charts, spectra, summary};
 
 /// What a verification does not know about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -12,6 +13,8 @@ pub struct Context {
     pub title: String,
     /// One line under it.
     pub subtitle: String,
+    /// The loop as charts of the plane show it; without it those charts are left out.
+    pub loop_shape: Option<LoopShape>,
     /// Sections that come after the verification's own: reduction, weights, certificates, times.
     pub more: Vec<Section>,
     /// Pairs of name and value: version, project, command.
@@ -22,6 +25,9 @@ pub struct Context {
 /// from the time histories on the road.
 pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Context) -> Report {
     let mut sections = evidence::sections(found);
+    if let Some(shape) = &context.loop_shape {
+        sections.insert(1, loop_charts::section(found, shape));
+    }
     sections.extend(spectra::section(on_road));
     sections.extend(error_budget::section(found));
     sections.extend(context.more);

@@ -128,6 +128,8 @@ pub(crate) const FAR: f64 = 3e4;
 pub(crate) const FIRST_SAMPLES: usize = 5;
 /// Samples from which the controller's integral at the start is taken.
 pub(crate) const INTEGRAL_SAMPLES: usize = 200;
+/// Samples from which the rate before the first sample is taken, for a controller that differences its position.
+pub(crate) const START_RATE_SAMPLES: usize = 4;
 /// Share of an unknown's own curvature below which it cannot be told from those before it: the rounding of the differences
 /// that the normal equations are made of.
 pub(crate) const INDISTINCT: f64 = 1e-12;

@@ -261,7 +261,7 @@ impl Browser {
         let paths: Vec<PathBuf> =
             if self.picked.is_empty() { listed().collect() } else { self.picked.clone() };
         let label = match (paths.len(), self.picked.len()) {
-            (0, _) => return Err("no recording here (CSV, Parquet, MATLAB, HDF5)"),
+            (0, _) => return Err("no recording here (CSV, Parquet, MATLAB, HDF5, NumPy)"),
             (1, _) => "Add this recording".to_owned(),
             (count, 0) => format!("Add all {count}"),
             (_, count) => format!("Add {count} recordings"),

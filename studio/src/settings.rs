@@ -9,7 +9,7 @@ use counterpoise_host::journals::journal_path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::command::{DesignSlot, DiagnosisTab, Page, VerificationTab};
+use crate::command::{DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT};
 use crate::units::Units;
 use crate::view::{ControllerPart, View};
@@ -50,6 +50,8 @@ pub struct UserSettings {
 pub struct ProjectSettings {
     /// The page.
     pub page: Page,
+    /// The tab of the page Design.
+    pub design_tab: DesignTab,
     /// The tab of the page Verify.
     pub verification_tab: VerificationTab,
     /// The tab of the page Diagnose.
@@ -70,6 +72,7 @@ impl Default for ProjectSettings {
     fn default() -> Self {
         Self {
             page: Page::Design,
+            design_tab: DesignTab::Consequences,
             verification_tab: VerificationTab::Histories,
             diagnosis_tab: DiagnosisTab::Signals,
             part: ControllerPart::Feedback,
@@ -114,6 +117,7 @@ impl ProjectSettings {
     pub fn of_view(view: &View) -> Self {
         Self {
             page: view.page,
+            design_tab: view.design_tab,
             verification_tab: view.verification_tab,
             diagnosis_tab: view.diagnosis_tab,
             part: view.part,
@@ -128,6 +132,7 @@ impl ProjectSettings {
     pub fn apply(&self, view: &mut View) {
         (view.page, view.verification_tab, view.diagnosis_tab) =
             (self.page, self.verification_tab, self.diagnosis_tab);
+        view.design_tab = self.design_tab;
         (view.part, view.section, view.requirement) = (self.part, self.section, self.requirement);
         view.output_folder.clone_from(&self.output_folder);
         view.kept_texts.clone_from(&self.kept);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::browser::Browser;
 use crate::charts::chart::Chart;
-use crate::command::{Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
+use crate::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT, Theme};
 use crate::units::Units;
 
@@ -78,6 +78,8 @@ pub struct View {
     pub theme: Theme,
     /// Units.
     pub units: Units,
+    /// The tab of the page Design.
+    pub design_tab: DesignTab,
     /// The tab of the page Verify.
     pub verification_tab: VerificationTab,
     /// The tab of the page Diagnose.
@@ -130,6 +132,7 @@ impl Default for View {
             page: Page::Design,
             theme: DARK,
             units: Units::default(),
+            design_tab: DesignTab::Consequences,
             verification_tab: VerificationTab::Histories,
             diagnosis_tab: DiagnosisTab::Signals,
             part: ControllerPart::Feedback,
@@ -170,6 +173,7 @@ impl View {
             Command::ToggleFrequency => self.units.toggle_frequency(),
             Command::ToggleGain => self.units.toggle_gain(),
             Command::ToggleAngle => self.units.toggle_angle(),
+            Command::ShowDesign { tab } => (self.page, self.design_tab) = (Page::Design, *tab),
             Command::ShowVerification { tab } => (self.page, self.verification_tab) = (Page::Verify, *tab),
             Command::ShowDiagnosis { tab } => (self.page, self.diagnosis_tab) = (Page::Diagnose, *tab),
             Command::Palette => {

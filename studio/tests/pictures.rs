@@ -9,7 +9,7 @@ mod paint;
 use std::path::Path;
 
 use common::rig;
-use counterpoise_studio::command::{Command, DesignSlot, Page, VerificationTab};
+use counterpoise_studio::command::{Command, DesignSlot, DesignTab, Page, VerificationTab};
 use counterpoise_studio::frame_log::FrameLog;
 use counterpoise_studio::offscreen::OffscreenStudio;
 use image::RgbaImage;
@@ -62,12 +62,13 @@ fn each_page_looks_as_it_did() {
     let first = vec![Command::Open { path: folder.clone() }];
     let shots: Vec<(&str, Vec<Command>)> = vec![
         ("design", [first, vec![Command::Keep { slot: DesignSlot::A }, gain]].concat()),
+        ("loop", vec![Command::ShowDesign { tab: DesignTab::Loop }]),
         ("plant", vec![Command::Go { page: Page::Plant }]),
         ("reduce", vec![Command::Go { page: Page::Reduce }]),
         ("verify", vec![Command::ShowVerification { tab: VerificationTab::Histories }]),
         ("rejection", vec![Command::ShowVerification { tab: VerificationTab::Rejection }]),
         ("diagnose", vec![Command::Go { page: Page::Diagnose }]),
-        ("light", vec![Command::ToggleTheme, Command::Go { page: Page::Design }]),
+        ("light", vec![Command::ToggleTheme, Command::ShowDesign { tab: DesignTab::Consequences }]),
         ("welcome", vec![Command::Close]),
     ];
     for (name, commands) in shots {

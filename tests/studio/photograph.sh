@@ -39,6 +39,7 @@ shoot studio-rejection 1280x800 1 10 "560 220" '{"look":{"evidence":"rejection"}
 shoot studio-analyser 1280x800 1 40 "$foot" '{"look":{"evidence":"map"}}' '"measure"'
 shoot studio-infeasible 1280x800 1 10 "$foot" '{"set-text":{"path":"synth.feedback.control.form","value":"lag"}}' '{"go":{"place":"design"}}'
 shoot studio-light 1280x800 1 10 "$foot" '"toggle-theme"' '{"go":{"place":"design"}}'
+shoot studio-loop 1280x800 1 10 "$foot" '{"keep":{"slot":"A"}}' "$drag" '{"look-at-design":{"tab":"loop"}}'
 shoot studio-design-2560 2560x1440 1 12 "700 1434" '{"keep":{"slot":"A"}}' "$drag" '{"go":{"place":"design"}}'
 shoot studio-design-2x 2560x1600 2 12 "700 1590" '{"go":{"place":"design"}}'
 shoot studio-commands 1280x800 1 8 "$foot" '"palette"'

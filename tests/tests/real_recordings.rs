@@ -5,11 +5,11 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use counterpoise_pipeline::recordings::read::{control_for, read_table, recording_controller};
 use counterpoise_pipeline::road::road;
-use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{PlatformSource, Project};
 use counterpoise_recordings::{Channel, ChannelSource, Mapping, Remark, Table};
-use counterpoise_simulate::replay::{Loop, replay};
+use counterpoise_simulate::replay::replay;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -34,14 +34,13 @@ fn project(machine: &str, file: &str) -> Project {
 
 /// RMS error over the channel's RMS, of one window of a recording replayed by a project.
 fn relative_error(project: &Project, table: &Table, window_s: [f64; 2], channel: &str) -> f64 {
-    let mapping = Mapping { windows_s: vec![window_s], ..project.recording.clone() };
-    let recording = mapping.recordings(table).unwrap().remove(0);
-    let control = project
-        .recording_controller
-        .as_ref()
-        .and_then(RecordingController::as_proportional_integral)
-        .map_or(Loop::Open, Loop::from);
-    let replayed = replay(&project.plant, &recording, &control).unwrap();
+    let mut project = project.clone();
+    project.recording.windows_s = vec![window_s];
+    let controller = recording_controller(&project).unwrap();
+    let read = read_table(&project, controller.as_ref(), table).unwrap();
+    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let recording = &read[0].recording;
+    let replayed = replay(&project.plant, recording, &control).unwrap();
     let fit = replayed.channels.iter().find(|c| c.channel.name() == channel).unwrap();
     let series = recording.samples(fit.channel).unwrap();
     let power = series.iter().map(|v| v * v).sum::<f64>() / series.len() as f64;

@@ -316,3 +316,23 @@ pub const SCALING_SHORTEST_STEP: f64 = 1e-6;
 
 /// Relative accuracy of the scale at which an eigenvalue crosses the circle: that of the eigenvalue.
 pub const CROSSING_NEARNESS: f64 = 1e-9;
+
+/// Gains of a root locus in a decade before any are added where a pole moves fast.
+pub const LOCUS_GAINS_PER_DECADE: f64 = 20.0;
+/// A pole that moves farther than this share of its distance from z = 1 between two gains gets a gain between them: a few pixels of a
+/// drawing in which that pole is seen well.
+pub const LOCUS_STEP: f64 = 0.05;
+/// Added to that distance: poles nearer than this to z = 1 are not told apart.
+pub const NEAREST_POLE: f64 = 1e-3;
+/// Most gains of a root locus: they bound its time where a pole leaves towards infinity.
+pub const MOST_LOCUS_GAINS: usize = 600;
+
+/// Neighbours on the path of a loop are at most this far apart on the Riemann sphere of diameter 2, a hundredth of a great circle:
+/// a few pixels of a chart.
+pub const PATH_STEP: f64 = 0.04;
+/// They differ by at most this in the logarithm as well, 1.3 dB or 9 degrees, while the loop gain is above [`LOWEST_PATH_GAIN`].
+pub const PATH_LOGARITHM: f64 = 0.15;
+/// Loop gain below which a Nichols chart shows nothing, -60 dB.
+pub const LOWEST_PATH_GAIN: f64 = 1e-3;
+/// Most points of such a path: four times as many as its grid, for lightly damped modes.
+pub const MOST_PATH_POINTS: usize = 3000;

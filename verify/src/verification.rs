@@ -1,7 +1,7 @@
 //! The verification of one controller on one mechanism.
 
 use counterpoise_controller::Controller;
-use counterpoise_lti::{C64, Margins, margins};
+use counterpoise_lti::{C64, Margins, StateSpace, margins};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
@@ -40,6 +40,8 @@ pub struct Evidence {
     pub holding_v: f64,
     /// Poles of the closed loop with the whole controller, in the z-plane.
     pub poles: Vec<C64>,
+    /// The loop broken at the plant's input, for negative feedback: 1 + L is the return difference.
+    pub broken: StateSpace,
     /// All crossings and peaks of the loop broken at the plant's input.
     pub margins: Margins,
     /// Frequency responses.
@@ -295,10 +297,16 @@ fn linear_part(
     let mut histories = Vec::new();
     linear_histories(&sampled, &loops, procedure, &mut figures, &mut histories)?;
     let curves = Curves::of(&sampled, &loops)?;
-    let (sample_period_s, holding_v, poles) =
-        (sampled.sample_period_s, sampled.holding_v, whole.poles.clone());
-    let procedure = procedure.clone();
-    let evidence = Evidence { sample_period_s, holding_v, poles, margins, curves, histories, procedure };
+    let evidence = Evidence {
+        sample_period_s: sampled.sample_period_s,
+        holding_v: sampled.holding_v,
+        poles: whole.poles.clone(),
+        broken: broken.clone(),
+        margins,
+        curves,
+        histories,
+        procedure: procedure.clone(),
+    };
     Ok(Verification { figures, verdicts: Vec::new(), evidence, error_budget: None })
 }
 

@@ -3,10 +3,11 @@
 
 mod support;
 
+use counterpoise_lti::Response;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
 use counterpoise_verify::linear::frequency::{Curves, rejections};
 use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{Closed, SampledPlant, arranged, disturbance, step};
+use counterpoise_verify::linear::{Closed, LoopCause, LoopEffect, SampledPlant, arranged, disturbance, step};
 use counterpoise_verify::signals::step_figures;
 use counterpoise_verify::{Arrangement, Sine, Source, Step};
 use num_complex::Complex64;
@@ -85,4 +86,33 @@ fn the_broken_loop_is_the_controller_times_the_held_plant() {
     }
     assert_eq!(curves.controller[1].response[0].re, curves.controller[1].response[600].re);
     assert_eq!(curves.rejection.len(), 6);
+}
+
+#[test]
+fn the_responses_of_the_closed_loop_are_those_of_the_sampled_system() {
+    let plant = sampled();
+    let loops: Vec<_> = ALL.map(|arrangement| (arrangement, closed(&plant, arrangement))).into();
+    let curves = Curves::of(&plant, &loops).unwrap();
+    let of = |cause, effect| {
+        let found = curves.loop_responses.iter().find(|r| (r.cause, r.effect) == (cause, effect));
+        &found.unwrap().response
+    };
+    let follows = of(LoopCause::Demand, LoopEffect::Hub);
+    let asks = of(LoopCause::Demand, LoopEffect::Control);
+    let noise = of(LoopCause::Noise(1), LoopEffect::Control);
+    let disturbed = of(LoopCause::Control, LoopEffect::Hub);
+    let system = Response::of(&loops[2].1.system).unwrap();
+    for (k, f) in curves.frequency_hz.iter().enumerate().filter(|(_, f)| **f < 20.0) {
+        let sampled = system.at(std::f64::consts::TAU * f).unwrap();
+        // below 20 Hz the aliases of a loop at 1 kHz are worth less than a thousandth
+        let error = |found: Complex64, expected: Complex64| (found - expected).norm() / expected.norm();
+        assert!(error(follows[k], sampled[(0, 0)]) < 3e-3, "{f} Hz: {} {}", follows[k], sampled[(0, 0)]);
+        assert!(error(asks[k], sampled[(4, 0)]) < 1e-9, "{f} Hz: {} {}", asks[k], sampled[(4, 0)]);
+        // the controller takes demand less reading: noise drives the control as the demand does, with the other sign
+        assert!(error(-noise[k], asks[k]) < 1e-9, "{f} Hz");
+        let (S, T) = (curves.sensitivities[0].response[k], curves.sensitivities[1].response[k]);
+        assert!(error(disturbed[k] * asks[k], follows[k] * S) < 1e-9, "{f} Hz: P S * C S = (P C S) S");
+        assert!((S + T - 1.0).norm() < 1e-12);
+    }
+    assert_eq!(curves.loop_responses.len(), 4, "one sensor is read");
 }

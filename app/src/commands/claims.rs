@@ -91,6 +91,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
         .for_each(|figure| figure.command.clone_from(&verified));
     let origin = Origin { project: String::new(), command: command.clone() };
     let context = Context {
+        loop_shape: None,
         title,
         subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),
         more,

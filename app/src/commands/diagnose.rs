@@ -7,13 +7,14 @@ use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
-use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read};
+use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
 };
+use counterpoise_report::wording::held_out::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
 use counterpoise_report::{diagnosis, difference, html};
@@ -42,12 +43,18 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     drop(watch);
     workers.finish();
     let diagnosed = diagnosed.map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
-    let answer = describe_diagnosed_recordings(&diagnosed).answer;
+    let mut answer = describe_diagnosed_recordings(&diagnosed).answer;
     let found = &diagnosed.diagnosis;
     let mut confirmed = Vec::new();
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
         confirmed = confirm(&loaded, &files, found)?;
+    }
+    if !options.held_out.is_empty() {
+        let held_out = projects::recordings(&options.held_out)?;
+        let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
+        let replayed = replay_held_out(&loaded.project, &found.improved, &held_out).map_err(refused)?;
+        answer.held_out_recordings = describe_held_out(&replayed);
     }
     let consequence = redesign(&loaded, found, options.outputs.results.progress())?;
     if let Some(path) = &options.outputs.report {
@@ -59,6 +66,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if !output::json(&options.outputs.results, &answer)? {
         print(&answer);
         print_confirmation(&confirmed);
+        print_held_out(&answer.held_out_recordings);
         consequence.iter().for_each(print_consequence);
     }
     Ok(ExitCode::SUCCESS)
@@ -90,6 +98,31 @@ fn print_confirmation(replayed: &[RecordingResult]) {
             .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.rms_error / c.floor))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
+    }
+}
+
+fn print_held_out(recordings: &[HeldOutText]) {
+    if recordings.is_empty() {
+        return;
+    }
+    say!(
+        "recordings that the diagnosis was not given, replayed by the model as it was and by the improved one:"
+    );
+    for recording in recordings {
+        say!("  {}", recording.file);
+        say!(
+            "    {:<14} {:>12} {:>12} {:>12} {:>16}",
+            "channel",
+            "floor",
+            "before",
+            "after",
+            "after / floor"
+        );
+        for (name, c) in &recording.channels {
+            let ratio = c.after / c.floor;
+            say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
+        }
+        recording.remarks.iter().for_each(|remark| say!("    {remark}"));
     }
 }
 

@@ -6,6 +6,7 @@ pub mod claims;
 pub mod compare;
 pub mod design;
 pub mod diagnose;
+pub mod experiment;
 pub mod export;
 pub mod first_design;
 pub mod fra;

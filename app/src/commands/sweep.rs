@@ -192,6 +192,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     let subtitle = format!("{} mechanisms that differ from the one that was designed for", samples.len());
     let command = format!("counterpoise sweep {project} -o {}", options.output.display());
     let context = PageContext {
+        loop_shape: None,
         title: named.identity.name.clone(),
         subtitle,
         more: Vec::new(),

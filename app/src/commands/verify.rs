@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
+use counterpoise_pipeline::design_views::loop_shape;
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
 use counterpoise_pipeline::results::VerifyResult;
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
@@ -18,6 +19,7 @@ use counterpoise_report::{
 };
 use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
+use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::structured::RobustStability;
@@ -140,6 +142,8 @@ struct VerificationStudy {
     found: Verification,
     /// Rejection ratios from the time histories on the road.
     on_road: Vec<Spectral>,
+    /// The loop as charts of the plane show it.
+    loop_shape: LoopShape,
     /// What the linear figures were measured on.
     measured_on: VerifiedLoop,
     /// The linear worst case of the ranges of the project's sweep.
@@ -199,6 +203,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         measured_on,
         identity,
         on_road: spectral(&found),
+        loop_shape: loop_shape(&found)?,
         found,
         stability,
         certificate,
@@ -220,8 +225,11 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
     })?;
     let (duration_s, sample_period_s, fade_s) = DRIVE_S;
     let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
-    iso_road(drive, Vehicle::HEAVY).with_context(|| format!("--speed {speed_m_s}"))
+    iso_road(drive, Vehicle::HEAVY, GRAVITY_M_S2).with_context(|| format!("--speed {speed_m_s}"))
 }
+
+/// Standard gravity, m/s^2 (ISO 80000-3); a half of a vehicle does not roll, so that it has no effect here.
+const GRAVITY_M_S2: f64 = 9.80665;
 
 /// A triangle from `RATE/PERIOD`.
 fn triangle(text: &str) -> Result<Triangle> {
@@ -257,6 +265,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
     let context = Context {
         title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
+        loop_shape: Some(study.loop_shape.clone()),
         more: advised
             .into_iter()
             .chain(certified)

@@ -1,6 +1,6 @@
 //! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
 
-use crate::tolerance::findings::LARGEST_REPORTED_MULTIPLE;
+use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD};
 use std::collections::BTreeMap;
 
 use crate::findings::answer::{
@@ -24,7 +24,7 @@ use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
-use counterpoise_models::Parameters;
+use counterpoise_models::{Axis, Parameters};
 
 /// What the answer is derived from.
 pub struct Evidence<'a> {
@@ -119,7 +119,21 @@ impl Evidence<'_> {
                 names.push(name);
             }
         }
+        names.extend(self.structural_equivalent(chosen).filter(|name| !names.contains(name)));
         names
+    }
+
+    /// Returns the effect that acts as another one does whatever is recorded: on a platform that stands still, and over a small travel, a mass
+    /// above or below the pivot pulls back or pushes away as a spring does.
+    fn structural_equivalent(&self, effect: &Effect) -> Option<Name> {
+        let stands_still = !self.base.sensors.platform_gyro.is_fitted() && self.base.axis == Axis::Rotary;
+        let small = self.simulator.travel_rad() < SMALL_TRAVEL_RAD;
+        let other = match (effect.component, effect.effect) {
+            (Component::Structure, EffectName::VerticalOffset) => EffectName::PositionStiffness,
+            (Component::Structure, EffectName::PositionStiffness) => EffectName::VerticalOffset,
+            _ => return None,
+        };
+        (stands_still && small).then_some(Name { effect: other, component: Component::Structure })
     }
 
     fn probability(&self, accepted: &Candidate, index: usize) -> f64 {
@@ -129,6 +143,14 @@ impl Evidence<'_> {
         let best = best.unwrap_or(accepted);
         let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
         let weight: f64 = others.map(|r| (-RIVAL_DECAY * r.behind(best).max(0.0)).exp()).sum();
+        let tried = |name: &Name| {
+            rivals
+                .iter()
+                .filter_map(Candidate::newest)
+                .any(|e| (e.effect, e.component) == (name.effect, name.component))
+        };
+        let weight =
+            weight + f64::from(u8::from(self.structural_equivalent(chosen).is_some_and(|n| !tried(&n))));
         self.ceiling(accepted) / (1.0 + weight)
     }
 

@@ -1,19 +1,22 @@
 //! Output-error fit: Levenberg and Marquardt's method on the simulator's residuals.
 
 use counterpoise_linalg::{Mat, inverse};
-use counterpoise_models::Parameters;
-
+use counterpoise_models::{Parameters, RegimeVariable};
+use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::fitting::initial_states::StartColumns;
 use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, stretch_sums};
-use crate::library::{Effect, Mapping, Parameter};
+use crate::library::{Effect, Mapping, Parameter, learned_element};
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, StartShift, map};
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
     STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
 };
+
+/// Place of the hub angle among the freedoms of an initial state, as [`start_has`] lists them.
+const START_ANGLE: usize = 0;
 
 /// Which recordings a fit may see.
 #[derive(Debug, Clone, PartialEq)]
@@ -293,13 +296,25 @@ impl Problem<'_> {
         out.iter().all(|r| r.is_finite()).then_some(out)
     }
 
+    /// Returns whether the angle at the start of a recording stays where it is: nothing measures it, and a free function of the angle could
+    /// move along with it.
+    fn keeps_angle(&self, near: &Assessment) -> bool {
+        let over_angle = |e: &'static Effect| {
+            learned_element(e).is_some_and(|element| element.variable == RegimeVariable::Angle)
+        };
+        let measured = self.base.sensors.measured.is_position()
+            || near.channels.iter().any(|misfit| misfit.channel == Channel::HubPosition.name());
+        !measured && self.effects.iter().any(|e| over_angle(e))
+    }
+
     /// Returns what each degree of freedom of each recording's initial state does to its residuals.
     fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
         let moved = |place: usize, freedom: usize, by: f64| {
-            if !start_has(&parameters, freedom) {
+            if !start_has(&parameters, freedom) || (freedom == START_ANGLE && self.keeps_angle(&near[place]))
+            {
                 return None;
             }
             let mut shift = now.shifts[place];

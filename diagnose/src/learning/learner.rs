@@ -13,7 +13,7 @@ use crate::fitting::score::{RecordingPart, Score, score};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
 use crate::learning::reading::{Reading, read};
 use crate::learning::templates::{Template, TemplateContext, is_at};
-use crate::learning::visited::Visited;
+use crate::learning::visited::{Reach, Visited};
 use crate::library::{Component, Effect, learned_element};
 use crate::localisation::error_map::MapCell;
 use crate::recording::series::correlation_time;
@@ -342,11 +342,16 @@ impl LearningTask<'_> {
                 (1..count).step_by(2).map(|recording| RecordingPart { recording, from: 0.0, to: 1.0 });
             return (count > 1).then(|| Split { selection, parts: parts.collect() });
         }
-        let to = |r: usize| elements.iter().map(|e| self.visited.share_in_range(e, r)).fold(1.0, f64::min);
-        let parts: Vec<RecordingPart> = (0..count)
-            .map(|recording| RecordingPart { recording, from: FITTED_SHARE, to: to(recording) })
-            .filter(|part| part.to > part.from + LEAST_PART)
-            .collect();
+        let to = |r: usize, reach: Reach| {
+            elements.iter().map(|e| self.visited.share_in_range(e, r, reach)).fold(1.0, f64::min)
+        };
+        let within = |reach: Reach| -> Vec<RecordingPart> {
+            let part = |recording| RecordingPart { recording, from: FITTED_SHARE, to: to(recording, reach) };
+            (0..count).map(part).filter(|part| part.to > part.from + LEAST_PART).collect()
+        };
+        // beyond the samples of the first parts a function is flat, and what it predicts there says nothing of it
+        let strict = within(Reach::Samples);
+        let parts = if strict.is_empty() { within(Reach::Points) } else { strict };
         let selection = compared((0..count).collect(), Span::Head);
         (!parts.is_empty()).then_some(Split { selection, parts })
     }

@@ -12,7 +12,7 @@ use crate::localisation::trend::{Repetition, Trend};
 use crate::tolerance::learning::{FACTOR_STEP, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP};
 
 use LearnedPlace::{Gearbox, Motor, Pivot};
-use LearnedQuantity::{FrictionLevel, Stiffness, Torque, TorqueConstant};
+use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
 use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
 
 /// A free function to be tried.
@@ -23,25 +23,36 @@ pub(crate) struct Template {
     pub variable: RegimeVariable,
 }
 
-/// All that are tried. A torque over the motor's angle beyond one turn is one over the hub's angle.
-const TEMPLATES: [Template; 14] = [
+/// All that are tried. A torque over the motor's angle beyond one turn is one over the hub's angle. A factor over one variable on a torque
+/// that is proportional to another is a function of both: damping over the angle is a torque over angle and rate, a torque constant over the
+/// angle is one over elevation and torque.
+const TEMPLATES: [Template; 19] = [
+    Template { place: Pivot, quantity: Damping, variable: Angle },
     Template { place: Pivot, quantity: FrictionLevel, variable: Angle },
     Template { place: Pivot, quantity: FrictionLevel, variable: Load },
     Template { place: Pivot, quantity: FrictionLevel, variable: Time },
     Template { place: Pivot, quantity: Torque, variable: Angle },
     Template { place: Pivot, quantity: Torque, variable: Rate },
     Template { place: Pivot, quantity: Torque, variable: Time },
+    Template { place: Pivot, quantity: FrictionLevel, variable: Turn },
+    Template { place: Pivot, quantity: Torque, variable: Turn },
     Template { place: Motor, quantity: FrictionLevel, variable: Load },
     Template { place: Motor, quantity: FrictionLevel, variable: Turn },
     Template { place: Motor, quantity: Torque, variable: Rate },
     Template { place: Motor, quantity: Torque, variable: Turn },
+    Template { place: Motor, quantity: TorqueConstant, variable: Angle },
     Template { place: Motor, quantity: TorqueConstant, variable: Control },
+    Template { place: Motor, quantity: TorqueConstant, variable: Rate },
     Template { place: Motor, quantity: TorqueConstant, variable: Time },
     Template { place: Motor, quantity: TorqueConstant, variable: Turn },
     Template { place: Gearbox, quantity: Stiffness, variable: Load },
 ];
-/// Points over a turn, as a multiple of those over a range: cogging has many periods.
+/// Points over a turn of the motor, as a multiple of those over a range: cogging has many periods.
 const TURN_POINTS: usize = 2;
+/// The same over a turn of the hub: a motor without a gear has its cogging there, and its harmonics.
+const HUB_TURN_POINTS: usize = 4;
+/// Turns of the hub that recordings must go for a function over its turn.
+const LEAST_TURNS: f64 = 1.2;
 
 /// What templates are made for.
 pub(crate) struct TemplateContext<'a> {
@@ -65,17 +76,29 @@ impl TemplateContext<'_> {
         };
         let allowed = |t: &&Template| {
             let of_gear = t.place == Gearbox || t.variable == Load;
-            let turns = t.variable != Turn || self.motor_turns == 1.0;
-            !(of_gear && rigid) && turns && (t.quantity != FrictionLevel || slides(t.place))
+            let turns = t.variable != Turn || self.repeats(t.place);
+            let damped = t.quantity != Damping || self.base.pivot_friction.viscous_nm_s_rad > 0.0;
+            !(of_gear && rigid) && turns && damped && (t.quantity != FrictionLevel || slides(t.place))
         };
         TEMPLATES.iter().filter(allowed).copied().collect()
+    }
+
+    /// Returns whether a turn at a place is a turn of the machine's own joint, and the recordings show it repeat.
+    fn repeats(&self, place: LearnedPlace) -> bool {
+        match place {
+            Pivot => {
+                let range = self.visited.range(Pivot, Angle);
+                range.is_some_and(|[low, high]| high - low > LEAST_TURNS * TAU)
+            }
+            _ => self.motor_turns == 1.0,
+        }
     }
 
     /// Returns the element of a template with a number of points over what the recordings visit; `None` if the variable does not move.
     pub fn element(&self, template: Template, count: usize) -> Option<LearnedElement> {
         let Template { place, quantity, variable } = template;
         let points = if variable == Turn {
-            let count = TURN_POINTS * count;
+            let count = count * if place == Pivot { HUB_TURN_POINTS } else { TURN_POINTS };
             (0..count).map(|k| TAU * k as f64 / count as f64).collect()
         } else {
             let [low, high] = self.visited.range(place, variable)?;

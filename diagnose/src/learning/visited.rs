@@ -6,7 +6,7 @@ use crate::localisation::torque_balances::Signals;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::FITTED_SHARE;
-use crate::tolerance::learning::RANGE_QUANTILE;
+use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 
 /// The values of the regime variables, recording by recording.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +16,32 @@ pub struct Visited {
     pub drive_torque_nm: f64,
     ratio: f64,
     stiffness: f64,
+}
+
+/// How far the first parts of recordings are taken to tell of a function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// As far as their samples go.
+    Samples,
+    /// To the points nearest to their samples.
+    Points,
+}
+
+/// How far recordings leave the range over which a free function is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RangeExceedance {
+    /// Name of the function.
+    pub name: String,
+    /// The component at which it acts.
+    pub place: LearnedPlace,
+    /// The variable that it is a function of.
+    pub variable: RegimeVariable,
+    /// The range over which it is known.
+    pub known: [f64; 2],
+    /// The range that the recordings visit.
+    pub reached: [f64; 2],
+    /// Share of the samples beyond the known range, 0 to 1.
+    pub share: f64,
 }
 
 /// The values of one recording.
@@ -78,8 +104,9 @@ impl Visited {
         self.recordings.iter().map(one).collect()
     }
 
-    /// Returns the range of an element's variable in the first parts of all recordings, with half a spacing of its points at either end.
-    fn range_of_heads(&self, element: &LearnedElement) -> [f64; 2] {
+    /// Returns the range of an element's variable in the first parts of all recordings, with a share of the spacing of its points at either
+    /// end.
+    fn range_of_heads(&self, element: &LearnedElement, margin: f64) -> [f64; 2] {
         let heads = |series: Vec<f64>| {
             let count = (series.len() as f64 * FITTED_SHARE) as usize;
             series.into_iter().take(count).collect::<Vec<f64>>()
@@ -90,7 +117,7 @@ impl Visited {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         let count = element.points.len();
         let spacing = (element.points[count - 1] - element.points[0]) / (count - 1).max(1) as f64;
-        [low - 0.5 * spacing, high + 0.5 * spacing]
+        [low - margin * spacing, high + margin * spacing]
     }
 
     /// Returns whether the first parts of the recordings determine each point of an element.
@@ -98,17 +125,20 @@ impl Visited {
         if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
             return vec![true; element.points.len()];
         }
-        let [low, high] = self.range_of_heads(element);
+        let [low, high] = self.range_of_heads(element, 0.5);
         element.points.iter().map(|point| (low..=high).contains(point)).collect()
     }
 
     /// Returns the share of a recording up to which it stays in the range of the first parts of all recordings: nothing is known of an
-    /// element beyond.
-    pub(crate) fn share_in_range(&self, element: &LearnedElement, recording: usize) -> f64 {
+    /// element beyond. With [`Reach::Points`] the range extends to half a spacing of the element's points at either end.
+    pub(crate) fn share_in_range(&self, element: &LearnedElement, recording: usize, reach: Reach) -> f64 {
         if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
             return 1.0;
         }
-        let [low, high] = self.range_of_heads(element);
+        let [low, high] = match reach {
+            Reach::Points => self.range_of_heads(element, 0.5),
+            Reach::Samples => self.range_of_heads(element, RANGE_MARGIN),
+        };
         let samples = self.samples(element.place, element.variable);
         let Some(series) = samples.get(recording) else { return 1.0 };
         let outside = |x: &f64| x.is_finite() && !(low..=high).contains(x);
@@ -124,6 +154,33 @@ impl Visited {
         let rare = (RANGE_QUANTILE * last as f64) as usize;
         let (low, high) = (sorted[rare], sorted[last - rare]);
         (high - low > 1e-9 * low.abs().max(high.abs()) && high > low).then_some([low, high])
+    }
+
+    /// Returns how far the recordings leave the range over which an element is known; `None` if they hardly do.
+    pub fn beyond(&self, element: &LearnedElement) -> Option<RangeExceedance> {
+        let (Some(&first), Some(&last)) = (element.points.first(), element.points.last()) else {
+            return None;
+        };
+        if element.variable == RegimeVariable::Turn {
+            return None;
+        }
+        let mut samples = self.samples(element.place, element.variable).concat();
+        samples.retain(|x| x.is_finite());
+        let margin = RANGE_MARGIN * (last - first);
+        let outside = samples.iter().filter(|x| **x < first - margin || **x > last + margin).count();
+        let share = outside as f64 / samples.len().max(1) as f64;
+        let reached = [
+            samples.iter().copied().fold(f64::INFINITY, f64::min),
+            samples.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        (share > RANGE_QUANTILE).then(|| RangeExceedance {
+            name: element.name.clone(),
+            place: element.place,
+            variable: element.variable,
+            known: [first, last],
+            reached,
+            share,
+        })
     }
 
     /// Returns the share of the samples nearest to each point of an element.

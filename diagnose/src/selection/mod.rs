@@ -9,6 +9,7 @@
 pub mod baseline;
 pub mod candidate;
 mod curve_knots;
+mod determination;
 mod merging;
 pub mod outcome;
 mod pairs;

@@ -38,6 +38,7 @@ impl Searcher<'_> {
             }
         }
         self.swap_and_prune(&mut search);
+        self.drop_undetermined(&mut search);
         search.accepted = search.accepted.map(|best| self.place_curve_knots(best));
         Some(search)
     }

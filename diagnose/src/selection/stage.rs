@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::assess;
 use crate::library::Effect;
-use crate::selection::baseline::Baseline;
+use crate::selection::baseline::{Baseline, level};
 use crate::selection::candidate::{Candidate, ranked};
 use crate::selection::merging::spring_in_place_of_hose;
 use crate::selection::pairs::rank_pairs;
@@ -16,7 +16,7 @@ use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDe
 use crate::simulator_access::{Assessment, map};
 use crate::tolerance::{
     EFFECTS_AT_MOST, FINAL_REACH, FINALISTS, GAIN_NEEDED, JOINT_PARAMETERS, PAIRS, PROMISE_SHARE, RIVALS,
-    SHORTLIST,
+    SHORTLIST, THROWN_OFF,
 };
 
 /// One stage: the candidates, best first, and the screening.
@@ -84,9 +84,14 @@ fn is_worth_fitting(explained: f64, judged: &[Assessment]) -> bool {
 
 impl Searcher<'_> {
     /// Runs the first stage. If the model as it is is close to the recordings, effects are screened at the initial states that suit
-    /// it; if it is far, at those estimated from the first moments, because fitted ones compensate for what is missing.
+    /// it; if it is far, at those estimated from the first moments, because fitted ones compensate for what is missing. A position loop with
+    /// textbook values may be thrown off so far by an estimate that its decay hides everything else: fitted ones serve then.
     pub(crate) fn run_first_stage(&self, plain: &Baseline) -> Stage {
-        let from = if is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
+        let thrown_off = |(sought, fitted): (&Assessment, &Assessment)| {
+            level(sought) > level(fitted) + THROWN_OFF * sought.channels.len() as f64
+        };
+        let hides = !self.sizes.typical && plain.sought.iter().zip(&plain.fitted).any(thrown_off);
+        let from = if hides || is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
         let against = Standing { screened_from: from, judged_against: &plain.fitted };
         self.screen_and_fit(None, against, StageBreadth::Full)
     }

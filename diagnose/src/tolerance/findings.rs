@@ -8,3 +8,5 @@ pub const USUAL_TORQUE_NM: f64 = 600.0;
 pub const UNSCALED_WITHIN: (f64, f64) = (20.0, 5.0);
 /// Multiple of the typical size beyond which no size is reported: the effect does not move these recordings.
 pub const LARGEST_REPORTED_MULTIPLE: f64 = 100.0;
+/// Travel below which the sine of the angle and the angle itself are one: they differ by less than 1 % of the largest torque.
+pub const SMALL_TRAVEL_RAD: f64 = 0.5;

@@ -46,6 +46,9 @@ pub const HELD_OUT_GROUPS: usize = 4;
 pub const LEAST_POWER: f64 = 0.1;
 /// Quantile of a variable's samples at which the range of a function ends: single spikes of a sensor do not extend it.
 pub const RANGE_QUANTILE: f64 = 0.001;
+/// Share of its range by which a free function may be left without a remark: the noise of a sensor and the rarest samples, which do not
+/// count when the range is chosen.
+pub const RANGE_MARGIN: f64 = 0.02;
 /// Share of the recorded samples that a point must have to be read: others are extrapolated.
 pub const READ_FROM_COVERAGE: f64 = 0.002;
 /// Share of a curve's variation that a form must explain to be named.

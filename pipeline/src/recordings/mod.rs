@@ -5,6 +5,7 @@
 //! in as names and bytes.
 //!
 //! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`diagnose`](mod@diagnose), [`identify`](mod@identify),
+//! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out`] (recordings that no diagnosis was given, before and after),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
 //! [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
@@ -12,6 +13,8 @@
 pub mod controller_origin;
 pub mod converter_range;
 pub mod diagnose;
+pub mod experiment;
+pub mod held_out;
 pub mod identify;
 pub mod measured_modes;
 pub mod read;
@@ -21,6 +24,7 @@ pub mod residuals;
 pub mod tracks;
 
 pub use diagnose::{DiagnosedRecordings, diagnose};
+pub use held_out::{HeldOutRecording, replay_held_out};
 pub use identify::{AxisUnits, identify};
 pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, UnusedColumn, read};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

@@ -1,10 +1,10 @@
 //! Recordings read as a project maps their columns.
 
+use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::resolve::recording::machine_signals;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
 use counterpoise_simulate::replay::{Loop, RecordedController};
 
@@ -61,6 +61,8 @@ pub enum ColumnRemark {
         /// What is wrong.
         anomaly: Anomaly,
     },
+    /// The recording leaves the range over which a free function of the mechanism is known.
+    RangeExceeded(RangeExceedance),
 }
 
 /// A column of a file that was not used.
@@ -126,11 +128,11 @@ pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<R
     Ok((table, recordings))
 }
 
-/// Returns how the project maps columns, with the signals of its machine, and the sample period of its interface for a table without a clock.
+/// Returns how the project maps columns, with the sample period of its interface for a table without a clock.
 fn mapping(project: &Project) -> Mapping {
     let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    let signals = machine_signals(&project.plant);
-    Mapping { sample_period_s: clock, signals, ..project.recording.clone() }
+    let units = project.channel_units();
+    Mapping { sample_period_s: clock, units, ..project.recording.clone() }
 }
 
 /// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
@@ -161,6 +163,7 @@ pub fn recording_controller(project: &Project) -> Result<Option<RecordedControll
     match &project.recording_controller {
         None => Ok(None),
         Some(RecordingController::ProportionalIntegral(controller)) => Ok(Some(controller.clone().into())),
+        Some(RecordingController::Position(controller)) => Ok(Some(controller.clone().into())),
         Some(RecordingController::Project) => {
             let modelled = model(project)?;
             let synthesised = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
@@ -189,7 +192,7 @@ pub fn read_recording(
     mut whole: Recording,
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
-    let keeps_samples = mapping(project).keeps_samples(&whole);
+    let keeps_samples = project.recording.keeps_samples(&whole);
     let name = whole.name.clone();
     let mut remarks: Vec<ColumnRemark> = whole.remarks.iter().cloned().map(ColumnRemark::File).collect();
     let beyond = remove_impossible(&project.plant, &mut whole);

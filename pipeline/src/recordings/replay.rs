@@ -1,6 +1,7 @@
 //! Recordings replayed on the project's model.
 
 use counterpoise_diagnose::fitting::fitted_start::fit_start;
+use counterpoise_diagnose::learning::visited::Visited;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
@@ -79,7 +80,7 @@ pub fn replay_one(
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
     let remarks = item.remarks.iter().cloned().chain(anomalies(plant, &item.recording)).collect();
-    let tracks = tracks(plant, &item.recording, &followed.replay, None);
+    let tracks = tracks(&item.recording, &followed.replay, None);
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 
@@ -142,9 +143,14 @@ fn worst(replay: &Replay) -> f64 {
 /// Returns what is wrong with a recording itself.
 fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let ratio = plant.gearbox.ratio;
-    let found = read_signals(recording, plant.sensors.measured)
-        .map(|m| check_signals(&recording.name, &m, ratio))
-        .unwrap_or_default();
+    let Some(signals) = read_signals(recording, plant.sensors.measured) else { return Vec::new() };
     let remark = |found: Remark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
-    found.into_iter().map(remark).collect()
+    let mut all: Vec<ColumnRemark> =
+        check_signals(&recording.name, &signals, ratio).into_iter().map(remark).collect();
+    if !plant.learned.is_empty() {
+        let visited = Visited::of(plant, std::slice::from_ref(&signals));
+        let beyond = plant.learned.iter().filter_map(|element| visited.beyond(element));
+        all.extend(beyond.map(ColumnRemark::RangeExceeded));
+    }
+    all
 }

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use counterpoise_models::Parameters;
-use counterpoise_project::resolve::recording::machine_signals;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, replay};
 
@@ -41,24 +40,18 @@ pub fn before_and_after(
     let of = |recording: &Recording| {
         let before = replay(plant, recording, control).ok()?;
         let after = is_improved.then(|| replay(improved, recording, control).ok()).flatten();
-        Some(tracks(plant, recording, &before, after.as_ref()))
+        Some(tracks(recording, &before, after.as_ref()))
     };
     recordings.iter().filter_map(of).flatten().collect()
 }
 
 /// Returns the compared channels of one recording beside its replays.
-pub fn tracks(
-    plant: &Parameters,
-    recording: &Recording,
-    before: &Replay,
-    after: Option<&Replay>,
-) -> Vec<Track> {
-    let signals = machine_signals(plant);
+pub fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
     let track = |channel: Channel| {
         Some(Track {
             recording: short_name(&recording.name),
             channel: channel.name(),
-            unit: signals.unit(channel),
+            unit: channel.unit(),
             period_s: recording.sample_period_s,
             measured: recording.samples(channel)?.to_vec(),
             before: before.simulated.channel(channel).to_vec(),

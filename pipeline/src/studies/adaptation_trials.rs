@@ -277,7 +277,7 @@ impl Stage<'_> {
             (None, Some(class)) => {
                 let (speed_m_s, duration_s, sample_period_s, fade_s) = (8.0, 30.0, 0.005, 1.0);
                 let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed };
-                iso_road(drive, Vehicle::HEAVY)?
+                iso_road(drive, Vehicle::HEAVY, self.modelled.parameters.gravity_m_s2)?
             }
         };
         let count = (LENGTH_S / road.sample_period_s) as usize + 2;

@@ -73,7 +73,10 @@ impl Entry<'_> {
             Entry::Curve(series) => &series.name,
             Entry::Region(band) => &band.name,
             Entry::Marked(
-                Mark::Point { text, .. } | Mark::Level { text, .. } | Mark::Instant { text, .. },
+                Mark::Point { text, .. }
+                | Mark::Cross { text, .. }
+                | Mark::Level { text, .. }
+                | Mark::Instant { text, .. },
             ) => text,
         }
     }
@@ -88,6 +91,10 @@ impl Entry<'_> {
             }
             Entry::Marked(Mark::Point { colour, .. }) => {
                 sheet.ring(Ink::Ring(*colour), (0.5 * (from.0 + to.0), from.1), RING)
+            }
+            Entry::Marked(Mark::Cross { colour, .. }) => {
+                let middle = (0.5 * (from.0 + to.0), from.1);
+                sheet.cross(Ink::Ring(*colour), middle, RING)
             }
             Entry::Marked(_) => sheet.line(Ink::Guide, from, to),
         }

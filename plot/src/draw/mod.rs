@@ -114,6 +114,11 @@ impl<DB: DrawingBackend> Sheet<'_, DB> {
         self.area.draw(&Circle::new(self.point(centre), self.units(radius), ink.style()))
     }
 
+    fn cross(&self, ink: Ink, (x, y): Place, radius: f64) -> Drawn<DB> {
+        self.line(ink, (x - radius, y - radius), (x + radius, y + radius))?;
+        self.line(ink, (x - radius, y + radius), (x + radius, y - radius))
+    }
+
     fn text(&self, ink: Ink, at: Place, pos: Pos, text: &str) -> Drawn<DB> {
         self.area.draw_text(text, &ink.text(self.unit, pos), self.point(at))
     }

@@ -3,14 +3,14 @@
 use ndarray::Axis as Dimension;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;
-use plotters::element::{Circle, PathElement, Polygon};
+use plotters::element::{Circle, EmptyElement, PathElement, Polygon};
 use plotters_backend::DrawingBackend;
 use plotters_backend::text_anchor::Pos;
 
 use super::legend::{Legend, RING};
 use super::{Drawn, Sheet, WIDTH};
 use crate::clip;
-use crate::figure::{Band, Mark, Panel, Panels, Series};
+use crate::figure::{Aspect, Band, Mark, Panel, Panels, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
 use crate::ruler::{Margin, Ruler};
@@ -54,6 +54,10 @@ pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, all: &Panels, top:
     let rulers: Vec<Ruler> =
         all.panels.iter().map(|panel| Ruler::new(&panel.y, ordinates(panel), Margin::Padded)).collect();
     let left = left_margin(&rulers);
+    let (x, rulers) = match all.aspect {
+        Aspect::Free => (x, rulers),
+        Aspect::Equal => with_equal_units(x, rulers, &all.panels, WIDTH - left - RIGHT),
+    };
     let mut y0 = top + legend.height();
     for (k, (panel, y)) in all.panels.iter().zip(&rulers).enumerate() {
         let is_last = k + 1 == all.panels.len();
@@ -62,6 +66,16 @@ pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, all: &Panels, top:
         y0 += height_of(panel) + GAP;
     }
     Ok(())
+}
+
+/// Widens x until the tallest range fits its panel, and then each y to its panel.
+fn with_equal_units(x: Ruler, rulers: Vec<Ruler>, panels: &[Panel], width: f64) -> (Ruler, Vec<Ruler>) {
+    let span = |ruler: &Ruler| ruler.ends().1 - ruler.ends().0;
+    let units = |(ruler, panel): (&Ruler, &Panel)| span(ruler) / height_of(panel);
+    let unit = rulers.iter().zip(panels).map(units).fold(span(&x) / width, f64::max);
+    let wide = x.widened(unit * width / span(&x));
+    let high = |(ruler, panel): (&Ruler, &Panel)| ruler.widened(unit * height_of(panel) / span(ruler));
+    (wide, rulers.iter().zip(panels).map(high).collect())
 }
 
 fn abscissae(all: &Panels) -> impl Iterator<Item = f64> + '_ {
@@ -75,7 +89,7 @@ fn ordinates(panel: &Panel) -> impl Iterator<Item = f64> + '_ {
     let series = panel.series.iter().flat_map(|s| s.points.index_axis(Dimension(1), 1).to_vec());
     let bands = panel.bands.iter().flat_map(|b| b.points.rows().into_iter().flat_map(|row| [row[1], row[2]]));
     let marks = panel.marks.iter().filter_map(|mark| match mark {
-        Mark::Point { y, .. } | Mark::Level { y, .. } => Some(*y),
+        Mark::Point { y, .. } | Mark::Cross { y, .. } | Mark::Level { y, .. } => Some(*y),
         Mark::Instant { .. } => None,
     });
     series.chain(bands).chain(marks)
@@ -120,7 +134,7 @@ fn draw_panel<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, panel: &Panel, frame: &
         draw_series(&chart, series, frame, dot)?;
     }
     for mark in &panel.marks {
-        draw_ring(&chart, mark, frame, sheet.units(RING))?;
+        draw_symbol(&chart, mark, frame, sheet.units(RING))?;
     }
     let (x, y) = (frame.x.ends(), frame.y.ends());
     let corners = [(x.0, y.0), (x.0, y.1), (x.1, y.1), (x.1, y.0), (x.0, y.0)];
@@ -164,7 +178,10 @@ fn draw_series<DB: DrawingBackend>(
     dot: f64,
 ) -> Drawn<DB> {
     let style = Ink::Curve(series.colour, series.dash).style();
-    let kept = thin(series.points.view(), MOST_POINTS / 4);
+    let x = series.points.index_axis(Dimension(1), 0);
+    let turns_back = x.iter().zip(x.iter().skip(1)).any(|(now, next)| next < now);
+    let kept: Vec<usize> =
+        if turns_back { (0..x.len()).collect() } else { thin(series.points.view(), MOST_POINTS / 4) };
     let places = kept.into_iter().map(|k| frame.place(series.points[[k, 0]], series.points[[k, 1]]));
     for run in runs(places) {
         for mut part in clip::polyline(&run) {
@@ -213,7 +230,7 @@ fn draw_guide<DB: DrawingBackend>(chart: &Chart<'_, DB>, mark: &Mark, frame: &Fr
     let line = match mark {
         Mark::Level { y, .. } => frame.y.place(*y).map(|y| [(0.0, y), (1.0, y)]),
         Mark::Instant { x, .. } => frame.x.place(*x).map(|x| [(x, 0.0), (x, 1.0)]),
-        Mark::Point { .. } => None,
+        Mark::Point { .. } | Mark::Cross { .. } => None,
     };
     for part in line.into_iter().flat_map(|line| clip::polyline(&line)) {
         chart.plotting_area().draw(&PathElement::new(frame.values(&part), Ink::Guide.style()))?;
@@ -221,16 +238,24 @@ fn draw_guide<DB: DrawingBackend>(chart: &Chart<'_, DB>, mark: &Mark, frame: &Fr
     Ok(())
 }
 
-fn draw_ring<DB: DrawingBackend>(
+fn draw_symbol<DB: DrawingBackend>(
     chart: &Chart<'_, DB>,
     mark: &Mark,
     frame: &Frame<'_>,
     radius: i32,
 ) -> Drawn<DB> {
-    let Mark::Point { x, y, colour, .. } = mark else { return Ok(()) };
+    let (Mark::Point { x, y, colour, .. } | Mark::Cross { x, y, colour, .. }) = mark else { return Ok(()) };
     let seen = frame.place(*x, *y).map(|place| clip::polyline(&[place])).unwrap_or_default();
     if seen.is_empty() {
         return Ok(());
     }
-    chart.plotting_area().draw(&Circle::new((*x, *y), radius, Ink::Ring(*colour).style()))
+    let style = Ink::Ring(*colour).style();
+    if matches!(mark, Mark::Point { .. }) {
+        return chart.plotting_area().draw(&Circle::new((*x, *y), radius, style));
+    }
+    let falling = vec![(-radius, -radius), (radius, radius)];
+    let rising = vec![(-radius, radius), (radius, -radius)];
+    let cross =
+        EmptyElement::at((*x, *y)) + PathElement::new(falling, style) + PathElement::new(rising, style);
+    chart.plotting_area().draw(&cross)
 }

@@ -120,13 +120,13 @@ fn columns(v: &mut dyn Visit, key: &'static str, meaning: &'static str, names: &
 }
 
 /// Three numbers, 0 where the key is absent.
-fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
+pub(super) fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
     let mut list = if *value == [0.0; 3] { Vec::new() } else { value.to_vec() };
     v.numbers(&field.or_empty(), Count::Exactly(3), &mut list);
     *value = <[f64; 3]>::try_from(list).unwrap_or([0.0; 3]);
 }
 
-fn traverse(v: &mut dyn Visit, traverse: &mut Traverse) {
+pub(super) fn traverse(v: &mut dyn Visit, traverse: &mut Traverse) {
     let angle = "angle of the ring on which the elevation axis stands, at the start, positive to the left";
     v.number(
         &Field::new("traverse_angle", angle).unit("rad").limit(Limit::Between(-7.0, 7.0)).or(0.0),

@@ -3,13 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use counterpoise_models::{Parameters, Sensor};
-use counterpoise_recordings::Unit;
+use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
 use super::design::{LoopKind, ReductionMethod};
 use super::import::ImportedStructure;
 use super::model::StructureChoice;
-use super::recording::machine_signals;
 use super::{Project, base_motion_checks, beam_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
@@ -70,7 +69,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     recorded_period(&mut findings, project);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);
-    units(&mut findings, project);
+    units(&mut findings, &project.recording, project.channel_units());
     configuration(&mut findings, project);
     tolerances(&mut findings, project);
     findings.list
@@ -325,14 +324,16 @@ fn without_effect(findings: &mut Findings<'_>, plant: &Parameters) {
 }
 
 /// Units in the mapping of channels must be known and of the channel's quantity.
-fn units(findings: &mut Findings<'_>, project: &Project) {
-    let (mapping, signals) = (&project.recording, machine_signals(&project.plant));
+fn units(findings: &mut Findings<'_>, mapping: &Mapping, of_machine: ChannelUnits) {
     let time = mapping.time.iter().map(|s| ("time", "s", s));
-    let channels = mapping.channels.iter().map(|(c, s)| (c.name(), s.unit_of_column(signals.unit(*c)), s));
-    for (name, wanted, source) in time.chain(channels) {
+    let of = |c: &Channel| [of_machine.of(*c), c.unit()];
+    let channels =
+        mapping.channels.iter().map(|(c, s)| (c.name(), of(c).map(|unit| s.unit_of_column(unit)), s));
+    let time = time.map(|(name, unit, source)| (name, [unit; 2], source));
+    for (name, [wanted, usual], source) in time.chain(channels) {
         let Some(written) = &source.unit else { continue };
-        let target = Unit::parse(wanted).unwrap_or(Unit::ONE);
-        let fits = Unit::parse(written).is_some_and(|u| u.is_like(&target) || u.is_like(&Unit::ONE));
+        let likes = [wanted, usual, "1"].map(|unit| Unit::parse(unit).unwrap_or(Unit::ONE));
+        let fits = Unit::parse(written).is_some_and(|u| likes.iter().any(|like| u.is_like(like)));
         if !fits {
             let path = format!("recording.channels.{name}.unit");
             let allowed = format!(

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use counterpoise_controller::ProportionalIntegral;
+use counterpoise_controller::{PositionController, PositionSource, ProportionalIntegral, RateSource};
 
 use super::controller_file::{ControllerContent, parse};
 
-use crate::file::field::Field;
+use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose};
 
 /// The controller that was in the loop when recordings were made.
@@ -14,6 +14,8 @@ use crate::file::visit::{Choice, Visit, choose};
 pub enum RecordingController {
     /// A proportional-integral controller of the hub rate.
     ProportionalIntegral(ProportionalIntegral),
+    /// A position controller with a rate loop inside.
+    Position(PositionController),
     /// The controller that the project itself designs and exports.
     Project,
     /// The controller in a file that an export wrote.
@@ -36,7 +38,7 @@ impl RecordingController {
     pub fn as_proportional_integral(&self) -> Option<&ProportionalIntegral> {
         match self {
             Self::ProportionalIntegral(controller) => Some(controller),
-            Self::Project | Self::Exported(_) => None,
+            Self::Position(_) | Self::Project | Self::Exported(_) => None,
         }
     }
 }
@@ -45,13 +47,18 @@ impl RecordingController {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     ProportionalIntegral,
+    Position,
     Project,
     Exported,
 }
 
 impl Choice for Kind {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("pi", Self::ProportionalIntegral), ("project", Self::Project), ("exported", Self::Exported)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("pi", Self::ProportionalIntegral),
+        ("position", Self::Position),
+        ("project", Self::Project),
+        ("exported", Self::Exported),
+    ];
 }
 
 /// Returns a controller that is still to be read.
@@ -69,14 +76,29 @@ fn blank_proportional_integral() -> ProportionalIntegral {
     }
 }
 
+fn blank_position() -> PositionController {
+    PositionController {
+        kp_1_s: f64::NAN,
+        kv_v_s_rad: f64::NAN,
+        ki_v_rad: 0.0,
+        sample_period_s: f64::NAN,
+        rate: RateSource::Differences(1),
+        position: PositionSource::HubPosition,
+        start_rate_rad_s: 0.0,
+        integral_v: 0.0,
+        earlier_rad: Vec::new(),
+    }
+}
+
 /// Reads or lists the controller of the recordings.
 pub(crate) fn recording_controller(v: &mut dyn Visit, controller: &mut RecordingController) {
     let mut kind = match controller {
         RecordingController::ProportionalIntegral(_) => Kind::ProportionalIntegral,
+        RecordingController::Position(_) => Kind::Position,
         RecordingController::Project => Kind::Project,
         RecordingController::Exported(_) => Kind::Exported,
     };
-    let meaning = "controller in the loop: pi, project for the one that this project exports, or exported for one in a file";
+    let meaning = "controller in the loop: pi of the rate, position for one of the position with a rate loop inside, project for the one that this project exports, or exported for one in a file";
     choose(v, &Field::new("kind", meaning), &mut kind);
     *controller = match (kind, std::mem::replace(controller, RecordingController::Project)) {
         (Kind::Project, _) => RecordingController::Project,
@@ -85,6 +107,14 @@ pub(crate) fn recording_controller(v: &mut dyn Visit, controller: &mut Recording
                 before.as_proportional_integral().cloned().unwrap_or_else(blank_proportional_integral);
             proportional_integral(v, &mut pi);
             RecordingController::ProportionalIntegral(pi)
+        }
+        (Kind::Position, before) => {
+            let mut position = match before {
+                RecordingController::Position(position) => position,
+                _ => blank_position(),
+            };
+            position_controller(v, &mut position);
+            RecordingController::Position(position)
         }
         (Kind::Exported, before) => {
             let mut source = match before {
@@ -125,3 +155,39 @@ fn proportional_integral(v: &mut dyn Visit, controller: &mut ProportionalIntegra
     v.number(&Field::new("ki", "integral gain").unit("V/rad").or(0.0), &mut controller.ki_v_rad);
     v.number(&Field::new("bias", "constant added to the control").unit("V").or(0.0), &mut controller.bias_v);
 }
+
+fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
+    let gain = "gain of the position loop: the rate is to be this times the position error";
+    v.number(&Field::new("position_gain", gain).unit("1/s"), &mut controller.kp_1_s);
+    v.number(
+        &Field::new("rate_gain", "proportional gain of the rate loop").unit("V s/rad"),
+        &mut controller.kv_v_s_rad,
+    );
+    let integral = Field::new("rate_integral_gain", "integral gain of the rate loop").unit("V/rad").or(0.0);
+    v.number(&integral, &mut controller.ki_v_rad);
+    let mut samples = match controller.rate {
+        RateSource::Measured => 0,
+        RateSource::Differences(count) => count as u32,
+    };
+    let meaning =
+        "samples over which the position is differenced to get the rate; 0 for the reading of a rate sensor";
+    let field = Field::new("rate_samples", meaning).limit(Limit::Between(0.0, MOST_RATE_SAMPLES)).or(1.0);
+    v.whole(&field, &mut samples);
+    controller.rate =
+        if samples == 0 { RateSource::Measured } else { RateSource::Differences(samples as usize) };
+}
+
+/// Takes the position from the sensor of the loop if that measures one; complains if the rate is to be read and no sensor measures it.
+pub(super) fn complete_position(v: &mut dyn Visit, controller: &mut PositionController, is_position: bool) {
+    if !is_position {
+        return;
+    }
+    controller.position = PositionSource::LoopSensor;
+    if controller.rate == RateSource::Measured {
+        let allowed = "must be at least 1: the sensor of this loop measures a position, so no rate is read";
+        v.complain("recording_controller.rate_samples", allowed, None);
+    }
+}
+
+/// Largest number of samples over which a position is differenced: a rate of later than that closes no loop.
+const MOST_RATE_SAMPLES: f64 = 1000.0;

@@ -4,6 +4,7 @@ mod axis_words;
 pub mod base_motion;
 mod base_motion_checks;
 mod beam_checks;
+mod carrier;
 mod cascade;
 mod changes;
 mod checks;
@@ -307,8 +308,15 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
         controller::blank(),
         controller::recording_controller,
     );
-    if let Some(RecordingController::ProportionalIntegral(controller)) = &mut project.recording_controller {
-        controller.sample_period_s = project.plant.interface.sample_period_s;
+    let period_s = project.plant.interface.sample_period_s;
+    match &mut project.recording_controller {
+        Some(RecordingController::ProportionalIntegral(controller)) => controller.sample_period_s = period_s,
+        Some(RecordingController::Position(controller)) => {
+            let is_position = project.plant.sensors.measured.is_position();
+            controller::complete_position(v, controller, is_position);
+            controller.sample_period_s = period_s;
+        }
+        _ => {}
     }
     let section = TableField::optional("recording", "how the columns of recordings become channels");
     unless_usual(v, &section, &mut project.recording, recording::recording);

@@ -1,8 +1,9 @@
-//! The `[verify.road]` section: how the platform moves, from a recording, a spectrum, a motion simulator or a road.
+//! The `[verify.road]` section: how the platform moves, from a recording, a spectrum, a motion simulator, a road or a sea.
 
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::Road;
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::sea::Sea;
 use counterpoise_verify::signals::six_axes::SixAxes;
 use counterpoise_verify::signals::spectrum::{
     Realisation, Tone, integrated, pitch_simulator, random_motion, tones,
@@ -10,6 +11,7 @@ use counterpoise_verify::signals::spectrum::{
 use std::f64::consts::TAU;
 
 use super::base_motion::{self, InertialUnit};
+use super::carrier;
 use super::verify::seed;
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
@@ -91,13 +93,17 @@ pub enum MotionKind {
         /// Points of the pitch rate's density, [Hz, (rad/s)^2/Hz].
         pitch_psd: Vec<[f64; 2]>,
     },
-    /// A drive of a heavy wheeled vehicle over a road of ISO 8608.
+    /// A drive of a wheeled vehicle over a road of ISO 8608.
     IsoRoad {
         /// How rough the road is.
         class: RoadClass,
         /// How fast the vehicle goes, m/s.
         speed_m_s: f64,
+        /// The vehicle.
+        vehicle: Vehicle,
     },
+    /// A ship in irregular waves.
+    Sea(Box<Sea>),
     /// Sines and spectra of each of the base's six axes.
     SixAxes(Box<SixAxes>),
 }
@@ -110,6 +116,7 @@ enum Kind {
     Simulator,
     IsoRoad,
     SixAxes,
+    Sea,
     InertialUnit,
 }
 
@@ -120,6 +127,7 @@ impl Choice for Kind {
         ("simulator", Self::Simulator),
         ("iso-8608", Self::IsoRoad),
         ("six-axes", Self::SixAxes),
+        ("sea", Self::Sea),
         ("inertial-unit", Self::InertialUnit),
     ];
 }
@@ -161,7 +169,7 @@ impl Motion {
                 angle.extend(integrated(&tones(pitch_psd, how.seed, 0)?));
                 pitch_simulator(&angle, *offset_m, how)
             }
-            MotionKind::IsoRoad { class, speed_m_s } => {
+            MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
                 let drive = Drive {
                     class: *class,
                     speed_m_s: *speed_m_s,
@@ -170,8 +178,9 @@ impl Motion {
                     fade_s: how.fade_s,
                     seed: how.seed,
                 };
-                iso_road(drive, Vehicle::HEAVY)
+                iso_road(drive, *vehicle, gravity_m_s2)
             }
+            MotionKind::Sea(sea) => sea.road(how, gravity_m_s2),
             MotionKind::SixAxes(motion) => motion.road(how, gravity_m_s2),
         }
     }
@@ -206,6 +215,7 @@ fn kind(source: &PlatformSource) -> Kind {
             MotionKind::Simulator { .. } => Kind::Simulator,
             MotionKind::IsoRoad { .. } => Kind::IsoRoad,
             MotionKind::SixAxes(_) => Kind::SixAxes,
+            MotionKind::Sea(_) => Kind::Sea,
         },
         PlatformSource::InertialUnit(_) => Kind::InertialUnit,
     }
@@ -223,7 +233,10 @@ fn blank_of(kind: Kind) -> PlatformSource {
         Kind::Simulator => {
             made(MotionKind::Simulator { offset_m: f64::NAN, sines: empty(), pitch_psd: empty() })
         }
-        Kind::IsoRoad => made(MotionKind::IsoRoad { class: RoadClass::C, speed_m_s: f64::NAN }),
+        Kind::IsoRoad => {
+            made(MotionKind::IsoRoad { class: RoadClass::C, speed_m_s: f64::NAN, vehicle: Vehicle::HEAVY })
+        }
+        Kind::Sea => made(MotionKind::Sea(Box::new(carrier::blank_sea()))),
         Kind::SixAxes => made(MotionKind::SixAxes(Box::new(SixAxes {
             axes: Default::default(),
             coherence: 0.0,
@@ -261,6 +274,8 @@ fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
         return None;
     }
     let kinds = [
+        ("significant_height", Kind::Sea),
+        ("peak_period", Kind::Sea),
         ("speed", Kind::IsoRoad),
         ("surge_sines", Kind::SixAxes),
         ("surge_psd", Kind::SixAxes),
@@ -320,7 +335,7 @@ fn made(v: &mut dyn Visit, motion: &mut Motion) {
             v.pairs(&Field::new("sines", angle).units("rad", "Hz").limit(ABOVE_0).or_empty(), sines);
             density_of_pitch(v, pitch_psd);
         }
-        MotionKind::IsoRoad { class, speed_m_s } => {
+        MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
             choose(
                 v,
                 &Field::new("class", "class of the road's roughness, A (very good) to E (very poor)")
@@ -328,7 +343,9 @@ fn made(v: &mut dyn Visit, motion: &mut Motion) {
                 class,
             );
             v.number(&Field::new("speed", "speed of the vehicle").unit("m/s").limit(ABOVE_0), speed_m_s);
+            carrier::vehicle(v, vehicle);
         }
+        MotionKind::Sea(sea) => carrier::sea(v, sea),
         MotionKind::SixAxes(motion) => base_motion::six_axes(v, motion),
     }
     let how = &mut motion.realisation;
@@ -363,10 +380,12 @@ fn judge(v: &mut dyn Visit, motion: &Motion) {
         }
         MotionKind::IsoRoad { .. } => ("speed", false),
         MotionKind::SixAxes(motion) => ("kind", motion.is_still()),
+        MotionKind::Sea(_) => ("significant_height", false),
     };
     let is_unread = match motion.kind {
         MotionKind::Simulator { offset_m, .. } => offset_m.is_nan(),
         MotionKind::IsoRoad { speed_m_s, .. } => speed_m_s.is_nan(),
+        MotionKind::Sea(ref sea) => carrier::is_unread(sea),
         MotionKind::Spectrum { .. } | MotionKind::SixAxes(_) => false,
     };
     if is_unread {

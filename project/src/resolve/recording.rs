@@ -1,27 +1,26 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
-use counterpoise_models::{Axis, Measured, Parameters, Transmission};
-use counterpoise_recordings::{Channel, ChannelSource, MachineSignals, Mapping, Motion, Reading};
+use counterpoise_models::Axis;
+use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
 
+use super::Project;
+use super::controller::RecordingController;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Presence, Visit, maybe_number, table};
 
-/// Returns what the sensors of a machine measure: the units of its recordings' channels, and which channel its loop reads.
-pub fn machine_signals(plant: &Parameters) -> MachineSignals {
-    let ratio = plant.gearbox.ratio;
-    let hub = match plant.axis {
-        Axis::Rotary => Motion::Turning,
-        Axis::Linear => Motion::Sliding,
-    };
-    // A linear motor slides with what it drives.
-    let motor = if plant.gearbox.kind == Transmission::Direct { hub } else { Motion::Turning };
-    let reading = match plant.sensors.measured {
-        Measured::HubRate | Measured::RelativeRate => Reading::HubRate,
-        Measured::HubPosition => Reading::HubPosition,
-        Measured::MotorRate => Reading::MotorRate { ratio },
-        Measured::MotorPosition => Reading::MotorPosition { ratio },
-    };
-    MachineSignals { hub, motor, reading }
+impl Project {
+    /// Returns what the axis, the loop's sensor and the recording's controller make of the units of the channels of recordings.
+    pub fn channel_units(&self) -> ChannelUnits {
+        let is_position = self.plant.sensors.measured.is_position();
+        let reading = if is_position { Controlled::Position } else { Controlled::Rate };
+        let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
+        let demand = if positioned { Controlled::Position } else { reading };
+        let travel = match self.plant.axis {
+            Axis::Rotary => Travel::Turning,
+            Axis::Linear => Travel::Sliding,
+        };
+        ChannelUnits { reading, demand, travel }
+    }
 }
 
 /// Reads or lists the mapping.

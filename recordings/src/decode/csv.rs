@@ -1,8 +1,27 @@
 //! CSV: one header row with the names and units of the columns, then one row per sample; commas, semicolons or tabs separate
-//! cells; # starts a comment.
+//! cells; # starts a comment. A column of texts, without a single number, is left out.
 
+use super::Decoded;
 use super::budget::Budget;
-use crate::{Column, Error, Table};
+use crate::remark::Unread;
+use crate::{Column, Error, Remark, Table};
+
+/// The cells of one column.
+#[derive(Default, Clone)]
+struct Cells {
+    values: Vec<f64>,
+    /// How many of them hold a number.
+    numbers: usize,
+    /// The first that holds something else.
+    text: Option<Text>,
+}
+
+/// A cell that is no number.
+#[derive(Clone)]
+struct Text {
+    line: u64,
+    value: String,
+}
 
 /// Most columns of a CSV file: a header of separators alone is no recording, and each takes a hundred bytes.
 const MOST_COLUMNS: usize = 10_000;
@@ -12,7 +31,7 @@ const VALUES_OF_A_PART: usize = 5_000_000;
 const ROWS_OF_A_COUNT: usize = 4096;
 
 /// Returns the columns of a CSV file.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     let unreadable = |e: csv::Error| unreadable(file, &e);
     let mut budget = Budget::new(file, bytes.len());
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
@@ -23,15 +42,37 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
     let mut reader = builder.from_reader(bytes);
     let headings: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
     refuse_numbers(&headings, delimiter, file)?;
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); headings.len()];
+    let mut columns = vec![Cells::default(); headings.len()];
     for (count, record) in reader.records().enumerate() {
         if count % ROWS_OF_A_COUNT == 0 {
             let column = headings.first().map_or("", String::as_str);
             budget.take(column, (headings.len() * ROWS_OF_A_COUNT) as u64)?;
         }
-        row(&record.map_err(unreadable)?, delimiter, &headings, &mut columns, file)?;
+        row(&record.map_err(unreadable)?, delimiter, &mut columns, file)?;
     }
-    Ok(headings.iter().zip(columns).map(|(heading, values)| Column::headed(heading, values)).collect())
+    decoded(&headings, columns, file)
+}
+
+/// Returns the columns of numbers, and remarks on those of texts.
+///
+/// # Errors
+/// [`Error::Cell`] if a column of numbers has a cell that is none.
+fn decoded(headings: &[String], columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
+    let mut found = Decoded::default();
+    for (heading, cells) in headings.iter().zip(columns) {
+        let column = Column::headed(heading, cells.values);
+        match cells.text {
+            None => found.columns.push(column),
+            Some(_) if cells.numbers == 0 => {
+                let why = Unread::Type { holds: "texts".to_owned() };
+                found.remarks.push(Remark::Unread { column: column.name, why });
+            }
+            Some(Text { line, value }) => {
+                return Err(Error::Cell { file: file.to_owned(), line, column: column.name, value });
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// Returns the error of a file that cannot be taken apart, with what to do about text in another encoding.
@@ -78,34 +119,36 @@ fn delimiter(bytes: &[u8]) -> u8 {
     [b',', b';', b'\t'].into_iter().rev().max_by_key(count).unwrap_or(b',')
 }
 
-fn row(
-    record: &csv::StringRecord,
-    delimiter: u8,
-    headings: &[String],
-    columns: &mut [Vec<f64>],
-    file: &str,
-) -> Result<(), Error> {
+fn row(record: &csv::StringRecord, delimiter: u8, columns: &mut [Cells], file: &str) -> Result<(), Error> {
     let line = record.position().map_or(0, csv::Position::line);
     if record.len() != columns.len() {
         let (cells, columns) = (record.len(), columns.len());
         return Err(Error::Row { file: file.to_owned(), line, cells, columns });
     }
-    for ((cell, heading), column) in record.iter().zip(headings).zip(columns) {
-        let value = number(cell, delimiter).ok_or_else(|| Error::Cell {
-            file: file.to_owned(),
-            line,
-            column: Column::headed(heading, Vec::new()).name,
-            value: cell.to_owned(),
-        })?;
-        column.push(value);
+    for (cell, column) in record.iter().zip(columns) {
+        match number(cell, delimiter) {
+            Some(value) => {
+                column.numbers += usize::from(!is_missing(cell));
+                column.values.push(value);
+            }
+            None => {
+                column.text.get_or_insert_with(|| Text { line, value: cell.to_owned() });
+                column.values.push(f64::NAN);
+            }
+        }
     }
     Ok(())
+}
+
+/// Returns whether a cell says that its value is missing.
+fn is_missing(cell: &str) -> bool {
+    cell.is_empty() || cell.eq_ignore_ascii_case("na") || cell.eq_ignore_ascii_case("nan")
 }
 
 /// Returns a number, which is NaN if the cell is empty; `None` if the cell holds something else. With semicolons between cells, a comma
 /// may be the decimal mark.
 fn number(cell: &str, delimiter: u8) -> Option<f64> {
-    if cell.is_empty() || cell.eq_ignore_ascii_case("na") {
+    if is_missing(cell) {
         return Some(f64::NAN);
     }
     if delimiter == b',' { cell.parse().ok() } else { cell.replace(',', ".").parse().ok() }
@@ -151,7 +194,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
     }
 
     fn part(&mut self) -> Result<Option<Table>, Error> {
-        let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(self.rows); self.headings.len()];
+        let mut columns = vec![Cells::default(); self.headings.len()];
         let mut count = 0;
         while count < self.rows {
             let more =
@@ -159,7 +202,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
             if !more {
                 break;
             }
-            row(&self.record, self.delimiter, &self.headings, &mut columns, &self.name)?;
+            row(&self.record, self.delimiter, &mut columns, &self.name)?;
             count += 1;
         }
         if count == 0 {
@@ -167,9 +210,8 @@ impl<R: std::io::BufRead> CsvParts<R> {
         }
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
-        let columns = self.headings.iter().zip(columns);
-        let columns = columns.map(|(heading, values)| Column::headed(heading, values)).collect();
-        Table { name, columns, remarks: Vec::new() }.checked().map(Some)
+        let Decoded { columns, remarks } = decoded(&self.headings, columns, &self.name)?;
+        Table { name, columns, remarks }.checked().map(Some)
     }
 }
 

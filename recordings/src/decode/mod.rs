@@ -6,8 +6,10 @@ mod csv;
 mod elements;
 mod hdf5;
 mod matlab;
+mod numpy;
 mod parquet;
 mod physical;
+mod zip;
 
 pub use csv::CsvParts;
 
@@ -35,11 +37,11 @@ pub(crate) struct Decoded {
 
 /// Returns whether a file with these first bytes is read as text.
 pub fn is_text(first: &[u8]) -> bool {
-    ![PARQUET, MATLAB, MATLAB_7_3, HDF5].iter().any(|mark| first.starts_with(mark))
+    ![PARQUET, MATLAB, MATLAB_7_3, HDF5, numpy::MAGIC, zip::MAGIC].iter().any(|mark| first.starts_with(mark))
 }
 
-/// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, else
-/// CSV.
+/// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy,
+/// else CSV.
 pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     if bytes.starts_with(PARQUET) {
         parquet::read(bytes, file)
@@ -49,12 +51,16 @@ pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         hdf5::read(bytes, file, hdf5::Order::Matlab)
     } else if bytes.starts_with(HDF5) {
         hdf5::read(bytes, file, hdf5::Order::AsWritten)
+    } else if bytes.starts_with(numpy::MAGIC) {
+        numpy::read_array(bytes, file)
+    } else if bytes.starts_with(zip::MAGIC) && numpy::is_archive(bytes) {
+        numpy::read_archive(bytes, file)
     } else if UTF_16.iter().any(|mark| bytes.starts_with(mark)) {
         let why = "it is text in UTF-16: save it as UTF-8".to_owned();
         Err(Error::Unreadable { file: file.to_owned(), kind: "CSV", why })
     } else if bytes[..bytes.len().min(TEXT)].contains(&0) {
         Err(Error::UnknownFormat { file: file.to_owned() })
     } else {
-        csv::read(bytes, file).map(|columns| Decoded { columns, remarks: Vec::new() })
+        csv::read(bytes, file)
     }
 }

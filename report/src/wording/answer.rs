@@ -14,6 +14,7 @@ use counterpoise_pipeline::recordings::{ColumnRemark, DiagnosedRecordings};
 use serde::Serialize;
 
 use super::effects::{describe_effect, experiment_for};
+use super::held_out::HeldOutText;
 use super::learned::{LearnedText, describe_learned};
 use super::localisation::{describe_chart, describe_pattern, describe_trend};
 use super::recordings::{describe_column_remark, describe_fault, describe_missing_demand, describe_remark};
@@ -44,6 +45,9 @@ pub struct AnswerText {
     /// A model without a name of what no known effect explains; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearnedText>,
+    /// Recordings that the diagnosis was not given, replayed by the model as it was and by the improved one; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub held_out_recordings: Vec<HeldOutText>,
     /// The chart of the localisation; not part of the JSON result.
     #[serde(skip)]
     pub chart: LocalisationChart,
@@ -140,6 +144,7 @@ pub fn describe_answer(answer: &Answer, chart: &LocalisationChart) -> AnswerText
         qualification: answer.qualification.iter().map(describe_remark).collect(),
         warnings: answer.warnings.iter().map(|warning| describe_warning(*warning).to_owned()).collect(),
         learned: answer.learned.as_ref().map(describe_learned),
+        held_out_recordings: Vec::new(),
         chart_summary: describe_chart(chart),
         chart: chart.clone(),
     }

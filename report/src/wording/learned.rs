@@ -2,6 +2,7 @@
 
 use counterpoise_diagnose::findings::answer::Channels;
 use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
+use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::learning::{
     LearnedElement, LearnedModel, LearnedPart, LearnedPlace, LearnedQuantity, RegimeVariable,
 };
@@ -91,6 +92,21 @@ fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> Lear
         reading: describe_reading(element, reading),
         range: range(element),
     }
+}
+
+/// Describes that a recording leaves the range over which a free function is known.
+pub fn describe_beyond(beyond: &RangeExceedance) -> String {
+    let element = LearnedElement { variable: beyond.variable, ..LearnedElement::default() };
+    let range = |[low, high]: [f64; 2]| format!("{} to {}", along(&element, low), along(&element, high));
+    format!(
+        "the free function \"{}\" is known for {} from {} and is flat outside, but the recording goes from {}: {:.1} % of the samples are beyond; \
+         diagnose a recording with this range as well",
+        beyond.name,
+        variable(beyond.variable),
+        range(beyond.known),
+        range(beyond.reached),
+        100.0 * beyond.share
+    )
 }
 
 fn place(place: LearnedPlace) -> &'static str {

@@ -13,6 +13,8 @@ use counterpoise_pipeline::recordings::converter_range::BeyondRange;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
+use super::learned::describe_beyond;
+
 /// Describes something found about the columns of a recording: its channel, and what is wrong or was done.
 pub fn describe_column_remark(remark: &ColumnRemark) -> String {
     match remark {
@@ -23,6 +25,7 @@ pub fn describe_column_remark(remark: &ColumnRemark) -> String {
         ColumnRemark::Repair { channel, repair } => format!("{channel}: {}", describe_repair(repair)),
         ColumnRemark::Controller(mismatch) => format!("control: {}", describe_control_mismatch(mismatch)),
         ColumnRemark::Anomaly { channel, anomaly } => format!("{channel}: {}", describe_anomaly(anomaly)),
+        ColumnRemark::RangeExceeded(beyond) => describe_beyond(beyond),
     }
 }
 

@@ -220,7 +220,9 @@ impl<'a> Replayer<'a> {
         mut start: PlantState,
     ) -> Result<Replay, Error> {
         let mut history = self.run(&mut simulator, control, &start)?;
-        if let (Loop::Closed(_), Some(offset)) = (control, self.position_offset(&history)) {
+        let knows_position = matches!(control, Loop::Closed(controller) if controller.knows_position());
+        let offset = self.position_offset(&history).filter(|_| !knows_position);
+        if let (Loop::Closed(_), Some(offset)) = (control, offset) {
             start.core[state::ANGLE] -= offset;
             history = self.run(&mut simulator, control, &start)?;
         }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use counterpoise_controller::{
-    Controller, ProportionalIntegral, READINGS, Readings, Runner, SampledController,
+    Controller, PositionController, PositionSource, ProportionalIntegral, READINGS, RateSource, Readings,
+    Runner, SampledController,
 };
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
@@ -13,13 +14,15 @@ use super::initial_controller_state::fit_initial_states;
 use super::platform::{reading_floor, reading_step};
 use crate::Error;
 use crate::sensing::CONVERTER_RANGE_V;
-use crate::tolerance::INTEGRAL_SAMPLES;
+use crate::tolerance::{INTEGRAL_SAMPLES, START_RATE_SAMPLES};
 
 /// A controller whose control a closed-loop replay computes anew from the simulated readings.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecordedController {
     /// A proportional-integral controller of the hub rate.
     ProportionalIntegral(ProportionalIntegral),
+    /// A position controller with a rate loop inside.
+    Position(PositionController),
     /// A controller as it is exported, with every block that runs on the target.
     Exported(Arc<ExportedController>),
 }
@@ -40,8 +43,27 @@ impl RecordedController {
     pub fn as_proportional_integral(&self) -> Option<&ProportionalIntegral> {
         match self {
             Self::ProportionalIntegral(controller) => Some(controller),
-            Self::Exported(_) => None,
+            Self::Position(_) | Self::Exported(_) => None,
         }
+    }
+
+    /// Returns the controller at rest, ready for a run of its own.
+    pub fn at_rest(&self) -> Box<dyn SampledController> {
+        match self {
+            Self::ProportionalIntegral(controller) => Box::new(controller.clone()),
+            Self::Position(controller) => Box::new(controller.clone()),
+            Self::Exported(controller) => Box::new(controller.controller().runner()),
+        }
+    }
+
+    /// Returns whether the controller's demand is a position.
+    pub fn demands_position(&self) -> bool {
+        matches!(self, Self::Position(_))
+    }
+
+    /// Returns whether the controller knows the position, so that a replay under it finds the position by itself.
+    pub(crate) fn knows_position(&self) -> bool {
+        matches!(self, Self::Position(_))
     }
 
     /// Returns the controller in the state that it had at the recording's first sample, ready for a closed-loop run; `fitted` keeps
@@ -60,6 +82,7 @@ impl RecordedController {
         recording.samples(Channel::Demand).ok_or(Error::NoChannel { channel: "demand" })?;
         Ok(match self {
             Self::ProportionalIntegral(controller) => Box::new(with_fitted_integral(controller, recording)),
+            Self::Position(controller) => Box::new(position_at_start(controller, recording)),
             Self::Exported(controller) => {
                 let platform = [Channel::PlatformRate, Channel::PlatformAccel, Channel::PlatformSurge]
                     .map(|channel| recording.samples(channel).unwrap_or_default());
@@ -76,6 +99,11 @@ impl RecordedController {
         let control = recording.samples(Channel::Control)?;
         match self {
             Self::ProportionalIntegral(controller) => Some(proportional_integral(controller, &read, control)),
+            Self::Position(controller) => {
+                let mut ready = position_at_start(controller, recording);
+                let limited = |u: f64| u.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
+                Some(read.iter().map(|readings| limited(ready.step(readings))).collect())
+            }
             Self::Exported(controller) => {
                 let mut runner = fit_initial_states(controller.controller(), recording)?;
                 Some(read.iter().map(|readings| runner.step(readings)).collect())
@@ -87,6 +115,10 @@ impl RecordedController {
     pub(crate) fn needed_channels(&self) -> Vec<Channel> {
         match self {
             Self::ProportionalIntegral(_) => vec![Channel::Demand, Channel::HubRate],
+            Self::Position(controller) => match controller.position {
+                PositionSource::LoopSensor => vec![Channel::Demand, Channel::HubRate],
+                PositionSource::HubPosition => vec![Channel::Demand, Channel::HubRate, Channel::HubPosition],
+            },
             Self::Exported(controller) => {
                 (0..READINGS).filter(|&j| controller.reads(j)).map(|j| READ[j]).collect()
             }
@@ -114,6 +146,7 @@ impl RecordedController {
         let sensors = &parameters.sensors;
         match self {
             Self::ProportionalIntegral(controller) => controller.kp_v_s_rad * size(&sensors.hub_gyro),
+            Self::Position(controller) => position_noise(controller, parameters, size),
             Self::Exported(controller) => {
                 let gain = |j: usize| controller.noise_gain(j);
                 let sized = |sensor: Option<&Sensor>| sensor.map_or(0.0, &size);
@@ -128,6 +161,12 @@ impl RecordedController {
 impl From<ProportionalIntegral> for RecordedController {
     fn from(controller: ProportionalIntegral) -> Self {
         Self::ProportionalIntegral(controller)
+    }
+}
+
+impl From<PositionController> for RecordedController {
+    fn from(controller: PositionController) -> Self {
+        Self::Position(controller)
     }
 }
 
@@ -170,6 +209,63 @@ fn with_fitted_integral(controller: &ProportionalIntegral, recording: &Recording
         let readings = Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
         let left = control[k] - observer.step(&readings);
         if left.is_nan() || control[k].abs() >= CONVERTER_RANGE_V {
+            break;
+        }
+        sum += left;
+        count += 1.0;
+    }
+    ready.integral_v = if count > 0.0 { sum / count } else { 0.0 };
+    ready
+}
+
+/// Returns the RMS of a position controller's control from white noise on its sensors.
+fn position_noise(
+    controller: &PositionController,
+    parameters: &Parameters,
+    size: impl Fn(&Sensor) -> f64,
+) -> f64 {
+    let sensors = &parameters.sensors;
+    let position = match controller.position {
+        PositionSource::LoopSensor => size(&sensors.hub_gyro),
+        PositionSource::HubPosition => sensors.hub_resolver.as_ref().map_or(0.0, &size),
+    };
+    let kv = controller.kv_v_s_rad;
+    match controller.rate {
+        RateSource::Measured => kv * (controller.kp_1_s * position).hypot(size(&sensors.hub_gyro)),
+        RateSource::Differences(count) => {
+            // u = -kv ((kp + d) q_k - d q_(k - n)), d = 1 / (n T)
+            let difference = 1.0 / (count.max(1) as f64 * controller.sample_period_s);
+            kv * position * (controller.kp_1_s + difference).hypot(difference)
+        }
+    }
+}
+
+/// Returns a position controller with the rate and the integral that it had at the first sample; as it was handed in if its readings were
+/// not recorded.
+fn position_at_start(controller: &PositionController, recording: &Recording) -> PositionController {
+    let mut ready = PositionController { integral_v: 0.0, earlier_rad: Vec::new(), ..controller.clone() };
+    let channel = match controller.position {
+        PositionSource::LoopSensor => Channel::HubRate,
+        PositionSource::HubPosition => Channel::HubPosition,
+    };
+    let column = recording.samples(channel).unwrap_or_default();
+    let place = START_RATE_SAMPLES.min(column.len().saturating_sub(1));
+    if place > 0 {
+        let rate = (column[place] - column[0]) / (place as f64 * recording.sample_period_s);
+        ready.start_rate_rad_s = if rate.is_finite() { rate } else { 0.0 };
+    }
+    let (Some(read), Some(control)) = (recorded_readings(recording), recording.samples(Channel::Control))
+    else {
+        return ready;
+    };
+    if controller.ki_v_rad == 0.0 {
+        return ready;
+    }
+    let mut observer = ready.clone();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (readings, recorded) in read.iter().zip(control).take(INTEGRAL_SAMPLES) {
+        let left = recorded - observer.step(readings);
+        if left.is_nan() || recorded.abs() >= CONVERTER_RANGE_V {
             break;
         }
         sum += left;

@@ -119,6 +119,12 @@ impl Chart {
         self.with_any_curve(Curve { name: name.to_owned(), points: CurvePoints::Few(points), colour, dash })
     }
 
+    /// Adds a path that may turn back, such as a curve in the complex plane; a point without numbers breaks it.
+    #[must_use]
+    pub fn with_path(self, name: &str, colour: Color32, dash: Dash, points: Vec<[f64; 2]>) -> Self {
+        self.with_any_curve(Curve { name: name.to_owned(), points: CurvePoints::Path(points), colour, dash })
+    }
+
     /// Adds a curve of any length.
     #[must_use]
     pub fn with_any_curve(mut self, curve: Curve) -> Self {

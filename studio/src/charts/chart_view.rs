@@ -225,20 +225,32 @@ fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &Th
         let coordinates = |p: &[f64; 2]| {
             [chart.plot_coordinate(PlotAxis::X, p[0]), chart.plot_coordinate(PlotAxis::Y, p[1])]
         };
-        let mut points: Vec<[f64; 2]> = points.iter().map(coordinates).collect();
-        let style = match curve.dash {
-            Dash::Solid => LineStyle::Solid,
-            Dash::Dashed => LineStyle::dashed_dense(),
-            Dash::Dotted => LineStyle::dotted_dense(),
-        };
-        if curve.dash != Dash::Solid && pixels_per_unit.iter().all(|v| v.is_finite()) {
-            points = simplify_line(&points, pixels_per_unit);
+        let points: Vec<[f64; 2]> = points.iter().map(coordinates).collect();
+        // a point without numbers breaks a path
+        for run in points.split(|point| point.iter().any(|value| value.is_nan())) {
+            draw_line(plot, curve, run.to_vec(), pixels_per_unit);
         }
-        let line = Line::new(&curve.name, PlotPoints::from(points));
-        plot.line(line.color(curve.colour).width(1.6).style(style));
     }
     draw_spots(plot, chart, theme);
     draw_marks(plot, chart, theme);
+}
+
+fn draw_line<'a>(
+    plot: &mut egui_plot::PlotUi<'a>,
+    curve: &'a Curve,
+    mut points: Vec<[f64; 2]>,
+    pixels_per_unit: [f64; 2],
+) {
+    let style = match curve.dash {
+        Dash::Solid => LineStyle::Solid,
+        Dash::Dashed => LineStyle::dashed_dense(),
+        Dash::Dotted => LineStyle::dotted_dense(),
+    };
+    if curve.dash != Dash::Solid && pixels_per_unit.iter().all(|v| v.is_finite()) {
+        points = simplify_line(&points, pixels_per_unit);
+    }
+    let line = Line::new(&curve.name, PlotPoints::from(points));
+    plot.line(line.color(curve.colour).width(1.6).style(style));
 }
 
 fn draw_spots(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &Theme) {

@@ -11,6 +11,8 @@ use super::min_max_pyramid::MinMaxPyramid;
 pub enum CurvePoints {
     /// A few thousand at most.
     Few(Vec<[f64; 2]>),
+    /// A few thousand at most, of a path that may turn back: it is drawn whole and has no value at an x.
+    Path(Vec<[f64; 2]>),
     /// As many as a recording has, with the factor on their values.
     Many(Arc<MinMaxPyramid>, f64),
 }
@@ -19,7 +21,7 @@ impl CurvePoints {
     /// Returns every point.
     pub fn all(&self) -> Cow<'_, [[f64; 2]]> {
         match self {
-            Self::Few(points) => Cow::Borrowed(points),
+            Self::Few(points) | Self::Path(points) => Cow::Borrowed(points),
             Self::Many(pyramid, factor) => multiplied(Cow::Borrowed(pyramid.points()), *factor),
         }
     }
@@ -28,6 +30,7 @@ impl CurvePoints {
     pub fn visible_points(&self, range: [f64; 2], pixels: usize) -> Cow<'_, [[f64; 2]]> {
         match self {
             Self::Few(points) => decimate(points, range, pixels),
+            Self::Path(points) => Cow::Borrowed(points),
             Self::Many(pyramid, factor) => multiplied(pyramid.visible_points(range, pixels), *factor),
         }
     }
@@ -36,6 +39,7 @@ impl CurvePoints {
     pub fn value_at(&self, x: f64) -> Option<f64> {
         let (all, factor) = match self {
             Self::Few(points) => (points.as_slice(), 1.0),
+            Self::Path(_) => return None,
             Self::Many(pyramid, factor) => (pyramid.points(), *factor),
         };
         let after = all.partition_point(|p| p[0] < x);

@@ -18,6 +18,16 @@ pub enum Page {
     Diagnose,
 }
 
+/// A tab of the page Design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DesignTab {
+    /// The weights, and the consequences of a design over time and frequency.
+    Consequences,
+    /// The loop in the complex plane: phase, Nichols, Nyquist, root locus, and the responses of the closed loop.
+    Loop,
+}
+
 /// A tab of the page Verify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -89,6 +99,19 @@ impl Page {
             Page::Design => "Design",
             Page::Verify => "Verify",
             Page::Diagnose => "Diagnose",
+        }
+    }
+}
+
+impl DesignTab {
+    /// All tabs.
+    pub const ALL: [DesignTab; 2] = [DesignTab::Consequences, DesignTab::Loop];
+
+    /// Returns the tab's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            DesignTab::Consequences => "Consequences",
+            DesignTab::Loop => "Loop",
         }
     }
 }

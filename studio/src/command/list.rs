@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
+use super::{BrowsePurpose, Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 
 /// A command as menus and the command palette show it.
 #[derive(Debug, Clone)]
@@ -34,6 +34,16 @@ fn page_commands() -> Vec<CommandEntry> {
         entry("Go to Design", "Ctrl+3", page(Page::Design)),
         entry("Go to Verify", "Ctrl+4", page(Page::Verify)),
         entry("Go to Diagnose", "Ctrl+5", page(Page::Diagnose)),
+        entry(
+            "Show the consequences of the design",
+            "",
+            Command::ShowDesign { tab: DesignTab::Consequences },
+        ),
+        entry(
+            "Show the loop: Nichols, Nyquist, root locus",
+            "",
+            Command::ShowDesign { tab: DesignTab::Loop },
+        ),
         entry("Show the time histories", "", verification(VerificationTab::Histories)),
         entry("Show the disturbance rejection", "", verification(VerificationTab::Rejection)),
         entry("Show the analyser's map", "", verification(VerificationTab::Map)),

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-pub use choices::{BrowsePurpose, DesignSlot, DiagnosisTab, Page, VerificationTab};
+pub use choices::{BrowsePurpose, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 pub use list::{CommandEntry, list_commands};
 
 /// What can be done.
@@ -96,6 +96,12 @@ pub enum Command {
     Measure,
     /// Simulates the controller on many mechanisms that differ as the project says.
     Sweep,
+    /// Shows one tab of the design.
+    #[serde(rename = "look-at-design")]
+    ShowDesign {
+        /// The tab.
+        tab: DesignTab,
+    },
     /// Shows one tab of the verification.
     #[serde(rename = "look")]
     ShowVerification {

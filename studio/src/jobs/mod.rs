@@ -53,7 +53,8 @@ use plot_copy::{CopiedPlot, CopyRequest, copy_plot};
 use recording_views::{RecordingView, ReplayRequest, ReplayedFiles, replay_files};
 use report_job::{ReportRequest, write_report};
 use verification::{
-    PartialVerification, TradeOffWorker, VerificationWorker, trade_off_worker, verification_worker,
+    LoopShapeWorker, PartialVerification, TradeOffWorker, VerificationWorker, loop_shape_worker,
+    trade_off_worker, verification_worker,
 };
 
 /// The workers, and what the recordings' workers have found.
@@ -64,6 +65,8 @@ pub struct Jobs {
     pub verify: VerificationWorker,
     /// Computes error against effort.
     pub effort: TradeOffWorker,
+    /// Computes the loop for charts of the plane.
+    pub loop_shape: LoopShapeWorker,
     /// Measures.
     pub measure: MeasurementWorker,
     /// Exports.
@@ -131,6 +134,7 @@ impl Jobs {
             design: design_worker(wake),
             verify: verification_worker(wake, &partial),
             effort: trade_off_worker(wake),
+            loop_shape: loop_shape_worker(wake),
             measure: measurement_worker(wake, &measurement_progress, &partial_campaign),
             export: Worker::new(Arc::clone(wake), |request: ExportRequest, token: &Token| {
                 export_code(&request, token)
@@ -203,6 +207,7 @@ impl Jobs {
             || self.ranking.is_pending()
             || self.restore.is_pending()
             || self.copy.is_pending()
+            || self.loop_shape.is_pending()
     }
 
     /// Returns how far the diagnosis is, in words.

@@ -1,4 +1,4 @@
-//! Verification on the full plant, which shows what it has found while it runs, and the trade-off around the design.
+//! Verification on the full plant, which shows what it has found while it runs, and the trade-off and the loop around the design.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -8,6 +8,7 @@ use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
 use counterpoise_pipeline::{self as pipeline, World};
+use counterpoise_verify::linear::{LoopShape, loop_shape};
 use counterpoise_verify::{Verification, VerifiedController};
 
 use super::error_lines::{ErrorLines, error_lines};
@@ -31,6 +32,9 @@ pub type VerificationWorker =
 
 /// Computes error against effort around a design; the answer is `None` if the job was cancelled or there is no such curve.
 pub type TradeOffWorker = Worker<Arc<DesignPreview>, Option<Vec<EffortPoint>>>;
+
+/// Computes the loop of a design as charts of the plane show it; the answer is `None` if there is none.
+pub type LoopShapeWorker = Worker<Arc<DesignPreview>, Option<LoopShape>>;
 
 /// Shortest time between two partial results: more would cost frames and show nothing new.
 const PARTIAL_INTERVAL: Duration = Duration::from_millis(60);
@@ -68,6 +72,14 @@ pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
         let go_on = || !token.is_cancelled();
         let factors = error_weight_factors();
         effort(&design.project, &design.modelled, &design.reduced, &factors, &go_on).ok()?
+    })
+}
+
+/// Returns a worker that computes path and root locus of the loop.
+pub fn loop_shape_worker(wake: &Wake) -> LoopShapeWorker {
+    Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, _: &Token| {
+        let sample_period_s = design.modelled.parameters.interface.sample_period_s;
+        loop_shape(&design.broken, sample_period_s).ok()
     })
 }
 

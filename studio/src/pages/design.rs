@@ -13,8 +13,8 @@ use super::design_charts::{
     control_chart, effort_chart, loop_chart, motion_chart, sensitivity_chart, step_chart,
 };
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
-use super::{design_figures, no_controller, widgets};
-use crate::command::Command;
+use super::{design_figures, loop_charts, no_controller, widgets};
+use crate::command::{Command, DesignTab};
 use crate::editing::weight_handles;
 use crate::number_format::format_short;
 use crate::studio::Studio;
@@ -40,6 +40,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let why = studio.results.design_errors(revision).map(<[String]>::to_vec);
     let design = studio.results.design_at(revision).map(|(design, age)| (Arc::clone(design), age));
     let effort = studio.results.effort.clone();
+    let shape = studio.results.loop_shape.clone().filter(|shape| shape.revision == revision);
     let view = &mut studio.view;
     let preview = design.as_ref().map(|(design, _)| Arc::clone(design));
     widgets::side_panel("weights", &view.theme, SIDE_WIDTH).show(ui, |ui| {
@@ -60,7 +61,21 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     if age == Freshness::Stale && why.is_some() {
         ui.multiply_opacity(0.55);
     }
-    show_plots(ui, view, queue, &project, (&design, effort.as_ref()));
+    show_tabs(ui, view, queue);
+    match view.design_tab {
+        DesignTab::Consequences => show_plots(ui, view, queue, &project, (&design, effort.as_ref())),
+        DesignTab::Loop => loop_charts::show(ui, view, queue, &design, shape.as_ref().map(|of| &of.value)),
+    }
+}
+
+fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        for tab in DesignTab::ALL {
+            if ui.selectable_label(view.design_tab == tab, tab.name()).clicked() {
+                queue.push(Command::ShowDesign { tab });
+            }
+        }
+    });
 }
 
 fn show_side(

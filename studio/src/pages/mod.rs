@@ -11,7 +11,7 @@
 //! 4. Say in place what is missing and how to get it ([`widgets::show_placeholder`]), never with a blank.
 //!
 //! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
-//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`weight_plot`], [`design_charts`],
+//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`weight_plot`], [`design_charts`], [`loop_charts`],
 //! [`design_figures`], [`kept_designs`], [`verify`], [`verify_charts`], [`limit_marks`], [`measurements`], [`diagnose`],
 //! [`recording_mapping`], [`recording_charts`], [`findings`].
 
@@ -25,6 +25,7 @@ pub mod findings;
 pub mod frequency_charts;
 pub mod kept_designs;
 pub mod limit_marks;
+pub mod loop_charts;
 pub mod measurements;
 pub mod no_controller;
 pub mod number_groups;

@@ -37,6 +37,9 @@ impl Studio {
         if let Some((revision, Some(value))) = self.jobs.effort.take() {
             self.results.effort = Some(Versioned { revision, value });
         }
+        if let Some((revision, Some(value))) = self.jobs.loop_shape.take() {
+            self.results.loop_shape = Some(Versioned { revision, value });
+        }
         self.take_partial_verification();
         self.take_measurements();
         self.take_export();
@@ -46,7 +49,7 @@ impl Studio {
             self.replay_recordings();
         }
         if had_recordings && self.jobs.recordings.is_empty() && self.jobs.recording_views.is_some() {
-            self.view.show_error("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5)");
+            self.view.show_error("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5, NumPy)");
         }
     }
 
@@ -56,7 +59,9 @@ impl Studio {
         match preview.design {
             Some(Ok(design)) => {
                 self.results.design_time = preview.took;
-                self.results.design = Some(Versioned { revision, value: Arc::new(*design) });
+                let design = Arc::new(*design);
+                self.jobs.loop_shape.ask(revision, Arc::clone(&design));
+                self.results.design = Some(Versioned { revision, value: design });
                 self.verify_at = Some(Instant::now() + VERIFICATION_DELAY);
             }
             Some(Err(why)) => self.results.design_failure = Some(Versioned { revision, value: why }),

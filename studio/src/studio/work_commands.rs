@@ -196,7 +196,7 @@ impl Studio {
         if self.jobs.recordings.is_empty() {
             return self
                 .view
-                .show_error("drop recordings (CSV, Parquet, MATLAB, HDF5) onto the window first");
+                .show_error("drop recordings (CSV, Parquet, MATLAB, HDF5, NumPy) onto the window first");
         }
         let request = DiagnosisRequest { project: Arc::clone(project), paths: self.jobs.recordings.clone() };
         self.jobs.diagnosed_plant = Some(project.plant.clone());

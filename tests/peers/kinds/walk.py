@@ -281,14 +281,8 @@ class Walk:
                 self.failures.append("the independent simulation runs away")
                 return
             unit = ("m" if machine.linear else "rad") if machine.position else ("m/s" if machine.linear else "rad/s")
-            columns, factor = ("position" if machine.position else "rate"), 1.0
-            column = ("motor_" if machine.of_motor else "hub_") + columns
-            own = unit
-            if machine.of_motor:
-                factor = machine.ratio
-                own = "rad" if machine.position else "rad/s"
-            data[:, 3] *= factor
-            header = f"time [s],demand [{unit}],control [V],{column} [{own}]"
+            column = "hub_position" if machine.position else "hub_rate"
+            header = f"time [s],demand [{unit}],control [V],{column} [{unit}]"
             np.savetxt(runs / f"run{seed}.csv", data, delimiter=",", header=header, comments="", fmt="%.12g")
         (self.folder / "recorded.toml").write_text(self.text + '\n[recording_controller]\nkind = "exported"\nfile = "out/controller.json"\n')
         done, t = self.run("replay", "recorded.toml", "runs")

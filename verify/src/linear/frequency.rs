@@ -2,6 +2,7 @@
 
 use counterpoise_lti::{C64, CMat, Response, StateSpace};
 
+use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;
 use super::{Closed, SampledPlant};
 use crate::{Arrangement, Error, Source};
@@ -28,6 +29,9 @@ pub struct Curves {
     pub broken: Curve,
     /// 1 / (1 + L) and L / (1 + L).
     pub sensitivities: Vec<Curve>,
+    /// What the loop makes of its demand, of a disturbance of the control, and of the noise of each sensor that the feedback reads: with
+    /// the two sensitivities, the gang of six.
+    pub loop_responses: Vec<LoopResponse>,
     /// Hub rate over platform motion.
     pub rejection: Vec<Rejection>,
 }
@@ -44,9 +48,10 @@ pub struct Rejection {
 }
 
 /// Readings in the order of the controller.
+pub(super) const DEMAND: usize = 0;
 const HUB_GYRO: usize = 1;
-const PLATFORM_GYRO: usize = 2;
-const ACCELEROMETER: usize = 3;
+pub(super) const PLATFORM_GYRO: usize = 2;
+pub(super) const ACCELEROMETER: usize = 3;
 const POINTS: usize = 700;
 const LOWEST_HZ: f64 = 0.02;
 
@@ -62,9 +67,9 @@ pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
 pub struct PlantResponse {
     /// Frequencies, Hz.
     pub frequency_hz: Vec<f64>,
-    rates_rad_s: Vec<f64>,
+    pub(super) rates_rad_s: Vec<f64>,
     /// (control, heave, pitch rate) to all outputs, continuous.
-    continuous: Vec<CMat>,
+    pub(super) continuous: Vec<CMat>,
     /// Control to readings, sampled.
     readings: Vec<CMat>,
 }
@@ -119,6 +124,9 @@ impl Curves {
             plant: plant_curves,
             controller: controller.as_deref().map_or(Vec::new(), controller_curves),
             sensitivities: sensitivities(&broken),
+            loop_responses: controller
+                .as_deref()
+                .map_or(Vec::new(), |K| loop_responses(plant, at, K, &broken)),
             broken: Curve { name: "loop".to_owned(), response: broken },
             rejection,
             frequency_hz: at.frequency_hz.clone(),

@@ -3,15 +3,21 @@
 //! Friction observers are taken as sliding and the out-of-balance estimator as standing still (see
 //! [`counterpoise_controller::Controller::linear`]).
 //!
-//! Modules in reading order: [`plant`], [`closed`], [`frequency`], [`time`], [`surge`].
+//! Modules in reading order: [`plant`], [`closed`], [`frequency`], [`loop_responses`], [`root_locus`](mod@root_locus), [`loop_shape`](mod@loop_shape), [`time`], [`surge`].
 
 pub mod closed;
 pub mod frequency;
+pub mod loop_responses;
+pub mod loop_shape;
 pub mod plant;
+pub mod root_locus;
 pub mod surge;
 pub mod time;
 
 pub use closed::{Closed, arranged};
 pub use frequency::{Curve, Curves, PlantResponse, rejection_db};
+pub use loop_responses::{LoopCause, LoopEffect, LoopResponse};
+pub use loop_shape::{Disk, LoopPath, LoopShape, largest_sensitivity, loop_shape};
 pub use plant::SampledPlant;
+pub use root_locus::{RootLocus, root_locus};
 pub use time::{disturbance, step, triangle};

@@ -6,10 +6,13 @@
 use std::f64::consts::TAU;
 
 use counterpoise_lti::{C64, Mat, Response, StateSpace, Timebase};
+use counterpoise_models::base_motion::Traverse;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::filter::from_rest;
+use super::four_wheels::{Sides, coherence_function, roll_dynamics};
+use super::six_axes::{BaseSeries, felt_road, phases};
 use crate::{Error, Road};
 
 /// Roughness class.
@@ -27,7 +30,7 @@ pub enum RoadClass {
     E,
 }
 
-/// Half of a vehicle: a body on two axles.
+/// A vehicle: a body on two axles; half of one if its sides are not stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vehicle {
     /// Mass of the body, kg.
@@ -46,6 +49,8 @@ pub struct Vehicle {
     pub half_base_m: f64,
     /// Distance of the mechanism's pivot in front of the centre of mass, m.
     pub pivot_m: f64,
+    /// Its two sides, if it has four wheels: it then rolls. `None` if both sides see the same road.
+    pub sides: Option<Sides>,
 }
 
 impl Vehicle {
@@ -59,6 +64,7 @@ impl Vehicle {
         tyre_n_m: 1_800_000.0,
         half_base_m: 2.0,
         pivot_m: 0.5,
+        sides: None,
     };
 }
 
@@ -83,6 +89,8 @@ pub struct Drive {
 const BAND: (f64, f64) = (0.011, 2.83);
 const REFERENCE: f64 = 0.1;
 const SINES: usize = 400;
+/// Stream of the phases of half the difference of the two tracks.
+const DIFFERENCE_STREAM: u64 = 48;
 
 impl RoadClass {
     /// Geometric mean of the class's G(n0), m^3.
@@ -112,15 +120,51 @@ struct Tone {
     phase_rad: f64,
 }
 
-/// The motion of the mechanism's pivot during a drive: heave (m/s^2) and pitch rate (rad/s, nose-up), from rest to rest.
+/// The motion of the mechanism's pivot during a drive: heave (m/s^2) and pitch rate (rad/s, nose-up), from rest to rest. A vehicle with two sides
+/// also rolls, and the elevation axis feels gravity's share of that.
 ///
 /// # Errors
 /// [`Error::Range`] for a speed, duration or period that is not positive, and a vehicle without mass.
-pub fn iso_road(drive: Drive, vehicle: Vehicle) -> Result<Road, Error> {
+pub fn iso_road(drive: Drive, vehicle: Vehicle, gravity_m_s2: f64) -> Result<Road, Error> {
     check(drive, vehicle)?;
+    let name = format!("ISO 8608 class {:?} at {} m/s", drive.class, drive.speed_m_s);
     let tones = profile(drive);
+    let Some(sides) = vehicle.sides else {
+        let [heave_m_s2, pitch_rate_rad_s] = motion(drive, vehicle, &dynamics(vehicle)?, &tones)?;
+        let sample_period_s = drive.sample_period_s;
+        return Ok(Road { name, sample_period_s, heave_m_s2, pitch_rate_rad_s, further: None });
+    };
+    let shared = |tone: &Tone| coherence_function(tone.rate_rad_s / drive.speed_m_s * sides.track_m);
+    let scaled = |tone: &Tone, share: f64, phase_rad: f64| Tone {
+        amplitude_m: share.max(0.0).sqrt() * tone.amplitude_m,
+        phase_rad,
+        ..*tone
+    };
+    let common: Vec<Tone> =
+        tones.iter().map(|tone| scaled(tone, 0.5 * (1.0 + shared(tone)), tone.phase_rad)).collect();
+    let own = phases(drive.seed, DIFFERENCE_STREAM);
+    let difference: Vec<Tone> =
+        tones.iter().zip(own).map(|(tone, phase)| scaled(tone, 0.5 * (1.0 - shared(tone)), phase)).collect();
+    let [heave, pitch_rate] = motion(drive, vehicle, &dynamics(vehicle)?, &common)?;
+    let [roll_rate, roll_acceleration] =
+        motion(drive, vehicle, &roll_dynamics(vehicle, sides)?, &difference)?;
+    let mut series = BaseSeries::still(heave.len(), drive.sample_period_s);
+    for k in 0..heave.len() {
+        let sway = -sides.pivot_height_m * roll_acceleration[k];
+        series.set(k, [0.0, sway, heave[k], roll_rate[k], pitch_rate[k], 0.0]);
+    }
+    Ok(felt_road(name, &series, Traverse::default(), gravity_m_s2))
+}
+
+/// The two outputs of a system from the road under the front and the rear axle, over time.
+fn motion(
+    drive: Drive,
+    vehicle: Vehicle,
+    system: &StateSpace,
+    tones: &[Tone],
+) -> Result<[Vec<f64>; 2], Error> {
     let rates: Vec<f64> = tones.iter().map(|tone| tone.rate_rad_s).collect();
-    let response = Response::of(&dynamics(vehicle)?)?.at_all(&rates)?;
+    let response = Response::of(system)?.at_all(&rates)?;
     let delay_s = 2.0 * vehicle.half_base_m / drive.speed_m_s;
     let through = |k: usize, output: usize| {
         let rear = C64::from_polar(1.0, -rates[k] * delay_s);
@@ -140,14 +184,7 @@ pub fn iso_road(drive: Drive, vehicle: Vehicle) -> Result<Road, Error> {
         let motion: Vec<f64> = (0..samples).map(|k| at(k as f64 * drive.sample_period_s)).collect();
         from_rest(&motion, drive.sample_period_s, drive.fade_s)
     };
-    let name = format!("ISO 8608 class {:?} at {} m/s", drive.class, drive.speed_m_s);
-    Ok(Road {
-        name,
-        sample_period_s: drive.sample_period_s,
-        heave_m_s2: series(0),
-        pitch_rate_rad_s: series(1),
-        further: None,
-    })
+    Ok([series(0), series(1)])
 }
 
 fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
@@ -159,6 +196,8 @@ fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
         ("pitch inertia of the vehicle in kg m^2", vehicle.pitch_inertia_kg_m2),
         ("mass of an axle in kg", vehicle.axle_mass_kg),
         ("tyre stiffness in N/m", vehicle.tyre_n_m),
+        ("track in m", vehicle.sides.map_or(1.0, |sides| sides.track_m)),
+        ("roll inertia in kg m^2", vehicle.sides.map_or(1.0, |sides| sides.roll_inertia_kg_m2)),
     ] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Error::Range { what, value, allowed: "positive" });
@@ -224,6 +263,7 @@ mod tests {
     use crate::signals::rms;
     use counterpoise_lti::{dcgain, poles};
 
+    const G: f64 = 9.80665;
     const DRIVE: Drive = Drive {
         class: RoadClass::C,
         speed_m_s: 8.0,
@@ -253,14 +293,37 @@ mod tests {
     #[test]
     fn two_classes_worse_is_four_times_the_motion_and_a_seed_repeats() {
         let (c, e) = (
-            iso_road(DRIVE, Vehicle::HEAVY).unwrap(),
-            iso_road(Drive { class: RoadClass::E, ..DRIVE }, Vehicle::HEAVY).unwrap(),
+            iso_road(DRIVE, Vehicle::HEAVY, G).unwrap(),
+            iso_road(Drive { class: RoadClass::E, ..DRIVE }, Vehicle::HEAVY, G).unwrap(),
         );
         assert!((rms(&e.heave_m_s2) / rms(&c.heave_m_s2) - 4.0).abs() < 1e-9);
-        assert_eq!(c, iso_road(DRIVE, Vehicle::HEAVY).unwrap());
+        assert_eq!(c, iso_road(DRIVE, Vehicle::HEAVY, G).unwrap());
         assert!((0.2..3.0).contains(&rms(&c.heave_m_s2)), "{} m/s^2", rms(&c.heave_m_s2));
         assert!((0.005..0.3).contains(&rms(&c.pitch_rate_rad_s)), "{} rad/s", rms(&c.pitch_rate_rad_s));
         assert_eq!(c.heave_m_s2[0], 0.0);
-        assert!(iso_road(Drive { speed_m_s: 0.0, ..DRIVE }, Vehicle::HEAVY).is_err());
+        assert!(iso_road(Drive { speed_m_s: 0.0, ..DRIVE }, Vehicle::HEAVY, G).is_err());
+    }
+
+    #[test]
+    fn four_wheels_roll_as_the_two_tracks_differ() {
+        let with = |track_m: f64| {
+            let sides = Sides { track_m, roll_inertia_kg_m2: 9_000.0, pivot_height_m: 1.0 };
+            iso_road(DRIVE, Vehicle { sides: Some(sides), ..Vehicle::HEAVY }, G).unwrap()
+        };
+        let (narrow, wide) = (with(1e-3), with(2.2));
+        let half = iso_road(DRIVE, Vehicle::HEAVY, G).unwrap();
+        let roll = |road: &Road| rms(&road.further.as_ref().unwrap().roll_rate_rad_s);
+        // wheels at one place see one road: the body moves as half a vehicle does
+        assert!((rms(&narrow.pitch_rate_rad_s) / rms(&half.pitch_rate_rad_s) - 1.0).abs() < 1e-3);
+        assert!((rms(&narrow.heave_m_s2) / rms(&half.heave_m_s2) - 1.0).abs() < 0.02);
+        // two independent tracks move it by 1/sqrt(2) of that; real ones lie between
+        let share = rms(&wide.heave_m_s2) / rms(&half.heave_m_s2);
+        assert!((0.68..1.0).contains(&share), "{share}");
+        assert!((0.01..0.5).contains(&roll(&wide)), "{} rad/s", roll(&wide));
+        let still = Vehicle {
+            sides: Some(Sides { track_m: 0.0, roll_inertia_kg_m2: 1.0, pivot_height_m: 0.0 }),
+            ..Vehicle::HEAVY
+        };
+        assert!(iso_road(DRIVE, still, G).is_err());
     }
 }

@@ -1,9 +1,11 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`iso_road`], [`spectrum`], [`six_axes`], [`statistics`].
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`four_wheels`], [`iso_road`], [`spectrum`], [`six_axes`], [`sea`], [`statistics`].
 
 pub mod filter;
+pub mod four_wheels;
 pub mod iso_road;
+pub mod sea;
 pub mod six_axes;
 pub mod spectrum;
 pub mod statistics;
@@ -11,7 +13,9 @@ pub mod step;
 pub mod welch;
 
 pub use filter::{LowPass, from_rest, low_pass};
+pub use four_wheels::Sides;
 pub use iso_road::{Drive, RoadClass, Vehicle, iso_road};
+pub use sea::{Sea, Ship, WaveShape, Waves};
 pub use spectrum::{Realisation, Tone, pitch_simulator, random_motion};
 pub use statistics::{mean, peak, rms};
 pub use step::{StepFigures, step_figures};

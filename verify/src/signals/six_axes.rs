@@ -36,6 +36,46 @@ pub struct SixAxes {
     pub traverse: Traverse,
 }
 
+/// Samples of a base's motion: accelerations of the pivot in axes that do not turn (forward, to the left, up), m/s^2, and rates about the
+/// base's axes (left side up, nose up, to the left), rad/s.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct BaseSeries {
+    pub(super) rows: Vec<[f64; 6]>,
+    period_s: f64,
+}
+
+impl BaseSeries {
+    /// Returns a base at rest.
+    pub(super) fn still(samples: usize, period_s: f64) -> Self {
+        Self { rows: vec![[0.0; 6]; samples], period_s }
+    }
+
+    /// Sets one sample.
+    pub(super) fn set(&mut self, k: usize, row: [f64; 6]) {
+        self.rows[k] = row;
+    }
+}
+
+/// Returns what the elevation axis feels of a base's motion.
+pub(super) fn felt_road(name: String, series: &BaseSeries, traverse: Traverse, gravity_m_s2: f64) -> Road {
+    let accelerations: Vec<[f64; 3]> = series.rows.iter().map(|row| [row[0], row[1], row[2]]).collect();
+    // nose-up is the negative sense about the axis to the left
+    let rates: Vec<[f64; 3]> = series.rows.iter().map(|row| [row[3], -row[4], row[5]]).collect();
+    let base = from_inertial(&accelerations, &rates, series.period_s, gravity_m_s2);
+    let felt = felt(&base, series.period_s, traverse, gravity_m_s2, Level::Known);
+    Road {
+        name,
+        sample_period_s: series.period_s,
+        heave_m_s2: felt.iter().map(|at| at.heave_m_s2).collect(),
+        pitch_rate_rad_s: felt.iter().map(|at| at.pitch_rate_rad_s).collect(),
+        further: Some(FurtherRoad {
+            surge_m_s2: felt.iter().map(|at| at.surge_m_s2).collect(),
+            roll_rate_rad_s: felt.iter().map(|at| at.roll_rate_rad_s).collect(),
+            yaw_rate_rad_s: felt.iter().map(|at| at.yaw_rate_rad_s).collect(),
+        }),
+    }
+}
+
 /// Names of the axes of [`SixAxes`], in their order.
 pub const AXES: [&str; 6] = ["surge", "sway", "heave", "roll", "pitch", "yaw"];
 /// Stream of the phases that all axes have in common; those of the axes follow.
@@ -57,31 +97,15 @@ impl SixAxes {
         if !(0.0..=1.0).contains(&self.coherence) {
             return Err(out_of_range("coherence", self.coherence, "from 0 to 1"));
         }
-        let mut series = Vec::with_capacity(6);
-        for tones in self.all_tones(how.seed)? {
-            let at = |k: usize| {
+        let mut series = BaseSeries::still(samples, PERIOD_S);
+        for (axis, tones) in self.all_tones(how.seed)?.iter().enumerate() {
+            for (k, row) in series.rows.iter_mut().enumerate() {
                 let t = k as f64 * PERIOD_S;
-                window(t, how)[0] * sum(&tones, t)[0]
-            };
-            series.push((0..samples).map(at).collect::<Vec<f64>>());
+                row[axis] = window(t, how)[0] * sum(tones, t)[0];
+            }
         }
-        let three = |first: usize, sign: [f64; 3]| -> Vec<[f64; 3]> {
-            (0..samples).map(|k| [0, 1, 2].map(|axis| sign[axis] * series[first + axis][k])).collect()
-        };
-        // nose-up is the negative sense about the axis to the left
-        let base = from_inertial(&three(0, [1.0; 3]), &three(3, [1.0, -1.0, 1.0]), PERIOD_S, gravity_m_s2);
-        let felt = felt(&base, PERIOD_S, self.traverse, gravity_m_s2, Level::Known);
-        Ok(Road {
-            name: format!("motion of six axes, seed {}", how.seed),
-            sample_period_s: PERIOD_S,
-            heave_m_s2: felt.iter().map(|at| at.heave_m_s2).collect(),
-            pitch_rate_rad_s: felt.iter().map(|at| at.pitch_rate_rad_s).collect(),
-            further: Some(FurtherRoad {
-                surge_m_s2: felt.iter().map(|at| at.surge_m_s2).collect(),
-                roll_rate_rad_s: felt.iter().map(|at| at.roll_rate_rad_s).collect(),
-                yaw_rate_rad_s: felt.iter().map(|at| at.yaw_rate_rad_s).collect(),
-            }),
-        })
+        let name = format!("motion of six axes, seed {}", how.seed);
+        Ok(felt_road(name, &series, self.traverse, gravity_m_s2))
     }
 
     fn all_tones(&self, seed: u64) -> Result<Vec<Vec<Tone>>, Error> {
@@ -141,7 +165,8 @@ struct Grid {
     ratio: f64,
 }
 
-fn phases(seed: u64, stream: u64) -> Vec<f64> {
+/// Phases of the lines of a spectrum, rad.
+pub(super) fn phases(seed: u64, stream: u64) -> Vec<f64> {
     let mut source = ChaCha8Rng::seed_from_u64(seed);
     source.set_stream(stream);
     (0..SINES).map(|_| TAU * (source.next_u64() >> 11) as f64 / (1u64 << 53) as f64).collect()

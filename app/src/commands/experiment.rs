@@ -1,0 +1,76 @@
+//! `counterpoise experiment`: the demand that best separates what a diagnosis leaves possible.
+
+use std::process::ExitCode;
+
+use anyhow::{Context, Error};
+use counterpoise_diagnose::experiment::Limits;
+use counterpoise_host::projects;
+use counterpoise_host::workers::Workers;
+use counterpoise_pipeline::recordings::experiment::{Findings, plan_experiment};
+use counterpoise_project::Purpose;
+use counterpoise_report::wording::experiment::{ExperimentPlanText, describe_plan};
+use counterpoise_report::wording::recordings::describe_recordings_error;
+
+use crate::exit::Done;
+use crate::options::ExperimentOptions;
+use crate::output::{self, say};
+
+/// Runs the command.
+pub fn run(options: &ExperimentOptions) -> Done {
+    let loaded = projects::load(&options.project, Purpose::Replay)?;
+    output::warnings(&loaded, options.results.progress());
+    let findings = options.findings.as_ref().map(|path| -> anyhow::Result<Findings> {
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        serde_json::from_slice(&bytes).with_context(|| {
+            format!("{} is not the JSON result of a diagnosis: write it with `counterpoise diagnose PROJECT RECORDINGS --json=FILE`", path.display())
+        })
+    });
+    let findings = findings.transpose()?;
+    let limits = Limits {
+        angle_rad: options.angle,
+        rate_rad_s: options.rate,
+        current_a: options.current.unwrap_or(f64::INFINITY),
+        duration_s: options.duration,
+    };
+    let workers = Workers::new(options.results.progress());
+    let planned = plan_experiment(&loaded.project, findings.as_ref(), limits, &workers);
+    workers.finish();
+    let planned = planned.map_err(|error| Error::msg(describe_recordings_error(&error)))?;
+    let period_s = loaded.project.plant.interface.sample_period_s;
+    let text = describe_plan(&planned);
+    if let Some(best) = planned.experiments.first() {
+        projects::write(&options.output, csv(&best.demand, period_s).as_bytes())?;
+    }
+    if !output::json(&options.results, &text)? {
+        print(&text, options);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Returns the demand as a CSV recording.
+fn csv(demand: &[f64], period_s: f64) -> String {
+    let rows =
+        demand.iter().enumerate().map(|(k, value)| format!("{:.6},{value:.9e}\n", k as f64 * period_s));
+    std::iter::once("time [s],demand\n".to_owned()).chain(rows).collect()
+}
+
+fn print(text: &ExperimentPlanText, options: &ExperimentOptions) {
+    say!("machines that are left:");
+    text.machines.iter().enumerate().for_each(|(k, name)| say!("  {}: {name}", k + 1));
+    say!("best experiment: {}", text.what);
+    say!(
+        "  reaches {:.4} rad, {:.4} rad/s and {:.3} A",
+        text.reached_angle_rad,
+        text.reached_rate_rad_s,
+        text.reached_current_a
+    );
+    say!("  {:<12} {:>28} {:>24}", "machines", "expected log-likelihood ratio", "probability of deciding");
+    for pair in &text.separations {
+        let machines = format!("{} and {}", pair.first + 1, pair.second + 1);
+        say!("  {machines:<12} {:>24.1} nats {:>22.1} %", pair.nats, 100.0 * pair.probability);
+    }
+    text.others.iter().for_each(|other| {
+        say!("  instead: {} ({:.1} nats for the two machines hardest to separate)", other.what, other.nats)
+    });
+    say!("the demand is written to {}", options.output.display());
+}

@@ -1,0 +1,12 @@
+//! The next experiment: of a menu of demands within stated limits, the one that best separates the machines that recordings leave possible.
+//!
+//! Modules in reading order: [`menu`] (the demands), [`separation`] (what two machines would record, and how sure a decision between
+//! them would be), [`plan`](mod@plan) (the choice).
+
+pub mod menu;
+pub mod plan;
+pub mod separation;
+
+pub use menu::{Demand, Shape};
+pub use plan::{ExperimentRequest, Limits, PlannedExperiment, Reached, plan};
+pub use separation::{PossibleMachine, Separation};

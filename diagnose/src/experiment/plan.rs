@@ -1,0 +1,192 @@
+//! The choice: every demand of the menu is simulated with every machine that is left, and the one stands first that separates the two
+//! machines best that are hardest to tell apart.
+
+use counterpoise_models::{Parameters, Plant};
+use counterpoise_recordings::Channel;
+use counterpoise_simulate::replay::{RecordedController, reading_floor};
+use counterpoise_simulate::{
+    Detail, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+};
+
+use super::menu::{Demand, Shape, list_demands};
+use super::separation::{Expected, PossibleMachine, Separation, separation};
+use crate::library::Parameter;
+use crate::simulator_access::{Pool, map};
+use crate::tolerance::FIT_STEP;
+use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
+
+/// What an experiment must not exceed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Angle from the start to either side, rad.
+    pub angle_rad: f64,
+    /// Rate in either direction, rad/s.
+    pub rate_rad_s: f64,
+    /// Current in either direction, A.
+    pub current_a: f64,
+    /// Duration, s.
+    pub duration_s: f64,
+}
+
+/// What is planned for.
+pub struct ExperimentRequest<'a> {
+    /// The machines that are left, the likeliest first.
+    pub machines: &'a [PossibleMachine],
+    /// The controller in the loop.
+    pub controller: &'a RecordedController,
+    /// Hub angle at the start, rad.
+    pub start_angle_rad: f64,
+    /// Limits.
+    pub limits: Limits,
+}
+
+/// What the machines reach in an experiment, the largest of all.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Reached {
+    /// Angle from the start, rad.
+    pub angle_rad: f64,
+    /// Rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Current, A.
+    pub current_a: f64,
+}
+
+/// An experiment of the menu that keeps the limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedExperiment {
+    /// The demand's shape.
+    pub shape: Shape,
+    /// The demand as the controller reads it: a rate, or an angle if the loop controls that.
+    pub demand: Vec<f64>,
+    /// How well it separates each two machines.
+    pub separations: Vec<Separation>,
+    /// What the machines reach.
+    pub reached: Reached,
+}
+
+impl PlannedExperiment {
+    /// Returns the separation of the two machines that are hardest to tell apart.
+    pub fn weakest(&self) -> Option<&Separation> {
+        self.separations.iter().min_by(|a, b| a.nats.total_cmp(&b.nats))
+    }
+}
+
+/// Returns the experiments of the menu that keep the limits, the one first that separates best; none if fewer than two machines are given.
+pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> Vec<PlannedExperiment> {
+    let Some(first) = request.machines.first() else { return Vec::new() };
+    let demands = list_demands(&request.limits, first.parameters.interface.sample_period_s);
+    if request.machines.len() < 2 {
+        return Vec::new();
+    }
+    let count = demands.len();
+    let mut planned: Vec<PlannedExperiment> = map(pool, count, |k| {
+        pool.progress("planning", k, count);
+        request.tried(&demands[k])
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.nats);
+    planned.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
+    planned
+}
+
+impl ExperimentRequest<'_> {
+    /// Simulates a demand with every machine; `None` if one of them leaves the limits or cannot be simulated.
+    fn tried(&self, demand: &Demand) -> Option<PlannedExperiment> {
+        let machine = &self.machines[0].parameters;
+        let demanded = if self.controller.demands_position() || machine.sensors.measured.is_position() {
+            demand.angle_rad.iter().map(|angle| self.start_angle_rad + angle).collect()
+        } else {
+            demand.rate_rad_s.clone()
+        };
+        let mut reached = Reached::default();
+        let mut expected = Vec::new();
+        for possible in self.machines {
+            let (one, farthest) = self.expected(possible, &demanded)?;
+            reached.angle_rad = reached.angle_rad.max(farthest.angle_rad);
+            reached.rate_rad_s = reached.rate_rad_s.max(farthest.rate_rad_s);
+            reached.current_a = reached.current_a.max(farthest.current_a);
+            expected.push(one);
+        }
+        let pairs = (0..expected.len()).flat_map(|i| (i + 1..expected.len()).map(move |j| [i, j]));
+        let separations = pairs.map(|[i, j]| separation([i, j], &expected[i], &expected[j])).collect();
+        Some(PlannedExperiment { shape: demand.shape, demand: demanded, separations, reached })
+    }
+
+    /// Returns what a machine would record and what it reaches; `None` if it leaves the limits.
+    fn expected(&self, machine: &PossibleMachine, demand: &[f64]) -> Option<(Expected, Reached)> {
+        let history = self.simulated(&machine.parameters, demand)?;
+        let reached = self.reached(&history);
+        let limits = &self.limits;
+        let within = reached.angle_rad <= OVERSHOOT * limits.angle_rad
+            && reached.rate_rad_s <= OVERSHOOT * limits.rate_rad_s
+            && reached.current_a <= limits.current_a;
+        if !within {
+            return None;
+        }
+        let signals = self.over_floors(&machine.parameters, &history);
+        let slope = |parameter: &&'static Parameter| {
+            let step = moved(parameter, &machine.parameters);
+            let again = self.simulated(&step, demand)?;
+            let changed = self.over_floors(&machine.parameters, &again);
+            Some(changed.iter().zip(&signals).map(|(a, b)| a - b).collect::<Vec<f64>>())
+        };
+        let slopes = machine.free.iter().filter_map(slope).collect();
+        Some((Expected { signals, slopes }, reached))
+    }
+
+    fn simulated(&self, parameters: &Parameters, demand: &[f64]) -> Option<TimeHistory> {
+        let plant = Plant::lumped(parameters).ok()?;
+        let mut simulator = Simulator::new(&plant).ok()?.bounded(STEPS_PER_SAMPLE);
+        let period_s = parameters.interface.sample_period_s;
+        let scenario = Scenario {
+            duration_s: demand.len() as f64 * period_s,
+            demand_rad_s: Signal::Held { period_s, values: demand.to_vec() },
+            injection_v: Signal::ZERO,
+            platform: PlatformMotion::STILL,
+            imperfections: Imperfections::None,
+            initial: Initial::Rest { hub_angle_rad: self.start_angle_rad },
+            detail: Detail::Everything,
+        };
+        simulator.run(self.controller.at_rest().as_mut(), &scenario).ok()
+    }
+
+    fn reached(&self, history: &TimeHistory) -> Reached {
+        let peak =
+            |series: &[f64], from: f64| series.iter().fold(0.0, |most: f64, v| most.max((v - from).abs()));
+        Reached {
+            angle_rad: peak(&history.truth.hub_angle_rad, self.start_angle_rad),
+            rate_rad_s: peak(&history.truth.hub_rate_rad_s, 0.0),
+            current_a: peak(&history.truth.current_a, 0.0),
+        }
+    }
+
+    /// Returns the recorded channels, one behind the other, each over its noise floor.
+    fn over_floors(&self, parameters: &Parameters, history: &TimeHistory) -> Vec<f64> {
+        let (sensors, interface) = (&parameters.sensors, &parameters.interface);
+        let floor = |sensor| reading_floor(sensor, interface);
+        let channels = [
+            (Channel::Control, Some(self.controller.control_floor(parameters))),
+            (Channel::HubRate, Some(floor(&sensors.hub_gyro))),
+            (Channel::MotorRate, sensors.motor_tachometer.as_ref().map(floor)),
+            (Channel::HubPosition, sensors.hub_resolver.as_ref().map(floor)),
+        ];
+        let known = channels.into_iter().filter_map(|(channel, floor)| Some((channel, floor?)));
+        let over = |(channel, floor): (Channel, f64)| {
+            let floor = floor.max(LEAST_FLOOR);
+            history.readings.channel(channel).iter().map(|value| value / floor).collect::<Vec<f64>>()
+        };
+        known.flat_map(over).collect()
+    }
+}
+
+/// Returns a mechanism with one parameter moved by a part of its typical size, inside its bounds.
+fn moved(parameter: &Parameter, of: &Parameters) -> Parameters {
+    let value = parameter.read(of);
+    let step = FIT_STEP * parameter.size;
+    let up = value + step;
+    let mut changed = of.clone();
+    parameter.write(&mut changed, if up <= parameter.bounds[1] { up } else { value - step });
+    changed
+}

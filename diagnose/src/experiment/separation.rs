@@ -1,0 +1,109 @@
+//! What two machines would record in an experiment, and how sure a decision between them would be.
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_models::Parameters;
+
+use crate::library::Parameter;
+use crate::recording::series::dot;
+use crate::tolerance::AMBIGUOUS;
+use crate::tolerance::experiment::REFIT_RIDGE;
+
+/// A machine that the recordings leave possible.
+#[derive(Debug, Clone)]
+pub struct PossibleMachine {
+    /// What it is called.
+    pub name: String,
+    /// The mechanism.
+    pub parameters: Parameters,
+    /// Parameters that a fit to the new recording would adapt.
+    pub free: Vec<&'static Parameter>,
+}
+
+/// How well an experiment separates two machines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Separation {
+    /// Index of one machine.
+    pub first: usize,
+    /// Index of the other.
+    pub second: usize,
+    /// Expected log-likelihood ratio of the true one against the other, fitted anew, nats: the smaller of both directions.
+    pub nats: f64,
+    /// Probability that the ratio exceeds what a decision needs.
+    pub probability: f64,
+}
+
+/// What a machine would record, over the noise floors, and how that changes with each of its free parameters.
+pub(super) struct Expected {
+    pub signals: Vec<f64>,
+    pub slopes: Vec<Vec<f64>>,
+}
+
+/// Returns how well two machines are separated: half the squared distance of what they record, over the noise, after the one that is not
+/// true was fitted to the other (Hunter, Reiner 1965; Atkinson, Fedorov 1975: T-optimality, linearised).
+pub(super) fn separation(indices: [usize; 2], first: &Expected, second: &Expected) -> Separation {
+    let nats = left(first, second).min(left(second, first));
+    Separation { first: indices[0], second: indices[1], nats, probability: probability(nats) }
+}
+
+/// Returns the expected log-likelihood ratio if one machine is true and the rival is fitted to it.
+fn left(truth: &Expected, rival: &Expected) -> f64 {
+    let difference: Vec<f64> = truth.signals.iter().zip(&rival.signals).map(|(t, r)| t - r).collect();
+    let all = dot(&difference, &difference);
+    let count = rival.slopes.len();
+    if count == 0 {
+        return 0.5 * all;
+    }
+    let (mut normal, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
+    for (i, a) in rival.slopes.iter().enumerate() {
+        right[i] = dot(a, &difference);
+        for (j, b) in rival.slopes.iter().enumerate() {
+            normal[(i, j)] = dot(a, b);
+        }
+        normal[(i, i)] = normal[(i, i)] * (1.0 + REFIT_RIDGE) + f64::MIN_POSITIVE;
+    }
+    let explained = solve(&normal, &Mat::col(&right)).map_or(0.0, |step| dot(step.as_slice(), &right));
+    0.5 * (all - explained).max(0.0)
+}
+
+/// Returns the probability that a log-likelihood ratio of this mean, and of twice the mean as its variance, exceeds what a decision needs.
+fn probability(nats: f64) -> f64 {
+    if nats <= 0.0 {
+        return 0.0;
+    }
+    normal_share((nats - AMBIGUOUS) / (2.0 * nats).sqrt())
+}
+
+/// Returns the share of the standard normal distribution below a value (Abramowitz, Stegun 1964, 26.2.17; error below 1e-7).
+fn normal_share(x: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.231_641_9 * x.abs());
+    let series = t
+        * (0.319_381_530
+            + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
+    let above = (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt() * series;
+    if x >= 0.0 { 1.0 - above } else { above }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_parameter_explains_does_not_separate() {
+        let signals =
+            |of: &dyn Fn(f64) -> f64| (0..200).map(|k| of(f64::from(k) * 0.05)).collect::<Vec<f64>>();
+        let truth = Expected { signals: signals(&|t| 3.0 * t), slopes: Vec::new() };
+        let line = Expected { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t)] };
+        let wave = Expected { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t.sin())] };
+        assert!(left(&truth, &line) < 1e-3);
+        assert!(left(&truth, &wave) > 1e3);
+        assert_eq!(separation([0, 1], &truth, &line).probability, 0.0);
+    }
+
+    #[test]
+    fn the_probability_is_that_of_a_normal_distribution() {
+        assert!(
+            (normal_share(1.96) - 0.975_002).abs() < 1e-5 && (normal_share(-1.0) - 0.158_655).abs() < 1e-5
+        );
+        assert!((probability(AMBIGUOUS) - 0.5).abs() < 1e-6 && probability(100.0) > 0.99);
+    }
+}

@@ -1,0 +1,225 @@
+//! The next experiment of a project's machine: the machines that a diagnosis leaves possible, and the demand that separates them best.
+
+use counterpoise_diagnose::can_have;
+use counterpoise_diagnose::experiment::{
+    ExperimentRequest, Limits, PlannedExperiment, PossibleMachine, plan,
+};
+use counterpoise_diagnose::library::{
+    Component, Effect, EffectName, Kind, Parameter, find_effects, list_effects,
+};
+use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_models::Parameters;
+use counterpoise_project::Project;
+use serde::Deserialize;
+
+use super::read::recording_controller;
+use crate::PipelineError;
+
+/// What the JSON result of a diagnosis says of the machines that are left.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Findings {
+    /// The findings.
+    pub findings: Vec<FoundEffect>,
+    /// Everything that was tried.
+    #[serde(default)]
+    pub hypotheses: Vec<TriedEffect>,
+}
+
+/// A finding.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct FoundEffect {
+    /// Name of the effect.
+    pub effect: String,
+    /// Name of the component.
+    pub component: String,
+    /// Its fitted parameters.
+    #[serde(default)]
+    pub parameters: Vec<NamedValue>,
+    /// Effects that cannot be told from it.
+    #[serde(default)]
+    pub alternatives: Vec<NamedEffect>,
+}
+
+/// An effect by its name.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct NamedEffect {
+    /// Name of the effect.
+    pub effect: String,
+    /// Name of the component.
+    pub component: String,
+}
+
+/// A value by its name.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct NamedValue {
+    /// Name of the parameter.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+}
+
+/// An effect that was tried.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct TriedEffect {
+    /// Name of the effect.
+    pub effect: String,
+    /// Name of the component.
+    pub component: String,
+    /// Effects that were fitted with it.
+    #[serde(default)]
+    pub beside: Vec<NamedEffect>,
+    /// Its fitted parameters.
+    pub values: Vec<NamedValue>,
+    /// Log-likelihood that it gains on held-out data, nats.
+    pub gain_nats: f64,
+}
+
+/// A plan with the machines that it separates.
+#[derive(Debug, Clone)]
+pub struct ExperimentPlan {
+    /// The machines that are left.
+    pub machines: Vec<PossibleMachine>,
+    /// The experiments that keep the limits, the best first.
+    pub experiments: Vec<PlannedExperiment>,
+}
+
+/// Effects of the library that stand for what is left if no finding says it.
+const CANDIDATES: usize = 4;
+/// Multiple of an effect's typical size at which a plan without findings takes it.
+const TYPICAL_SIZES: f64 = 2.0;
+
+/// Plans the next experiment of a project's machine within limits: from the findings of a diagnosis, or, without one, for the effects that a
+/// machine of this kind most often lacks.
+///
+/// # Errors
+/// [`PipelineError::Missing`] if the project names no recording controller, [`PipelineError::NothingToSeparate`] if fewer than two machines
+/// are left, [`PipelineError::NoExperiment`] if no demand of the menu keeps the limits.
+pub fn plan_experiment(
+    project: &Project,
+    findings: Option<&Findings>,
+    limits: Limits,
+    pool: &dyn Pool,
+) -> Result<ExperimentPlan, PipelineError> {
+    let controller = recording_controller(project)?.ok_or(PipelineError::Missing {
+        section: "recording_controller",
+        needed_by: "the plan of an experiment",
+    })?;
+    let machines = match findings {
+        Some(findings) => findings.machines(&project.plant),
+        None => usual_machines(&project.plant),
+    };
+    if machines.len() < 2 {
+        return Err(PipelineError::NothingToSeparate);
+    }
+    let start_angle_rad = project.model.operating_point.hub_angle_rad;
+    let request = ExperimentRequest { machines: &machines, controller: &controller, start_angle_rad, limits };
+    let experiments = plan(&request, pool);
+    if experiments.is_empty() {
+        return Err(PipelineError::NoExperiment);
+    }
+    Ok(ExperimentPlan { machines, experiments })
+}
+
+/// Effects that a plan without findings separates: those that are most often confused.
+const USUAL: [(Component, EffectName); 6] = [
+    (Component::Pivot, EffectName::Coulomb),
+    (Component::Pivot, EffectName::Viscous),
+    (Component::Structure, EffectName::OutOfBalance),
+    (Component::Structure, EffectName::Inertia),
+    (Component::Motor, EffectName::TorqueConstant),
+    (Component::Control, EffectName::Delay),
+];
+
+/// Returns the model as it is, and with each of the effects that machines most often lack.
+fn usual_machines(plant: &Parameters) -> Vec<PossibleMachine> {
+    let mut all = vec![PossibleMachine {
+        name: "the model as it is".into(),
+        parameters: plant.clone(),
+        free: Vec::new(),
+    }];
+    for (component, name) in USUAL {
+        let effect = find_effects(component, name).find(|effect| can_have(plant, effect));
+        all.extend(effect.map(|effect| {
+            let mut values = effect.values(plant);
+            let first = &effect.parameters[0];
+            values[0] = (values[0] + TYPICAL_SIZES * first.size).clamp(first.bounds[0], first.bounds[1]);
+            machine(plant, &[(effect, values)])
+        }));
+    }
+    all
+}
+
+/// Returns a mechanism with effects at given values; their parameters are free in a fit.
+fn machine(plant: &Parameters, effects: &[(&'static Effect, Vec<f64>)]) -> PossibleMachine {
+    let parameters = effects.iter().fold(plant.clone(), |p, (effect, values)| effect.applied(&p, values));
+    let names: Vec<String> =
+        effects.iter().map(|(effect, _)| format!("{} {}", effect.component, effect.effect)).collect();
+    let free: Vec<&'static Parameter> = effects.iter().flat_map(|(effect, _)| effect.parameters).collect();
+    PossibleMachine { name: names.join(" and "), parameters, free }
+}
+
+impl Findings {
+    /// Returns the machines that the findings leave possible: with what was found, and with each alternative in its place; with the library's
+    /// best candidates if nothing was identified.
+    fn machines(&self, plant: &Parameters) -> Vec<PossibleMachine> {
+        let known: Vec<(usize, (&'static Effect, Vec<f64>))> = self
+            .findings
+            .iter()
+            .enumerate()
+            .filter_map(|(k, found)| {
+                Some((k, effect_of(&found.component, &found.effect, &found.parameters)?))
+            })
+            .collect();
+        let found: Vec<_> = known.iter().map(|(_, effect)| effect.clone()).collect();
+        let mut all = Vec::new();
+        if found.is_empty() {
+            all.push(PossibleMachine {
+                name: "the model as it is".into(),
+                parameters: plant.clone(),
+                free: Vec::new(),
+            });
+        } else {
+            all.push(machine(plant, &found));
+        }
+        for (place, (k, _)) in known.iter().enumerate() {
+            for other in &self.findings[*k].alternatives {
+                let mut effects = found.clone();
+                let Some(tried) = self.best(&other.component, &other.effect) else { continue };
+                effects[place] = tried;
+                all.push(machine(plant, &effects));
+            }
+        }
+        if all.len() < 2 {
+            all.extend(self.candidates(plant, &found));
+        }
+        all
+    }
+
+    /// Returns the effect of a name with the values of the trial that gained most.
+    fn best(&self, component: &str, effect: &str) -> Option<(&'static Effect, Vec<f64>)> {
+        let same = self.hypotheses.iter().filter(|h| h.component == component && h.effect == effect);
+        let best = same.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))?;
+        effect_of(component, effect, &best.values)
+    }
+
+    /// Returns the machines with the effects that explain most alone, beside what was found.
+    fn candidates(&self, plant: &Parameters, found: &[(&'static Effect, Vec<f64>)]) -> Vec<PossibleMachine> {
+        let mut alone: Vec<&TriedEffect> = self.hypotheses.iter().filter(|h| h.beside.is_empty()).collect();
+        alone.sort_by(|a, b| b.gain_nats.total_cmp(&a.gain_nats));
+        let is_new = |effect: &Effect| !found.iter().any(|(known, _)| std::ptr::eq(*known, effect));
+        let effects = alone.iter().filter_map(|h| effect_of(&h.component, &h.effect, &h.values));
+        let of = |own: (&'static Effect, Vec<f64>)| machine(plant, &[found, &[own]].concat());
+        effects.filter(|(effect, _)| is_new(effect)).take(CANDIDATES).map(of).collect()
+    }
+}
+
+/// Returns the effect of the library with a name and these parameters; `None` if there is none, or if it is a fault of an instrument.
+fn effect_of(component: &str, effect: &str, values: &[NamedValue]) -> Option<(&'static Effect, Vec<f64>)> {
+    let (component, name) = (Component::from_name(component)?, EffectName::from_name(effect)?);
+    let fits = |e: &&'static Effect| {
+        e.parameters.len() == values.len() && e.parameters.iter().zip(values).all(|(p, v)| p.name == v.name)
+    };
+    let found = find_effects(component, name).find(fits)?;
+    let is_physics = found.kind != Kind::Instrument || list_effects().iter().any(|e| std::ptr::eq(*e, found));
+    is_physics.then(|| (found, values.iter().map(|v| v.value).collect()))
+}

@@ -1,0 +1,75 @@
+//! Recordings that were not part of a diagnosis, replayed by the model as it was and by the improved one.
+
+use counterpoise_models::Parameters;
+use counterpoise_project::Project;
+use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
+
+use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller};
+use super::replay::{ReplayLength, replay_one};
+use crate::PipelineError;
+
+/// One held-out recording by both models, over the same length.
+#[derive(Debug, Clone)]
+pub struct HeldOutRecording {
+    /// Name of the recording.
+    pub file: String,
+    /// Its channels that both models were compared in.
+    pub channels: Vec<HeldOutFit>,
+    /// Length of the windows over which both were replayed, s; `None` from start to end.
+    pub window_s: Option<f64>,
+    /// What was found about the recording.
+    pub remarks: Vec<ColumnRemark>,
+}
+
+/// The residuals of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOutFit {
+    /// Name of the channel.
+    pub channel: &'static str,
+    /// Noise floor, in the channel's unit.
+    pub floor: f64,
+    /// RMS of the residual of the model as it was.
+    pub before: f64,
+    /// RMS of the residual of the improved model.
+    pub after: f64,
+}
+
+/// Returns the channels that both replays compare.
+fn compared(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
+    let one = |fit: &ChannelFit| {
+        let same = before.iter().find(|other| other.channel == fit.channel)?;
+        let channel = fit.channel.name();
+        Some(HeldOutFit { channel, floor: fit.floor, before: same.rms_error, after: fit.rms_error })
+    };
+    after.iter().filter_map(one).collect()
+}
+
+/// Replays files that no diagnosis was given, on the project's mechanism and on an improved one.
+///
+/// # Errors
+/// As [`read`] and [`replay_one`].
+pub fn replay_held_out(
+    project: &Project,
+    improved: &Parameters,
+    files: &[RecordingFile],
+) -> Result<Vec<HeldOutRecording>, PipelineError> {
+    let controller = recording_controller(project)?;
+    let read = read(project, controller.as_ref(), files, Gaps::Repaired)?;
+    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let one = |item| {
+        let after = replay_one(improved, item, &control, ReplayLength::Automatic)?;
+        // both over the same length, so that the figures can be compared
+        let (length, window_s) = match after.followed.mode {
+            ReplayMode::Free => (ReplayLength::Whole, None),
+            ReplayMode::Windowed { window_s, .. } => (ReplayLength::Windows { window_s }, Some(window_s)),
+        };
+        let before = replay_one(&project.plant, item, &control, length)?;
+        Ok(HeldOutRecording {
+            file: after.file,
+            channels: compared(&before.followed.replay.channels, &after.followed.replay.channels),
+            window_s,
+            remarks: after.remarks,
+        })
+    };
+    read.iter().map(one).collect()
+}

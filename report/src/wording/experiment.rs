@@ -1,0 +1,87 @@
+//! The plan of an experiment in words and as plain data.
+
+use counterpoise_diagnose::experiment::{PlannedExperiment, Shape};
+use counterpoise_pipeline::recordings::experiment::ExperimentPlan;
+use counterpoise_plot::number::short;
+use serde::Serialize;
+
+/// A plan.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExperimentPlanText {
+    /// The machines that are left, the likeliest first.
+    pub machines: Vec<String>,
+    /// The demand of the best experiment.
+    pub what: String,
+    /// How well it separates each two machines.
+    pub separations: Vec<SeparationText>,
+    /// Largest angle from the start that a machine reaches, rad.
+    pub reached_angle_rad: f64,
+    /// Largest rate, rad/s.
+    pub reached_rate_rad_s: f64,
+    /// Largest current, A.
+    pub reached_current_a: f64,
+    /// The experiments that separate next best.
+    pub others: Vec<OtherExperiment>,
+}
+
+/// How well two machines are separated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SeparationText {
+    /// Index of one machine, from 0.
+    pub first: usize,
+    /// Index of the other.
+    pub second: usize,
+    /// Expected log-likelihood ratio, nats.
+    pub nats: f64,
+    /// Probability that the new recording decides between them.
+    pub probability: f64,
+}
+
+/// Another experiment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OtherExperiment {
+    /// Its demand.
+    pub what: String,
+    /// Expected log-likelihood ratio of the two machines that are hardest to separate, nats.
+    pub nats: f64,
+}
+
+/// Experiments that are listed beside the best one.
+const OTHERS: usize = 3;
+
+/// Describes a plan.
+pub fn describe_plan(plan: &ExperimentPlan) -> ExperimentPlanText {
+    let best = plan.experiments.first();
+    let separations = best.iter().flat_map(|e| &e.separations).map(|s| SeparationText {
+        first: s.first,
+        second: s.second,
+        nats: s.nats,
+        probability: s.probability,
+    });
+    let other = |e: &PlannedExperiment| OtherExperiment {
+        what: describe_demand(e),
+        nats: e.weakest().map_or(0.0, |s| s.nats),
+    };
+    let reached = best.map(|e| e.reached).unwrap_or_default();
+    ExperimentPlanText {
+        machines: plan.machines.iter().map(|m| m.name.clone()).collect(),
+        what: best.map(describe_demand).unwrap_or_default(),
+        separations: separations.collect(),
+        reached_angle_rad: reached.angle_rad,
+        reached_rate_rad_s: reached.rate_rad_s,
+        reached_current_a: reached.current_a,
+        others: plan.experiments.iter().skip(1).take(OTHERS).map(other).collect(),
+    }
+}
+
+/// Describes the demand of an experiment.
+fn describe_demand(experiment: &PlannedExperiment) -> String {
+    let shape = match experiment.shape {
+        Shape::Triangle { periods } => format!("triangle waves of the rate, {periods} periods"),
+        Shape::Staircase => "a ladder of constant rates in both directions".to_owned(),
+        Shape::GrowingSine => "a slow sine that grows from nothing".to_owned(),
+        Shape::Multisine => "sines at many frequencies".to_owned(),
+        Shape::Steps => "steps of the rate with rests".to_owned(),
+    };
+    format!("{shape}, with a rate of up to {} rad/s", short(experiment.reached.rate_rad_s))
+}

@@ -1,0 +1,177 @@
+//! The loop as a path in the complex plane: for Nyquist and Nichols charts, with the regions that it must avoid.
+
+use counterpoise_lti::{C64, Response, StateSpace};
+
+use super::RootLocus;
+use super::frequency::grid_hz;
+use super::root_locus::root_locus;
+use crate::tolerance::{LOWEST_PATH_GAIN, MOST_PATH_POINTS, PATH_LOGARITHM, PATH_STEP};
+use crate::{Error, Figure, LoopFigure, Requirement};
+
+/// The loop broken at the plant's input, as charts of the whole loop show it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopShape {
+    /// Its frequency response.
+    pub path: LoopPath,
+    /// Its root locus.
+    pub locus: RootLocus,
+}
+
+/// A frequency response L(jw) whose neighbours lie so near to each other that straight lines between them look like the curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopPath {
+    /// Frequencies, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// L, one value a frequency.
+    pub response: Vec<C64>,
+}
+
+/// A disk of the plane of L.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disk {
+    /// Its centre on the real axis.
+    pub centre: f64,
+    /// Its radius.
+    pub radius: f64,
+}
+
+/// Returns path and root locus of a sampled loop under negative feedback.
+///
+/// # Errors
+/// A response that does not exist because of a pole on the unit circle, and those of the eigenvalues.
+pub fn loop_shape(broken: &StateSpace, sample_period_s: f64) -> Result<LoopShape, Error> {
+    Ok(LoopShape { path: loop_path(broken, sample_period_s)?, locus: root_locus(broken, sample_period_s)? })
+}
+
+/// Returns L at the frequencies of the curves, and between them where L turns fast: neighbours are at most
+/// [`PATH_STEP`] apart on the Riemann sphere and [`PATH_LOGARITHM`] in the logarithm, unless the limit of points is reached.
+///
+/// # Errors
+/// A response that does not exist because of a pole on the unit circle.
+pub fn loop_path(broken: &StateSpace, sample_period_s: f64) -> Result<LoopPath, Error> {
+    let response = Response::of(broken)?;
+    let value = |hz: f64| -> Result<C64, Error> { Ok(response.at(std::f64::consts::TAU * hz)?[(0, 0)]) };
+    let mut ahead: Vec<(f64, C64)> = Vec::new();
+    for hz in grid_hz(sample_period_s).into_iter().rev() {
+        ahead.push((hz, value(hz)?));
+    }
+    let mut path = LoopPath { frequency_hz: Vec::new(), response: Vec::new() };
+    while let Some((hz, L)) = ahead.pop() {
+        let last = path.frequency_hz.last().copied().zip(path.response.last().copied());
+        let room = path.response.len() + ahead.len() < MOST_PATH_POINTS;
+        match last.filter(|(before, at)| room && is_far(*at, L) && hz > before * (1.0 + 1e-6)) {
+            Some((before, _)) => {
+                let between = (before * hz).sqrt();
+                ahead.push((hz, L));
+                ahead.push((between, value(between)?));
+            }
+            None => {
+                path.frequency_hz.push(hz);
+                path.response.push(L);
+            }
+        }
+    }
+    Ok(path)
+}
+
+/// Whether a straight line between two neighbours would show in a Nyquist or in a Nichols chart.
+fn is_far(a: C64, b: C64) -> bool {
+    let is_seen = a.norm() > LOWEST_PATH_GAIN && b.norm() > LOWEST_PATH_GAIN;
+    chordal(a, b) > PATH_STEP || (is_seen && (b / a).ln().norm() > PATH_LOGARITHM)
+}
+
+/// The distance of two numbers on the Riemann sphere about -1: large loop gains are all far from the critical point.
+fn chordal(a: C64, b: C64) -> f64 {
+    let (a, b) = (a + 1.0, b + 1.0);
+    2.0 * (a - b).norm() / ((1.0 + a.norm_sqr()) * (1.0 + b.norm_sqr())).sqrt()
+}
+
+impl LoopPath {
+    /// Returns the path for a Nyquist chart: real and imaginary part.
+    pub fn nyquist(&self) -> Vec<[f64; 2]> {
+        self.response.iter().map(|L| [L.re, L.im]).collect()
+    }
+
+    /// Returns the path for a Nichols chart: phase in degrees from -360 up to 0, and modulus in dB. Where the phase leaves at one side and comes
+    /// back at the other, a point without numbers breaks the curve.
+    pub fn nichols(&self) -> Vec<[f64; 2]> {
+        nichols(&self.response)
+    }
+}
+
+/// Returns points of the plane of L in a Nichols chart, broken where the phase passes from 0 to -360 degrees.
+pub fn nichols(response: &[C64]) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = Vec::with_capacity(response.len());
+    for L in response {
+        let deg = L.arg().to_degrees();
+        let at = [if deg > 0.0 { deg - 360.0 } else { deg }, 20.0 * L.norm().log10()];
+        if points.last().is_some_and(|last| (last[0] - at[0]).abs() > 180.0) {
+            points.push([f64::NAN; 2]);
+        }
+        points.push(at);
+    }
+    points
+}
+
+impl Disk {
+    /// Returns the disk that a loop avoids whose sensitivity |1/(1 + L)| stays below `largest`: about -1, with the reciprocal as its radius.
+    pub fn of_sensitivity(largest: f64) -> Self {
+        Self { centre: -1.0, radius: 1.0 / largest }
+    }
+
+    /// Returns the disk that a loop with a disk margin alpha touches: on the real axis from -(2 + alpha)/(2 - alpha) to its reciprocal
+    /// (Seiler, Packard and Gahinet 2020). `None` from alpha = 2 on, where it is no disk.
+    pub fn of_disk_margin(alpha: f64) -> Option<Self> {
+        let highest = (2.0 + alpha) / (2.0 - alpha);
+        let (left, right) = (-highest, -1.0 / highest);
+        (alpha > 0.0 && alpha < 2.0)
+            .then(|| Self { centre: 0.5 * (left + right), radius: 0.5 * (right - left) })
+    }
+
+    /// Returns its edge as a closed line.
+    pub fn edge(&self) -> Vec<C64> {
+        const CORNERS: u32 = 180;
+        let at = |k| C64::from_polar(self.radius, std::f64::consts::TAU * f64::from(k) / f64::from(CORNERS));
+        (0..=CORNERS).map(|k| at(k) + self.centre).collect()
+    }
+}
+
+/// The sensitivity that charts take as the largest wanted where no requirement names one: 6 dB (Astrom and Hagglund,
+/// *Advanced PID Control*, 2006, section 4.6).
+pub const USUAL_SENSITIVITY: f64 = 2.0;
+
+/// Returns the largest sensitivity that the requirements allow, or the usual one.
+pub fn largest_sensitivity(requirements: &[Requirement]) -> f64 {
+    let limit = |requirement: &Requirement| {
+        (requirement.figure == Figure::Loop(LoopFigure::MaxSensitivity)).then(|| requirement.limit.value())
+    };
+    requirements.iter().find_map(limit).filter(|ms| *ms > 1.0).unwrap_or(USUAL_SENSITIVITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_edge_of_a_disk_has_its_sensitivity_and_its_disk_margin() {
+        for L in Disk::of_sensitivity(1.6).edge() {
+            assert!((1.0 / (L + 1.0).norm() - 1.6).abs() < 1e-9);
+        }
+        // at the edge |S - T| / 2 is 1 / alpha
+        let touching = Disk::of_disk_margin(0.8).map_or(Vec::new(), |disk| disk.edge());
+        assert_eq!(touching.len(), 181);
+        for L in touching {
+            let half = 0.5 * ((C64::new(1.0, 0.0) - L) / (L + 1.0)).norm();
+            assert!((half - 1.0 / 0.8).abs() < 1e-9, "{half}");
+        }
+        assert_eq!(Disk::of_disk_margin(2.0), None);
+    }
+
+    #[test]
+    fn the_phase_of_a_nichols_chart_breaks_where_it_passes_zero() {
+        let turning: Vec<C64> = (0..8).map(|k| C64::from_polar(2.0, 0.3 - 0.2 * f64::from(k))).collect();
+        let points = nichols(&turning);
+        assert_eq!(points.iter().filter(|p| p[0].is_nan()).count(), 1);
+        assert!(points.iter().all(|p| p[0].is_nan() || (-360.0..=0.0).contains(&p[0])));
+    }
+}

@@ -1,0 +1,122 @@
+//! Where the poles of the closed loop go while its gain varies.
+
+use counterpoise_lti::{C64, Mat, StateSpace, poles, zeros};
+
+use crate::Error;
+use crate::tolerance::{LOCUS_GAINS_PER_DECADE, LOCUS_STEP, MOST_LOCUS_GAINS, NEAREST_POLE};
+
+/// The poles of 1 + k L over the gain k: for k = 0 those of L, for k = 1 those of the loop as it is; for large k they end in the zeros
+/// of L or leave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootLocus {
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Gains, rising from [`LEAST_GAIN`] to its reciprocal; 1 is among them.
+    pub gains: Vec<f64>,
+    /// One branch a pole, one point a gain, in the z-plane.
+    pub branches: Vec<Vec<C64>>,
+    /// Poles of the open loop, in the z-plane.
+    pub open_poles: Vec<C64>,
+    /// Finite zeros of the open loop, in the z-plane.
+    pub open_zeros: Vec<C64>,
+    /// Poles of the closed loop at k = 1, in the z-plane.
+    pub closed_poles: Vec<C64>,
+}
+
+/// The smallest gain of a root locus; its reciprocal is the largest.
+pub const LEAST_GAIN: f64 = 1e-2;
+
+/// Returns the equivalent in the s-plane of a pole or zero in the z-plane, ln(z)/T in rad/s; `None` at z = 0, which has none.
+pub fn continuous_equivalent(z: C64, sample_period_s: f64) -> Option<C64> {
+    (z.norm() > 0.0).then(|| z.ln() / sample_period_s)
+}
+
+/// Returns the root locus of a sampled loop L under negative feedback:
+///
+/// ```text
+///     poles of x' = (A - k B (1 + k D)^-1 C) x,      k from 0.01 to 100
+/// ```
+///
+/// Gains are added where a pole moves far between neighbours, so that branches can be followed.
+///
+/// # Errors
+/// Those of the eigenvalues and of the zeros.
+pub fn root_locus(broken: &StateSpace, sample_period_s: f64) -> Result<RootLocus, Error> {
+    let closed = |gain: f64| -> Result<Vec<C64>, Error> { Ok(poles(&closed_at(broken, gain))?) };
+    let steps = (-2.0 * LEAST_GAIN.log10() * LOCUS_GAINS_PER_DECADE).round() as usize;
+    let gain_at = |k: usize| LEAST_GAIN * (-2.0 * LEAST_GAIN.ln() * k as f64 / steps as f64).exp();
+    let mut found = vec![Point { gain: LEAST_GAIN, poles: closed(LEAST_GAIN)? }];
+    for k in 1..=steps {
+        let gain = if 2 * k == steps { 1.0 } else { gain_at(k) };
+        follow(&mut found, gain, &closed, MOST_LOCUS_GAINS - (steps - k))?;
+    }
+    let branch = |j: usize| found.iter().map(|point| point.poles[j]).collect();
+    Ok(RootLocus {
+        sample_period_s,
+        gains: found.iter().map(|point| point.gain).collect(),
+        branches: (0..broken.order()).map(branch).collect(),
+        open_poles: poles(broken)?,
+        open_zeros: zeros(broken)?,
+        closed_poles: closed(1.0)?,
+    })
+}
+
+/// Poles at a gain, in the order of the branches.
+struct Point {
+    gain: f64,
+    poles: Vec<C64>,
+}
+
+/// The loop with its gain multiplied by k, closed: only its poles matter.
+fn closed_at(broken: &StateSpace, gain: f64) -> StateSpace {
+    let mut closed = broken.clone();
+    let through = gain / (1.0 + gain * broken.D[(0, 0)]);
+    for i in 0..broken.order() {
+        for j in 0..broken.order() {
+            closed.A[(i, j)] -= through * broken.B[(i, 0)] * broken.C[(0, j)];
+        }
+    }
+    closed.B = Mat::zeros(broken.order(), 1);
+    closed
+}
+
+/// Goes on to `gain`, with gains between where a pole moves far and less than `most` points are there.
+fn follow(
+    found: &mut Vec<Point>,
+    gain: f64,
+    closed: &dyn Fn(f64) -> Result<Vec<C64>, Error>,
+    most: usize,
+) -> Result<(), Error> {
+    let mut ahead = vec![Point { gain, poles: closed(gain)? }];
+    while let Some(next) = ahead.pop() {
+        let Some(last) = found.last() else { break };
+        let matched = in_order(&last.poles, &next.poles);
+        // relative to the distance from z = 1, where the slow poles of a loop lie that is sampled fast
+        let step = |(a, b): (&C64, &C64)| (a - b).norm() / ((a - 1.0).norm() + NEAREST_POLE);
+        let farthest = last.poles.iter().zip(&matched).map(step).fold(0.0, f64::max);
+        if farthest > LOCUS_STEP && found.len() + ahead.len() < most && next.gain > 1.001 * last.gain {
+            let between = (last.gain * next.gain).sqrt();
+            ahead.push(next);
+            ahead.push(Point { gain: between, poles: closed(between)? });
+        } else {
+            found.push(Point { gain: next.gain, poles: matched });
+        }
+    }
+    Ok(())
+}
+
+/// The poles `next` in the order of `last`: the two that are nearest to each other are joined first.
+fn in_order(last: &[C64], next: &[C64]) -> Vec<C64> {
+    let count = last.len();
+    let mut pairs: Vec<[usize; 2]> = (0..count).flat_map(|i| (0..count).map(move |j| [i, j])).collect();
+    let apart = |[i, j]: &[usize; 2]| (last[*i] - next[*j]).norm();
+    pairs.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
+    let (mut matched, mut is_taken) = (vec![None; count], vec![false; count]);
+    for [i, j] in pairs {
+        if matched[i].is_none() && !is_taken[j] {
+            matched[i] = Some(next[j]);
+            is_taken[j] = true;
+        }
+    }
+    matched.into_iter().zip(last).map(|(pole, old)| pole.unwrap_or(*old)).collect()
+}
