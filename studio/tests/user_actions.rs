@@ -410,30 +410,6 @@ fn every_example_opens_without_an_error_and_every_page_shows_it() {
 }
 
 #[test]
-fn a_new_project_of_a_kind_gets_the_weights_of_the_first_design() {
-    let folder = std::env::temp_dir().join(format!("counterpoise-new-kind-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut bench = common::around(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
-    bench.run_steps(2);
-    bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("turret"));
-    common::until(&mut bench, "a listing", |s| {
-        let browser = s.view.browser.as_ref().unwrap();
-        browser.listing.as_ref().is_some_and(|l| l.request.folder == browser.folder())
-    });
-    bench.run_steps(2);
-    bench.get_by_label("New, like ...").click();
-    bench.run_steps(2);
-    bench.get_by_label("gimbal").click();
-    rest(&mut bench);
-    let text = std::fs::read_to_string(folder.join("turret").join("project.toml")).unwrap();
-    assert!(text.lines().count() <= 25 && !text.contains("[synth"), "{text}");
-    assert!(bench.state().results.verified.is_some());
-    drop(bench);
-    std::fs::remove_dir_all(folder).unwrap();
-}
-
-#[test]
 fn a_new_project_is_made_from_an_empty_folder_in_the_window() {
     let folder = std::env::temp_dir().join(format!("counterpoise-new-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);

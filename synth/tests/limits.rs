@@ -127,6 +127,7 @@ const RISES: f64 = 1.03;
 const OTHERS: f64 = 1.12;
 
 #[test]
+#[ignore = "takes minutes; .ci/evidence runs it"]
 fn relaxing_the_limit_that_is_named_raises_the_bandwidth_and_relaxing_the_others_does_not() {
     let count = std::env::var("COUNTERPOISE_LIMITS").ok().and_then(|text| text.parse().ok()).unwrap_or(4);
     let mut random = Random(20_261_125);

@@ -236,23 +236,6 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
 }
 
 #[test]
-fn every_example_of_an_older_format_is_migrated_without_loss() {
-    for machine in examples() {
-        let stated = machine.document.text();
-        let older = [1, 2].map(|format| stated.replacen(&format!("format = {format}\n"), "format = 1\n", 1));
-        let without = stated.replacen("format = 1\n", "", 1).replacen("format = 2\n", "", 1);
-        for text in older.into_iter().chain([without]) {
-            let document = Document::parse(&text, &machine.name);
-            let migrated = document.migrated().unwrap();
-            assert_eq!(migrated.format(), Some(2), "{}", machine.name);
-            assert_eq!(machine.resolved(&migrated).unwrap().project, machine.project(), "{}", machine.name);
-            let kept: Vec<&str> = text.lines().filter(|line| !line.starts_with("format")).collect();
-            assert!(kept.iter().all(|line| migrated.text().contains(line)), "{}", machine.name);
-        }
-    }
-}
-
-#[test]
 fn the_examples_of_the_kinds_have_fifteen_lines_and_the_starters_twenty_five() {
     for machine in EXAMPLES.map(example) {
         let lines = machine.document.text().lines().count();

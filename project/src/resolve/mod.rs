@@ -23,7 +23,7 @@ pub mod model;
 mod plant;
 pub mod platform;
 pub mod purpose;
-pub mod recording;
+mod recording;
 pub mod statements;
 mod structure;
 pub mod sweep;
