@@ -220,6 +220,9 @@ pub const NEWTON_FIRST_CONTRACTION: f64 = 1e6;
 /// share of it. Farther starts wander, and each of their steps costs as much as a solution.
 pub const NEWTON_NEAR_START: f64 = 0.5;
 
+/// Steps that shrink at least by this converge whatever the separation says: the error that is left is below the last one.
+pub const NEWTON_CONTRACTS: f64 = 0.5;
+
 /// Steps that shrink by less than this come from a derivative that rounding has spoilt.
 pub const NEWTON_SPOILT: f64 = 0.02;
 

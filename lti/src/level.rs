@@ -3,7 +3,10 @@
 use crate::error::During;
 use crate::norms::{Peak, gains};
 use crate::response::Response;
-use crate::tolerance::{CLIMB_ROUNDS, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM, SUMMITS};
+use crate::tolerance::{
+    CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM,
+    PRECISE_SIZE, SUMMITS,
+};
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
 
@@ -43,23 +46,45 @@ impl Level {
         &self.eigenvalues
     }
 
-    /// The frequencies of all eigenvalues, ascending.
-    fn all_frequencies(&self) -> Vec<f64> {
-        let mut rates: Vec<f64> = self.eigenvalues.iter().flat_map(|s| [s.im.abs(), s.norm()]).collect();
+    /// Zero and the frequencies of all eigenvalues that rounding may have moved off the axis, ascending; of a small system those of all
+    /// eigenvalues, because two crossings of a flat response move far.
+    fn doubtful_frequencies(&self) -> Vec<f64> {
+        let near = DOUBTFUL_NORM * self.matrix.norm_fro();
+        let is_small = self.matrix.nrows() <= 2 * PRECISE_SIZE;
+        let is_near = |s: &C64| s.re <= DOUBTFUL_SHARE * s.norm() + near;
+        let is_doubtful = |s: &&C64| s.im >= 0.0 && s.re >= 0.0 && (is_small || is_near(s));
+        let doubtful = self.eigenvalues.iter().filter(is_doubtful);
+        let mut rates: Vec<f64> = doubtful.flat_map(|s| [s.im.abs(), s.norm()]).collect();
         rates.retain(|rate| rate.is_finite());
+        rates.push(0.0);
         rates.sort_by(f64::total_cmp);
         rates.dedup_by(|b, a| *b - *a <= LEVEL_SAME_RATE * *b);
         rates
     }
 }
 
-/// The frequencies and the middles between them.
+/// Zero, the frequencies and the middles between them.
 pub(crate) fn with_middles(rates: &[f64]) -> Vec<f64> {
-    let between = rates.windows(2).map(|w| 0.5 * (w[0] + w[1]));
-    rates.iter().copied().chain(between).collect()
+    let mut all = vec![0.0];
+    for &rate in rates {
+        let last = all.last().copied().unwrap_or(0.0);
+        all.extend([0.5 * (last + rate), rate]);
+    }
+    all
 }
 
-/// Looks for a higher peak at the frequency of every eigenvalue, between them, and uphill from the best of them; returns
+/// Raises the peak to the top of the hill around it, between the neighbours of its frequency in an ascending list.
+pub(crate) fn climb_between(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Error> {
+    let below = rates.iter().copied().filter(|&rate| rate < best.rate_rad_s).fold(0.0, f64::max);
+    let above = rates.iter().copied().filter(|&rate| rate > best.rate_rad_s).fold(f64::INFINITY, f64::min);
+    let high = if above.is_finite() { above } else { 2.0 * best.rate_rad_s };
+    if best.rate_rad_s.is_finite() && high > below {
+        *best = climb(response, (below, high), *best)?;
+    }
+    Ok(())
+}
+
+/// Looks for a higher peak at the frequency of every doubtful eigenvalue, between them, and uphill from the best of them; returns
 /// whether the peak rose by more than the tolerance.
 ///
 /// Rounding moves eigenvalues off the axis by more than any tolerance if the system is a difference of two that nearly
@@ -70,7 +95,7 @@ pub(crate) fn search_everywhere(
     level: &Level,
     tolerance: f64,
 ) -> Result<bool, Error> {
-    let mut rates = with_middles(&level.all_frequencies());
+    let mut rates = with_middles(&level.doubtful_frequencies());
     rates.sort_by(f64::total_cmp);
     let values = gains(response, &rates)?;
     let mut found = *best;

@@ -4,11 +4,11 @@ use crate::bounds::{is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::During;
 use crate::gramians::ctrb_factor;
-use crate::level::{Level, search_everywhere, with_middles};
+use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::response::Response;
 use crate::roots::{is_stable, poles, poles_on_boundary};
 use crate::scaling::balance;
-use crate::tolerance::{HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
+use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -145,7 +145,11 @@ fn continuous(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
     let mut best = Peak { value: direct, rate_rad_s: f64::INFINITY };
     let mut rates: Vec<f64> = poles(g)?.iter().flat_map(|p| [p.im.abs(), p.norm()]).collect();
     rates.push(0.0);
+    rates.sort_by(f64::total_cmp);
+    rates.dedup_by(|b, a| *b - *a <= FIRST_SAME_RATE * *b);
     raise(&mut best, &response, &rates)?;
+    // Each level costs the eigenvalues of a matrix of twice the order, so that the first one starts from the top of a hill.
+    climb_between(&mut best, &response, &rates)?;
     let mut change = f64::INFINITY;
     for _ in 0..HAMILTONIAN_STEPS {
         if best.value == 0.0 || g.order() == 0 {

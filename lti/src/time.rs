@@ -1,6 +1,7 @@
 //! Time responses, exact at the samples for inputs that are held between them.
 
 use crate::discretise::{Discretisation, c2d};
+use crate::tolerance::MOST_POINTS;
 use crate::{Error, Mat, StateSpace, Timebase};
 
 /// Outputs over time.
@@ -15,7 +16,7 @@ pub struct TimeResponse {
 /// Outputs for a unit step in each input, `n` points from 0 to `t_end_s` (a sampled system: its own samples up to there).
 ///
 /// # Errors
-/// [`Error::Range`] for an end that is not positive or fewer than two points; as [`c2d`].
+/// [`Error::Range`] for an end that is not positive, fewer than two points or more than ten million; as [`c2d`].
 pub fn step(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, Error> {
     let (sampled, time_s) = sampled(g, t_end_s, n)?;
     let ones = Mat::from_fn(time_s.len(), 1, |_, _| 1.0);
@@ -140,14 +141,28 @@ fn sampled(g: &StateSpace, t_end_s: f64, n: usize) -> Result<(StateSpace, Vec<f6
         return Err(Error::Range { what: "t_end_s", value: t_end_s, allowed: "positive and finite" });
     }
     if let Timebase::Discrete { period_s } = g.timebase {
-        let count = (t_end_s / period_s * (1.0 + f64::EPSILON)).floor() as usize + 1;
+        let last = (t_end_s / period_s * (1.0 + f64::EPSILON)).floor();
+        needs_few(last)?;
+        let count = last as usize + 1;
         return Ok((g.clone(), (0..count).map(|k| k as f64 * period_s).collect()));
     }
     if n < 2 {
         return Err(Error::Range { what: "number of points", value: n as f64, allowed: "two or more" });
     }
+    needs_few(n as f64)?;
     let period_s = t_end_s / (n - 1) as f64;
     Ok((c2d(g, period_s, Discretisation::ZeroOrderHold)?, (0..n).map(|k| k as f64 * period_s).collect()))
+}
+
+fn needs_few(points: f64) -> Result<(), Error> {
+    if points <= MOST_POINTS {
+        return Ok(());
+    }
+    Err(Error::Range {
+        what: "number of points",
+        value: points,
+        allowed: "at most ten million: ask for a shorter time",
+    })
 }
 
 fn each_input(

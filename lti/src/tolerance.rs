@@ -218,3 +218,16 @@ pub const PEAK_WIDTHS: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// States of a delay at most: its matrices are dense, and take 128 MiB each at this size.
 pub const MOST_DELAY_STATES: usize = 4096;
+
+/// An eigenvalue of a Hamiltonian matrix may belong on the axis if its real part is below this share of its size: far beyond what rounding moves
+/// those of systems that do not nearly cancel.
+pub const DOUBTFUL_SHARE: f64 = 0.1;
+
+/// ... or below this share of the norm of the matrix.
+pub const DOUBTFUL_NORM: f64 = 1e-6;
+
+/// Frequencies of poles closer than this, relative, are one place to start from.
+pub const FIRST_SAME_RATE: f64 = 1e-3;
+
+/// Points of a response in time at most: a response of one signal takes 160 MB at this size.
+pub const MOST_POINTS: f64 = 1e7;

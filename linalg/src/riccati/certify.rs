@@ -19,6 +19,8 @@ pub(super) struct Certified {
     pub(super) residual: Mat,
     /// The norm of the closed loop's Lyapunov operator, to which its separation is compared.
     pub(super) operator_norm: f64,
+    /// The ratio of the last Newton step to the one before it.
+    pub(super) contraction: f64,
     /// Kenney and Hewer's condition number in scaled units, of changes that are small beside the norms of the data.
     pub(super) normwise_condition: f64,
 }
@@ -64,7 +66,7 @@ pub(super) fn certify(
         newton_steps: refined.steps,
     };
     let solution = Riccati { X: refined.X, F: refined.gain, closed_loop, certificate };
-    Ok(Certified { solution, residual, operator_norm, normwise_condition })
+    Ok(Certified { solution, residual, operator_norm, contraction: refined.contraction, normwise_condition })
 }
 
 /// A solution in 32 digits, rounded, with its certificate.
@@ -99,7 +101,7 @@ pub(super) fn certify_precise(
     closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
     let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
     let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
-    Some(Certified { solution, residual, operator_norm, normwise_condition })
+    Some(Certified { solution, residual, operator_norm, contraction: 0.0, normwise_condition })
 }
 
 /// A bound of the norm of the Lyapunov operator of a closed loop of the given norm.

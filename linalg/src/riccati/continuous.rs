@@ -2,7 +2,7 @@
 
 use crate::dense::{inverse, solve};
 use crate::error::{Error, check_shape, check_square, check_symmetric};
-use crate::mat::{C64, Mat};
+use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::PRECISE_STATES;
 
@@ -13,8 +13,9 @@ use super::equation::{Continuous, Data, Quadratic};
 use super::modes::Modes;
 use super::newton::{Equation, refine};
 use super::precise::PreciseEquation;
+use super::reason::{self, Nearest};
 use super::scaling::{Problem, rescale, scale};
-use super::{Method, Outcome, Reason, Riccati, reason, subspace};
+use super::{Method, Outcome, Reason, Riccati, subspace};
 
 /// Solves `A'X + XA - (XB + S) R^-1 (B'X + S') + Q = 0` for the stabilising `X`: `A - B F` is stable with
 /// `F = R^-1 (B'X + S')`. `A` n x n, `B` n x m, `Q` n x n symmetric, `R` m x m symmetric and not singular (of either
@@ -118,13 +119,17 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
         _ => &[Start::Doubling(usual), Start::Doubling(others), Start::Schur],
     };
     let modes = Modes::of(problem, Kind::Continuous);
-    let mut nearest = None;
+    let mut nearest = Nearest::Unknown;
     let mut refusal = Reason::NoGraph;
     for (tried, way) in ways.iter().enumerate() {
         match attempt(equation, &modes, *way, &mut nearest) {
             Ok(found) if is_beyond_doubt(&found, problem, Kind::Continuous) => return Outcome::Solved(found),
             Ok(found) => return decide(equation, &modes, Some(found), Refusal { reason: refusal, nearest }),
             Err(Failure::Certain(reason)) => return Outcome::Infeasible(reason),
+            Err(Failure::Hopeless(reason)) => {
+                let refusal = Refusal { reason, nearest: Nearest::Immaterial };
+                return decide(equation, &modes, None, refusal);
+            }
             Err(Failure::Doubtful(reason)) => refusal = reason,
         }
         if tried == 0
@@ -141,13 +146,15 @@ fn attempt(
     equation: &(impl Equation + PreciseEquation),
     modes: &Modes,
     way: Start,
-    nearest: &mut Option<C64>,
+    nearest: &mut Nearest,
 ) -> Result<Certified, Failure> {
     let problem = modes.problem;
     let (first, method) = match way {
         Start::Schur => {
             let start = subspace::by_schur(problem);
-            *nearest = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES);
+            if let Some(value) = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES) {
+                *nearest = Nearest::Known(value);
+            }
             (start.first, Method::Schur)
         }
         Start::Doubling(parameters) => {
@@ -158,16 +165,29 @@ fn attempt(
     if let Some(reason) = reason::lost_behind(&first, modes) {
         return Err(Failure::Certain(reason));
     }
-    let refined = refine(equation, first)?;
+    let is_hopeless = reason::is_beyond_doubles(&first, modes);
+    let refined = refine(equation, first).map_err(|reason| Failure::of(reason, is_hopeless))?;
     Ok(certify(equation, problem, refined, method)?)
 }
 
 /// Why a way did not lead to a solution.
-enum Failure {
+pub(super) enum Failure {
     /// There is none.
     Certain(Reason),
     /// Another way may.
     Doubtful(Reason),
+    /// No other way in doubles will.
+    Hopeless(Reason),
+}
+
+impl Failure {
+    /// The failure of a refinement from a start that is larger than doubles can tell from infinity (`hopeless`), or is not.
+    pub(super) fn of(reason: Reason, hopeless: bool) -> Self {
+        match Self::from(reason) {
+            Self::Doubtful(reason) if hopeless => Self::Hopeless(reason),
+            other => other,
+        }
+    }
 }
 
 impl From<Reason> for Failure {

@@ -1,17 +1,18 @@
 //! The last word on a problem: accepted as solved in doubles, solved again in 32 digits, or refused with the reason.
 
-use crate::mat::{C64, Mat};
+use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::{
-    DATA_LIMITED_STATES, EPS, PRECISE_STATES, RICCATI_DETERMINED, RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR,
-    RICCATI_HARDLY_REACHED, RICCATI_UNDETERMINED, SENSITIVE, TRUSTED_SEPARATION,
+    DATA_LIMITED_STATES, EPS, NEWTON_CONTRACTS, PRECISE_STATES, RICCATI_DETERMINED,
+    RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR, RICCATI_HARDLY_REACHED, RICCATI_UNDETERMINED, SENSITIVE,
+    TRUSTED_SEPARATION,
 };
 
 use super::certify::{Certified, certify_precise};
 use super::modes::Modes;
 use super::newton::Equation;
 use super::precise::{self, PreciseEquation, relative_step};
-use super::reason::{self, Nearness};
+use super::reason::{self, Nearest, Nearness};
 use super::scaling::{Problem, Scaled, rescale};
 use super::{Certificate, Outcome, Reason, Riccati};
 
@@ -46,13 +47,13 @@ fn size(problem: &Problem, kind: Kind) -> f64 {
 /// Why doubles gave no solution, as far as the solvers know.
 pub(super) struct Refusal {
     pub(super) reason: Reason,
-    /// The eigenvalue of the Hamiltonian matrix nearest to the boundary, if it is known already.
-    pub(super) nearest: Option<C64>,
+    /// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary.
+    pub(super) nearest: Nearest,
 }
 
 impl From<Reason> for Refusal {
     fn from(reason: Reason) -> Self {
-        Self { reason, nearest: None }
+        Self { reason, nearest: Nearest::Unknown }
     }
 }
 
@@ -64,8 +65,11 @@ pub(super) fn decide(
     refusal: Refusal,
 ) -> Outcome<Certified> {
     let (problem, kind) = (modes.problem, modes.kind);
-    let separated =
-        |c: &Certified| c.solution.certificate.separation > TRUSTED_SEPARATION * size(problem, kind);
+    let separated = |c: &Certified| {
+        let large = problem.A.nrows() > DATA_LIMITED_STATES;
+        let separation = c.solution.certificate.separation;
+        separation > TRUSTED_SEPARATION * size(problem, kind) || large && c.contraction <= NEWTON_CONTRACTS
+    };
     let found = match found {
         Some(found) if is_accurate(&found) && separated(&found) => {
             return accept(found, modes, RICCATI_DETERMINED);
@@ -74,7 +78,7 @@ pub(super) fn decide(
     };
     if found.is_none()
         && kind == Kind::Continuous
-        && refusal.nearest.is_none()
+        && matches!(refusal.nearest, Nearest::Unknown)
         && let Some(reason) = reason::certainly_on_boundary(problem)
     {
         return Outcome::Infeasible(reason);

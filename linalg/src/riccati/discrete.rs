@@ -6,7 +6,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_REGULAR};
 
 use super::certify::{Certified, certify};
-use super::continuous::{check_input, fold};
+use super::continuous::{Failure, check_input, fold};
 use super::decide::{decide, in_callers_units, is_beyond_doubt};
 use super::equation::{Data, Discrete};
 use super::modes::Modes;
@@ -70,8 +70,12 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
                     let modes = Modes::of(&problem, Kind::Discrete);
                     return decide(equation, &modes, Some(found), refusal.into());
                 }
-                Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
-                Err(reason) => refusal = reason,
+                Err(Failure::Certain(reason)) => return Outcome::Infeasible(reason),
+                Err(Failure::Hopeless(reason)) => {
+                    let modes = Modes::of(&problem, Kind::Discrete);
+                    return decide(equation, &modes, None, reason.into());
+                }
+                Err(Failure::Doubtful(reason)) => refusal = reason,
             }
         }
         if first.is_none()
@@ -115,17 +119,20 @@ fn shifted(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     fold(A, B, &Q, &R, Some(&cross))
 }
 
-fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Certified, Reason> {
+fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Certified, Failure> {
     let scaled = scale(problem.clone());
     let first = match method {
         Method::Schur => subspace::by_discrete_schur(&scaled.problem),
         Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()).settled(),
     };
     let first = first.ok_or(Reason::NoGraph)?;
-    if let Some(reason) = reason::lost_behind(&first, &Modes::of(&scaled.problem, Kind::Discrete)) {
-        return Err(reason);
+    let modes = Modes::of(&scaled.problem, Kind::Discrete);
+    if let Some(reason) = reason::lost_behind(&first, &modes) {
+        return Err(reason.into());
     }
+    let is_hopeless = reason::is_beyond_doubles(&first, &modes);
     let offset = Mat::eye(problem.A.nrows()).scale(shift);
-    let refined = refine(equation, scaled.restore(&first) + offset)?;
-    certify(equation, problem, refined, method)
+    let refined = refine(equation, scaled.restore(&first) + offset)
+        .map_err(|reason| Failure::of(reason, is_hopeless))?;
+    Ok(certify(equation, problem, refined, method)?)
 }

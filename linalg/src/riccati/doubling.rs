@@ -29,7 +29,7 @@ pub(super) fn by_doubling(modes: &Modes, parameters: &[f64]) -> Result<Option<Ma
     let early = if A.nrows() > PRECISE_STATES { DOUBLING_EARLY_LARGE } else { DOUBLING_EARLY };
     let base = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()) / (A.nrows() as f64).sqrt();
     for factor in parameters {
-        let question = || certainly_unsolvable(modes);
+        let question = |X: &Mat| certainly_unsolvable(modes, X);
         match cayley(A, G, Q, factor * base).map(|form| iterate(form, early, question)) {
             Ok(Outcome::Settled(X)) => return Ok(Some(X)),
             Ok(Outcome::Unsolvable(reason)) => return Err(reason),
@@ -82,11 +82,11 @@ fn cayley(A: &Mat, G: &Mat, Q: &Mat, gamma: f64) -> Result<Problem, Error> {
 
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
 pub(super) fn run(form: Problem) -> Outcome {
-    iterate(form, DOUBLING_EARLY, || None)
+    iterate(form, DOUBLING_EARLY, |_| None)
 }
 
 /// The same; `question` is asked once if the solution still grows after `early` doublings.
-fn iterate(mut form: Problem, early: usize, question: impl Fn() -> Option<Reason>) -> Outcome {
+fn iterate(mut form: Problem, early: usize, question: impl Fn(&Mat) -> Option<Reason>) -> Outcome {
     for count in 1..=DOUBLING_STEPS {
         let Some(change) = double(&mut form) else { return Outcome::Broken };
         if change < DOUBLING_SETTLED {
@@ -98,7 +98,7 @@ fn iterate(mut form: Problem, early: usize, question: impl Fn() -> Option<Reason
         }
         if grows
             && count == early
-            && let Some(reason) = question()
+            && let Some(reason) = question(&form.Q)
         {
             return Outcome::Unsolvable(reason);
         }

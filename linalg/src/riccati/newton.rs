@@ -38,6 +38,8 @@ pub(super) struct Refined {
     /// The Lyapunov operator of the closed loop's transpose.
     pub(super) derivative: Operator,
     pub(super) steps: usize,
+    /// The ratio of the last step to the one before it, zero if there was one step: small if the derivative was computed well.
+    pub(super) contraction: f64,
 }
 
 /// Refines `X`.
@@ -50,7 +52,7 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
     let mut derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
-    let mut slow = false;
+    let (mut slow, mut contraction) = (false, 0.0_f64);
     while steps < NEWTON_STEPS {
         let (residual, terms) = equation.residual(&X).ok_or(Reason::NoGraph)?;
         let careful = if slow { careful_step(equation, &X, &residual) } else { None };
@@ -69,6 +71,9 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         steps += 1;
         let rate = if size.is_finite() { relative / size } else { NEWTON_FIRST_CONTRACTION * relative };
         slow = slow || rate > NEWTON_SPOILT && size.is_finite();
+        if size.is_finite() {
+            contraction = rate;
+        }
         if relative > NEWTON_STALE_LOOP {
             derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
         }
@@ -78,7 +83,7 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         }
     }
     let gain = equation.gain(&X).ok_or(Reason::NoGraph)?;
-    Ok(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps })
+    Ok(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps, contraction })
 }
 
 /// The step from the closed loop as it is now, balanced first: a pole close to the border of stability keeps its

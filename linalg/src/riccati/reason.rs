@@ -8,8 +8,8 @@ use crate::schur::eigenvalues;
 use crate::spectrum::Reach;
 use crate::sylvester::Kind;
 use crate::tolerance::{
-    AXIS_NEIGHBOUR, AXIS_REAL_PART, AXIS_ROUNDING, EXACT_MODE_STATES, HAMILTONIAN_BOUNDARY, LARGEST_FEEDBACK,
-    LOST_MODE, MODE_CANDIDATES, PRECISE_STATES,
+    AXIS_NEIGHBOUR, AXIS_REAL_PART, AXIS_ROUNDING, EPS, EXACT_MODE_STATES, HAMILTONIAN_BOUNDARY,
+    LARGEST_FEEDBACK, LOST_MODE, MODE_CANDIDATES, PRECISE_STATES,
 };
 
 use super::modes::{Mode, Modes};
@@ -153,13 +153,18 @@ pub(super) fn certainly_lost(modes: &Modes) -> Option<Reason> {
 }
 
 /// Returns why a continuous problem has no solution for certain: a mode out of reach; of a large problem, which is not solved in more
-/// digits, also a mode on the boundary that the cost does not see, or a Hamiltonian matrix with an eigenvalue there.
-pub(super) fn certainly_unsolvable(modes: &Modes) -> Option<Reason> {
+/// digits, also a mode on the boundary that the cost does not see, or a Hamiltonian matrix with an eigenvalue there. The last question takes as
+/// long as a solution and is not asked if the approximation `X` is beyond doubles anyway.
+pub(super) fn certainly_unsolvable(modes: &Modes, X: &Mat) -> Option<Reason> {
     let lost = certainly_lost(modes);
     if lost.is_some() || modes.problem.A.nrows() <= PRECISE_STATES {
         return lost;
     }
-    certainly_unseen(modes).or_else(|| certainly_on_boundary(modes.problem))
+    let unseen = certainly_unseen(modes);
+    if unseen.is_some() || is_beyond_doubles(X, modes) {
+        return unseen;
+    }
+    certainly_on_boundary(modes.problem)
 }
 
 /// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.
@@ -168,6 +173,13 @@ fn certainly_unseen(modes: &Modes) -> Option<Reason> {
     let sights = modes.on_boundary(|l| l.re).into_iter().map(Mode::sight);
     let mut unseen = sights.filter(|sight| sight.normwise.max(sight.entrywise) < n * LOST_MODE);
     unseen.next().map(|sight| Reason::Unobservable { mode: sight.mode, distance: sight.normwise })
+}
+
+/// Whether an approximation that Newton's method could not follow is larger than doubles can tell from infinity: what is left of the stable
+/// subspace's upper half, which every other method in doubles inverts, is then rounding.
+pub(super) fn is_beyond_doubles(first: &Mat, modes: &Modes) -> bool {
+    let feedback = first.norm_fro() * modes.problem.G.norm_fro();
+    feedback * EPS > boundary_scale(modes.problem.A.norm_fro(), modes.kind)
 }
 
 /// Returns the mode out of reach for certain behind an approximation that is suspiciously large, before it is refined in vain.
@@ -231,9 +243,19 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
     }
 }
 
-/// Returns why a problem that was not solved has no solution; `known` is the eigenvalue of the Hamiltonian matrix nearest to the
-/// boundary, if it has been computed.
-pub(super) fn diagnose(modes: &Modes, known: Option<C64>) -> Option<Reason> {
+/// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary of stability.
+#[derive(Clone, Copy)]
+pub(super) enum Nearest {
+    /// It has not been computed.
+    Unknown,
+    /// Its value.
+    Known(C64),
+    /// It is not what is in the way.
+    Immaterial,
+}
+
+/// Returns why a problem that was not solved has no solution.
+pub(super) fn diagnose(modes: &Modes, known: Nearest) -> Option<Reason> {
     if let Some(reason) = lost_mode(modes, Nearness::Broad) {
         return Some(reason);
     }
@@ -243,7 +265,11 @@ pub(super) fn diagnose(modes: &Modes, known: Option<C64>) -> Option<Reason> {
     let H = hamiltonian(modes.problem);
     let size = H.norm_fro();
     let computed = || eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
-    let nearest = known.or_else(computed)?;
+    let nearest = match known {
+        Nearest::Immaterial => return None,
+        Nearest::Known(value) => value,
+        Nearest::Unknown => computed()?,
+    };
     let distance = nearest.re.abs() / size;
     (distance < HAMILTONIAN_BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })
 }
