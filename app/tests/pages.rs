@@ -35,7 +35,7 @@ fn rows_of_the_claims_are_measured_alone_each_with_figures_that_name_their_comma
     assert_eq!(figures, commands);
     let refused = run(&["claims", RIG, "--only", "C99"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("the rows are C1 to C32 and F1 to F4"));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("the rows are C1 to C34 and F1 to F4"));
 }
 
 #[test]

@@ -10,7 +10,7 @@
 //! Each row comes with the figures that show what decided it ([`drawing`] makes them from curves).
 //!
 //! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`bench`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
-//! [`friction_laws`] (with [`explicit_solver`]), [`test_procedures`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`extensions`], [`page`].
+//! [`friction_laws`] (with [`explicit_solver`]), [`literature_friction`], [`test_procedures`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`gyroscope_alignment`], [`extensions`], [`page`].
 
 pub mod adaptation;
 pub mod beam;
@@ -24,9 +24,11 @@ pub mod exported;
 pub mod extensions;
 pub mod friction_identification;
 pub mod friction_laws;
+pub mod gyroscope_alignment;
 pub mod identified;
 pub mod imbalance;
 pub mod linear;
+pub mod literature_friction;
 pub mod loop_charts;
 pub mod nonlinear;
 pub mod page;
@@ -45,7 +47,7 @@ use counterpoise_project::Project;
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// C1 to C32, and F1 to F4 for what the thesis asks for beyond itself.
+    /// C1 to C34, and F1 to F4 for what the thesis asks for beyond itself.
     pub id: &'static str,
     /// What the row is about, in a few words.
     pub title: &'static str,
@@ -114,7 +116,7 @@ impl Claim {
 /// A row and what measures it.
 type Row = fn(&Bench<'_>) -> Result<Claim, PipelineError>;
 
-const ROWS: [(&str, Row); 36] = [
+const ROWS: [(&str, Row); 38] = [
     ("C1", beam::uniform_elements),
     ("C2", beam::tapered_elements),
     ("C3", structure::reduced_order),
@@ -147,6 +149,8 @@ const ROWS: [(&str, Row); 36] = [
     ("C30", structure::condensed_beam),
     ("C31", imbalance::gravity_over_elevation),
     ("C32", compensation_schemes::schemes_of_the_appendix),
+    ("C33", literature_friction::laws_of_the_literature),
+    ("C34", gyroscope_alignment::misaligned_gyroscopes),
     ("F1", adaptation::imbalance_without_gravity),
     ("F2", extensions::tip_motion),
     ("F3", friction_laws::fitted_friction_laws),

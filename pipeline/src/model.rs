@@ -88,6 +88,14 @@ pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
 /// Volts of the output converter beyond which the control is limited: the converter's own range.
 pub(crate) const CONVERTER_RANGE_V: f64 = 10.0;
 
+/// Returns the mechanism in the project's configuration with two inertias: as given, or derived from the beam or from the imported matrices.
+///
+/// # Errors
+/// A configuration that does not exist, and a structure that is missing or makes no mechanism.
+pub(crate) fn two_inertias(project: &Project) -> Result<Parameters, PipelineError> {
+    Ok(lumped_parameters(project, &Serial)?.0)
+}
+
 /// The two inertias as given, or derived from the beam, or from the imported matrices; what is fitted added.
 fn lumped_parameters(
     project: &Project,

@@ -14,8 +14,8 @@ pub struct Reduced {
     pub method: ReductionMethod,
     /// The system.
     pub system: StateSpace,
-    /// Order of the plant before.
-    pub order_before: usize,
+    /// The plant before.
+    pub before: StateSpace,
     /// Values by which states were ranked, largest first; empty where the method ranks none.
     pub ranked: Vec<f64>,
     /// A priori bound on the largest error over all frequencies and directions.
@@ -24,6 +24,13 @@ pub struct Reduced {
     pub error: Option<(f64, f64)>,
     /// What a designer should know.
     pub warnings: Vec<String>,
+}
+
+impl Reduced {
+    /// Returns the order of the plant before.
+    pub fn order_before(&self) -> usize {
+        self.before.order()
+    }
 }
 
 /// Relative size of a singular value below which a state counts as neither controllable nor observable.
@@ -38,7 +45,7 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
     let asked = project.reduce;
     let plain = |system: StateSpace| Reduced {
         method: asked.method,
-        order_before: modelled.linear.system.order(),
+        before: modelled.linear.system.clone(),
         system,
         ranked: Vec::new(),
         bound: None,

@@ -53,7 +53,7 @@ pub fn compare_reduction(modelled: &Modelled, reduced: &Reduced) -> ReductionCom
     let entry = (LinearPlant::HUB_RATE, LinearPlant::CONTROL);
     let error = full_at.iter().zip(&small_at).map(|(a, b)| (a[entry] - b[entry]).norm().max(SMALLEST_ERROR));
     ReductionComparison {
-        states: [reduced.order_before, small.order()],
+        states: [reduced.order_before(), small.order()],
         poles: slow_poles_first(full),
         hankel: hankel_values(full).unwrap_or_default(),
         error: error.collect(),

@@ -1,6 +1,7 @@
 //! Results as plain data that serialises: what `--json` prints, and what another program reads.
 
 mod certificate;
+mod robustness;
 
 use std::collections::BTreeMap;
 
@@ -10,7 +11,7 @@ use counterpoise_project::Assumption;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
 use counterpoise_synth::{Channel, Specification, Weight};
 use counterpoise_verify::acceptance::Acceptance;
-use counterpoise_verify::{Value, Verdict, Verification};
+use counterpoise_verify::{Limit, Value, Verdict, Verification};
 use serde::Serialize;
 
 use crate::exchange::controller_file::PathResult;
@@ -23,6 +24,7 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
+pub use robustness::{AdviceResult, RobustnessResult};
 
 use crate::studies::adapt::AdaptRun;
 use crate::studies::adaptation_trials::Trials;
@@ -73,6 +75,8 @@ pub struct ReduceResult {
     pub error: Option<Pair>,
     /// What a designer should know.
     pub warnings: Vec<String>,
+    /// The plant before the reduction.
+    pub plant_before: SystemResult,
     /// The reduced plant.
     pub plant: SystemResult,
     /// Hub rate for each input.
@@ -122,6 +126,8 @@ pub struct FigureResult {
     pub value: Option<f64>,
     /// Unit.
     pub unit: &'static str,
+    /// Whether it is linear, or nonlinear at which amplitude.
+    pub basis: String,
 }
 
 /// A requirement with its verdict.
@@ -129,12 +135,16 @@ pub struct FigureResult {
 pub struct VerdictResult {
     /// Key of the figure.
     pub figure: String,
+    /// Whether the figure is linear, or nonlinear at which amplitude.
+    pub basis: String,
     /// `holds`, `fails` or `not applicable`.
     pub verdict: &'static str,
     /// Value.
     pub value: Option<f64>,
     /// Limit.
     pub limit: Option<f64>,
+    /// `at least` or `at most`.
+    pub limit_side: &'static str,
     /// Why it is not applicable.
     pub why: Option<String>,
     /// Where the requirement comes from, as the project file states it; empty if it does not.
@@ -284,9 +294,10 @@ impl From<&Reduced> for ReduceResult {
     fn from(reduced: &Reduced) -> Self {
         Self {
             schema: SCHEMA,
+            plant_before: plant("linear plant", &reduced.before),
             plant: plant("reduced plant", &reduced.system),
             responses: plant_responses(&reduced.system),
-            order: [reduced.order_before, reduced.system.order()],
+            order: [reduced.order_before(), reduced.system.order()],
             ranked: reduced.ranked.clone(),
             bound: reduced.bound,
             error: reduced.error.map(|(value, rate)| [value, rate]),
@@ -337,6 +348,7 @@ impl VerifyResult {
                 Value::Absent { .. } => None,
             },
             unit: measured.figure.unit(),
+            basis: found.acceptance(&measured.figure).basis,
         });
         let verdicts = found.verdicts.iter().map(|(requirement, verdict)| {
             let acceptance = Acceptance::of(&requirement.figure, &found.evidence.procedure);
@@ -347,9 +359,14 @@ impl VerifyResult {
             };
             VerdictResult {
                 figure: requirement.figure.key(),
+                basis: acceptance.basis,
                 verdict,
                 value,
                 limit,
+                limit_side: match requirement.limit {
+                    Limit::AtLeast(_) => "at least",
+                    Limit::AtMost(_) => "at most",
+                },
                 why,
                 source: requirement.source.clone(),
                 judged_by: acceptance.judged_by,

@@ -24,7 +24,7 @@ pub fn verdict(case: &CaseCertificate) -> String {
         ),
         Stability::Unstable => "NOT stable: the motion grows".to_owned(),
         Stability::NotPredicted => format!(
-            "not predicted: no limit cycle is predicted, but at rest the hub moves {} mrad/s RMS",
+            "not predicted: the runs show neither rest nor a limit cycle; at rest the hub moves {} mrad/s RMS",
             short(1e3 * case.rest.rms_rad_s)
         ),
     }

@@ -116,7 +116,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced) -> Section {
 }
 
 fn reduction_words(reduced: &Reduced) -> String {
-    let (before, after) = (reduced.order_before, reduced.system.order());
+    let (before, after) = (reduced.order_before(), reduced.system.order());
     if before == after {
         return format!("The design took the plant as it is, order {before}.");
     }

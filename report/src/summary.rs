@@ -14,7 +14,7 @@ pub fn headline(found: &Verification) -> Headline {
     let (holds, fails, open) = found.counts();
     let all = holds + fails + open;
     let stable = found.evidence.margins.closed_loop_stable;
-    let first = found.verdicts.iter().find_map(|(requirement, verdict)| failure(requirement, verdict));
+    let first = found.verdicts.iter().find_map(|(requirement, verdict)| failure(found, requirement, verdict));
     let detail = match (stable, first) {
         (false, _) => "The closed loop is unstable.".to_owned(),
         (true, Some(text)) => text,
@@ -34,14 +34,15 @@ pub fn headline(found: &Verification) -> Headline {
     Headline { tone, text, detail }
 }
 
-fn failure(requirement: &Requirement, verdict: &Verdict) -> Option<String> {
+fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Option<String> {
     let Verdict::Fails { value, limit, .. } = verdict else { return None };
     let unit = requirement.figure.unit();
     Some(format!(
-        "{}: {} {unit} where {} {unit} is asked.",
+        "{}: {} {unit} where {} {unit} is asked ({}).",
         capital(&requirement.figure.name()),
         short(*value),
-        words_of(*limit)
+        words_of(*limit),
+        found.acceptance(&requirement.figure).basis
     ))
 }
 
@@ -71,18 +72,22 @@ pub fn words_of(limit: Limit) -> String {
 pub fn verdict_table(found: &Verification) -> Table {
     let columns = [
         Column::Text("requirement"),
+        Column::Text("linear, or nonlinear at"),
         Column::Number("measured"),
         Column::Number("limit"),
         Column::Text("room"),
         Column::Text("verdict"),
     ];
     let mut table = Table::new("Requirements", &columns);
-    table.rows =
-        found.verdicts.iter().map(|(requirement, verdict)| verdict_row(requirement, verdict)).collect();
+    table.rows = found
+        .verdicts
+        .iter()
+        .map(|(requirement, verdict)| verdict_row(found, requirement, verdict))
+        .collect();
     table
 }
 
-fn verdict_row(requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
+fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
     let unit = requirement.figure.unit();
     let name = if unit.is_empty() {
         requirement.figure.name()
@@ -105,7 +110,8 @@ fn verdict_row(requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
             ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, why.clone()))
         }
     };
-    vec![Cell::text(name), Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
+    let basis = Cell::text(found.acceptance(&requirement.figure).basis);
+    vec![Cell::text(name), basis, Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
 }
 
 /// Returns every requirement with its source, the run that judged it, and the test on the machine that would; `None` without requirements.

@@ -27,6 +27,33 @@ pub struct Figures {
     pub rejection: f64,
 }
 
+/// The systems that the figures of a sampled feedback loop are measured on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureSystems {
+    /// The loop broken at the control: 1 + L is the return difference.
+    pub broken: StateSpace,
+    /// From the held control to measured and true rate.
+    pub plant: StateSpace,
+    /// From demand and measured rate to the control.
+    pub controller: StateSpace,
+}
+
+/// Returns the systems on which [`figures`] measures a loop.
+///
+/// # Errors
+/// As [`figures`].
+pub fn figure_systems(
+    plant: &DesignPlant,
+    sampled: &Sampled,
+    sampling: &Sampling,
+) -> Result<FigureSystems, Error> {
+    Ok(FigureSystems {
+        broken: sampled.loop_gain.clone(),
+        plant: held(plant, sampling)?,
+        controller: controller(sampled, sampling)?,
+    })
+}
+
 /// Over how many seconds a step is watched.
 pub const STEP_S: f64 = 1.5;
 /// Frequencies in the band.

@@ -102,7 +102,7 @@ pub use discretise::discretise;
 pub use error::Error;
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
-pub use figures::{Figures, figures};
+pub use figures::{FigureSystems, Figures, figure_systems, figures};
 pub use finding::{Finding, Part, Severity};
 pub use first_design::{Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design};
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};

@@ -15,6 +15,7 @@ use counterpoise_project::resolve::synthesis_options::{
 use counterpoise_synth::{Drives, Weight};
 use counterpoise_verify::Procedure;
 use counterpoise_verify::certificate::{CaseCertificate, Stability};
+use counterpoise_verify::signals::periodic::fundamental_hz;
 
 use crate::sealed::Dice;
 use crate::sealed::machine::{Gyro, Machine, Platform, STATES};
@@ -304,7 +305,9 @@ fn seen(rates: &[f64], period: f64) -> Seen {
             above = false;
         }
     }
-    let hz = if count > 1 { f64::from(count - 1) / ((last - first) * period) } else { 0.0 };
+    let crossed = if count > 1 { f64::from(count - 1) / ((last - first) * period) } else { 0.0 };
+    // harmonics can cross the band as well
+    let hz = fundamental_hz(late, period).filter(|hz| *hz < 0.9 * crossed).unwrap_or(crossed);
     Seen { rms: rms(rates), growth: rms(late) / rms(early), amplitude: 0.5 * (high - low), hz }
 }
 

@@ -2,27 +2,21 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::VerifyResult;
 use counterpoise_pipeline::studies::adaptation_trials::{Load, Motion, Trials, own_trials};
-use counterpoise_pipeline::{World, model, procedure, reduce, synthesise, verify};
+use counterpoise_pipeline::{model, procedure, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_tests::Beside;
+use counterpoise_tests::workspace::root;
 
 /// The share of the hub rate added by a changed load that an adaptation must remove.
 const REMOVED: f64 = 0.8;
 
-struct Example;
-
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig")
-}
-
-impl World for Example {
-    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        fs::read(folder().join(name)).map_err(|error| error.to_string())
-    }
+    root().join("examples/reference-rig")
 }
 
 /// The reference rig with a friction observer and a method of adaptation.
@@ -37,9 +31,10 @@ fn adapting(method: &str) -> Project {
 fn trials(project: &Project) -> (Trials, VerifyResult) {
     let modelled = model(project).unwrap();
     let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
-    let procedure = procedure(project, &Example).unwrap();
+    let beside = Beside(folder());
+    let procedure = procedure(project, &beside).unwrap();
     let tried = own_trials(project, &modelled, &made, &procedure).unwrap().unwrap();
-    let verified = verify(project, &modelled, &made, &Example).unwrap();
+    let verified = verify(project, &modelled, &made, &beside).unwrap();
     let measured_on = verified_loop(&modelled.plant, verified.controller(), &procedure).unwrap();
     let result = VerifyResult::new(verified.verification(), measured_on);
     (tried.clone(), result.with_adaptation(Some(tried)))
@@ -63,4 +58,58 @@ fn a_method_that_makes_it_worse_is_refused_by_the_verification() {
     let (tried, result) = trials(&adapting("windowed-mean"));
     assert!(tried.refused[0].ratio > 1.03 && !result.passes);
     assert_eq!(tried.refused[0].worst.method, "windowed-mean");
+}
+
+/// Projects whose load may change: the name of an example, and whether its friction is observed.
+const PROJECTS: [(&str, bool); 6] = [
+    ("reference-rig/project.toml", true),
+    ("reference-rig/project.toml", false),
+    ("appendix-5/chapter-6.toml", true),
+    ("tip-control/project.toml", true),
+    ("azimuth/project.toml", true),
+    ("out-of-balance-schedule/project.toml", true),
+];
+
+/// An example with the default adaptation.
+fn adapting_by_default((name, observes): (&str, bool)) -> (Project, Beside) {
+    let file = root().join("examples").join(name);
+    let mut document = Document::from_bytes(&fs::read(&file).unwrap(), name).unwrap();
+    for section in ["synth.adaptation", "synth.schedule", "synth.observer"] {
+        document = document.remove(section).unwrap_or(document);
+    }
+    document = document.set("synth.adaptation.method", &Setting::Text("recursive".to_owned())).unwrap();
+    if observes {
+        document = document.set("synth.observer.share", &Setting::Number(0.9)).unwrap();
+    }
+    let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
+    (project, Beside(file.parent().unwrap().to_owned()))
+}
+
+/// Half a minute for each project: `COUNTERPOISE_EVERY_TRIAL=1` asks for it.
+#[test]
+fn the_default_is_nowhere_worse_than_none_on_every_project_with_a_load() {
+    if std::env::var_os("COUNTERPOISE_EVERY_TRIAL").is_none() {
+        return;
+    }
+    let mut wrong = Vec::new();
+    for case in PROJECTS {
+        let (project, beside) = adapting_by_default(case);
+        let modelled = model(&project).unwrap();
+        let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+        let procedure = procedure(&project, &beside).unwrap();
+        let tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
+        for row in &tried.rows {
+            let [without, with, told] =
+                [row.without_rad_s, row.with_rad_s, row.told_rad_s].map(|rate| 1e3 * rate);
+            let removed = row.removed();
+            let named = format!("{case:?} {:?} {:?}", row.motion, row.load);
+            println!("{named}: none {without:.3}, adapted {with:.3}, told {told:.3}, removed {removed:.2?}");
+            let changed = matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines;
+            // a tenth of a percent is what two runs with other noise differ by
+            if row.ratio() > 1.001 || changed && removed.is_some_and(|share| share < REMOVED) {
+                wrong.push(format!("{named}: {with:.3} of {without:.3}, removed {removed:.2?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

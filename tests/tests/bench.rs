@@ -102,7 +102,7 @@ fn with_inertia_kept_only_the_heave_feedforward_changes_and_only_in_gain() {
         let (gain, redesign) = (row.error_gain_law_rad_s.unwrap(), row.error_after_rad_s.unwrap());
         assert!((gain - redesign).abs() < 1e-6 * redesign && redesign < row.error_before_rad_s.unwrap());
     }
-    assert!(found.spillover.unwrap().largest_pole < 1.0, "{:?}", found.spillover);
+    assert!(found.spillover.as_ref().unwrap().largest_pole < 1.0, "{:?}", found.spillover);
 }
 
 #[test]

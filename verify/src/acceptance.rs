@@ -4,11 +4,14 @@
 //! platform, the same statistics. What a loop's margins are worth is measured with a network or frequency response analyser, as
 //! Skogestad and Postlethwaite (Multivariable Feedback Control, section 2.4) define them.
 
+use crate::signals::rms;
 use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, SightFigure, Source};
 
 /// How a requirement on a figure is judged, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Acceptance {
+    /// Whether the figure is linear, or nonlinear at which amplitude, for example `nonlinear at heave 2 m/s^2, 1.5 Hz`.
+    pub basis: String,
     /// The run of the verification that gives the figure.
     pub judged_by: String,
     /// The test on the machine that would show whether the requirement holds.
@@ -18,7 +21,48 @@ pub struct Acceptance {
 impl Acceptance {
     /// Returns how a figure of the procedure is judged.
     pub fn of(figure: &Figure, procedure: &Procedure) -> Self {
-        Self { judged_by: judged_by(figure, procedure), test: acceptance_test(figure, procedure) }
+        Self {
+            basis: basis(figure, procedure),
+            judged_by: judged_by(figure, procedure),
+            test: acceptance_test(figure, procedure),
+        }
+    }
+}
+
+/// Returns whether a figure is linear, which holds at any amplitude, or at which amplitude it is nonlinear.
+fn basis(figure: &Figure, procedure: &Procedure) -> String {
+    let at = match figure {
+        Figure::Loop(_) | Figure::Rejection { .. } => return "linear".to_owned(),
+        Figure::Step(Model::Linear, _)
+        | Figure::Triangle(Model::Linear, _)
+        | Figure::Disturbance(Model::Linear, ..) => return "linear".to_owned(),
+        Figure::Step(..) => format!("at a step of {} rad/s", procedure.step.rate_rad_s),
+        Figure::Triangle(..) => match procedure.triangle {
+            Some(triangle) => format!("at a triangle of {} rad/s", triangle.rate_rad_s),
+            None => "at a triangle".to_owned(),
+        },
+        Figure::Disturbance(_, source, ..) => format!("at {}", size(*source, procedure)),
+        Figure::Rest(_) => "at rest".to_owned(),
+        Figure::Sight(_) => format!("at {}", size(sight_source(procedure), procedure)),
+    };
+    format!("nonlinear {at}")
+}
+
+/// Returns the amplitudes of a motion of the platform.
+fn size(source: Source, procedure: &Procedure) -> String {
+    let heave = format!("heave {} m/s^2, {} Hz", procedure.heave.amplitude, procedure.heave.frequency_hz);
+    let pitch = format!("pitch {} rad/s, {} Hz", procedure.pitch.amplitude, procedure.pitch.frequency_hz);
+    match source {
+        Source::Heave => heave,
+        Source::Pitch => pitch,
+        Source::Both => format!("{heave}, and {pitch}"),
+        Source::Road => match &procedure.road {
+            Some(road) => {
+                let (heave, pitch) = (rms(&road.heave_m_s2), rms(&road.pitch_rate_rad_s));
+                format!("the road \"{}\", RMS heave {heave:.3} m/s^2 and pitch {pitch:.4} rad/s", road.name)
+            }
+            None => "the road".to_owned(),
+        },
     }
 }
 
@@ -93,9 +137,12 @@ fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
     }
 }
 
+fn sight_source(procedure: &Procedure) -> Source {
+    if procedure.road.is_some() { Source::Road } else { Source::Both }
+}
+
 fn sight_run(procedure: &Procedure) -> String {
-    let source = if procedure.road.is_some() { Source::Road } else { Source::Both };
-    format!("{}, {}", motion(source, procedure), acting(Arrangement::Compensated))
+    format!("{}, {}", motion(sight_source(procedure), procedure), acting(Arrangement::Compensated))
 }
 
 fn of_loop(figure: LoopFigure) -> &'static str {
@@ -179,10 +226,13 @@ mod tests {
         let procedure = Procedure::default();
         for figure in Figure::all() {
             assert!(!judged_by(&figure, &procedure).is_empty(), "{figure}");
+            let basis = basis(&figure, &procedure);
+            assert!(basis == "linear" || basis.starts_with("nonlinear at "), "{figure}: {basis}");
             assert!(acceptance_test(&figure, &procedure).len() > 20, "{figure}");
         }
         let both =
             Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
+        assert_eq!(basis(&both, &procedure), "nonlinear at heave 2 m/s^2, 1.5 Hz, and pitch 0.2 rad/s, 1 Hz");
         let run = "nonlinear simulation, heave 2 m/s^2 at 1.5 Hz and pitch 0.2 rad/s at 1 Hz, 10 s, the whole controller";
         assert_eq!(judged_by(&both, &procedure), run);
         let test = acceptance_test(&both, &procedure);

@@ -46,6 +46,10 @@ pub const BURST_PERIODS: f64 = 3.0;
 pub const STRETCH_PERIODS: f64 = 10.0;
 /// See [`STRETCH_PERIODS`].
 pub const STRETCH_S: f64 = 4.0;
+/// Longest stretch, s: a slow motion has time for four, so that it can be seen to settle or to fade.
+pub const LONGEST_STRETCH_S: f64 = 10.0;
+/// Crossings count a motion more than once a period where it repeats itself less often than this share of them.
+pub const MULTIPLE: f64 = 0.9;
 /// Most time for which it is observed, s: twice the 20 s of a run that is to be predicted.
 pub const OBSERVED_S: f64 = 40.0;
 /// It has settled when its RMS changes by less than this share from stretch to stretch.
@@ -84,7 +88,7 @@ pub const ALIASES: i32 = 20;
 pub const MOST_GAP_SWING: f64 = 30.0;
 /// See [`MOST_GAP_SWING`].
 pub const GAP_SWINGS: usize = 16;
-/// With an unstable regime or a predicted limit cycle, a run that moves more than this many noise floors is not called stable: a run
+/// With an unstable regime or a predicted limit cycle near which a motion stays, a run that moves more than this many noise floors is not called stable: a run
 /// with other noise can move twice as much.
 pub const MOVES_UNSTABLE_FLOORS: f64 = 1.0;
 /// A run at rest between the two limits above is repeated so often with other noise; the spread of four runs is nearly the range in which

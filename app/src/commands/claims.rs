@@ -122,7 +122,7 @@ fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
     }
     for name in only {
         if !all.iter().any(|id| id.eq_ignore_ascii_case(name.trim())) {
-            bail!("--only {name}: the rows are C1 to C32 and F1 to F4");
+            bail!("--only {name}: the rows are C1 to C34 and F1 to F4");
         }
     }
     Ok(all.into_iter().filter(|id| only.iter().any(|name| id.eq_ignore_ascii_case(name.trim()))).collect())

@@ -123,14 +123,16 @@ pub fn print_verdicts(found: &Verification) {
     for (requirement, verdict) in &found.verdicts {
         let name = requirement.figure.name();
         let unit = requirement.figure.unit();
+        let basis = found.acceptance(&requirement.figure).basis;
         match verdict {
             Verdict::Holds { value, limit, .. } => {
-                say!("  holds  {name}: {} ({} {})", with_unit(*value, unit), sign(*limit), limit.value());
+                let (value, sign, limit) = (with_unit(*value, unit), sign(*limit), limit.value());
+                say!("  holds  {name}: {value} ({sign} {limit}; {basis})");
             }
             Verdict::Fails { value, limit, by } => {
                 let by = output::figure(*by);
                 say!(
-                    "  FAILS  {name}: {} ({} {}), by {by}",
+                    "  FAILS  {name}: {} ({} {}; {basis}), by {by}",
                     with_unit(*value, unit),
                     sign(*limit),
                     limit.value()

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline::design_views::loop_shape;
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
-use counterpoise_pipeline::results::VerifyResult;
+use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::Advice;
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
@@ -22,7 +22,7 @@ use counterpoise_verify::difference::{Change, changes};
 use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::spectral::{Spectral, spectral};
-use counterpoise_verify::structured::RobustStability;
+use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};
 
 use super::design::print_verdicts;
@@ -106,6 +106,10 @@ struct Shown {
     /// Stable within so many times the ranges of the sweep; absent where nothing varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     robust_to_times_the_ranges: Option<f64>,
+    /// The linear worst case in each case and regime of friction, the design's own sliding first; empty where nothing varies.
+    robustness: Vec<RobustnessResult>,
+    /// What to change where a requirement fails.
+    advice: Vec<AdviceResult>,
 }
 
 fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Result<()> {
@@ -117,7 +121,10 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
         result.histories.clear();
     }
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
-    let shown = Shown { result, robust_to_times_the_ranges };
+    let own = stability.map(|found| RobustnessResult::new("design", Joints::Sliding, Some(found)));
+    let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
+    let advised = study.advice.iter().map(Into::into).collect();
+    let shown = Shown { result, robust_to_times_the_ranges, robustness, advice: advised };
     if !output::json(&options.results, &shown)? {
         print_verdicts(found);
         error_budget::lines(found).iter().for_each(|line| say!("line of sight: {line}"));

@@ -265,7 +265,9 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
             Limit::AtLeast(value) => format!("at least {value}"),
             Limit::AtMost(value) => format!("at most {value}"),
         };
-        let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({})", asked(limit));
+        let basis = verification.acceptance(&requirement.figure).basis;
+        let said =
+            |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({}; {basis})", asked(limit));
         match verdict {
             Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
             Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),

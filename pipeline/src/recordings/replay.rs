@@ -6,13 +6,16 @@ use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
 use counterpoise_models::Parameters;
-use counterpoise_project::Project;
+use counterpoise_models::plant::Body;
+use counterpoise_project::{Project, StructureChoice};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, SelectedReplay};
 
 use super::read::{ColumnRemark, ReadRecording, unused_columns};
 use super::tracks::{Track, tracks};
 use crate::PipelineError;
+use crate::model;
+use crate::model::two_inertias;
 
 /// Share of the worst residual below which a fitted initial state is believed to be what was wrong. A start that removes less may only hide what
 /// the model lacks.
@@ -45,17 +48,33 @@ pub struct ReplayedRecording {
     pub tracks: Vec<Track>,
 }
 
-/// Replays recordings on the project's mechanism, in their order.
+/// Replays recordings on the project's mechanism as it is modelled, in their order: in its configuration, and with the modes of its finite elements
+/// if the model has them.
 ///
 /// # Errors
-/// As [`replay_one`].
+/// As [`replay_one`], and a structure that makes no mechanism.
 pub fn replay(
     project: &Project,
     read: &[ReadRecording],
     control: &Loop,
     length: ReplayLength,
 ) -> Result<Vec<ReplayedRecording>, PipelineError> {
-    read.iter().map(|item| replay_one(&project.plant, item, control, length)).collect()
+    let (parameters, structure) = match project.model.structure {
+        StructureChoice::Lumped => (two_inertias(project)?, None),
+        StructureChoice::Beam | StructureChoice::Import => {
+            let modelled = model(project)?;
+            let body = modelled.plant.body().clone();
+            (modelled.parameters, Some(body))
+        }
+    };
+    let mechanism = Mechanism { parameters: &parameters, structure: structure.as_ref() };
+    read.iter().map(|item| replay_on(&mechanism, item, control, length)).collect()
+}
+
+/// A mechanism with its structure, if that is not two inertias.
+struct Mechanism<'a> {
+    parameters: &'a Parameters,
+    structure: Option<&'a Body>,
 }
 
 /// Replays one recording on a mechanism; under its recorded control if another controller than the project's was in the loop.
@@ -68,8 +87,28 @@ pub fn replay_one(
     control: &Loop,
     length: ReplayLength,
 ) -> Result<ReplayedRecording, PipelineError> {
+    replay_on(&Mechanism { parameters: plant, structure: None }, item, control, length)
+}
+
+fn replay_on(
+    mechanism: &Mechanism<'_>,
+    item: &ReadRecording,
+    control: &Loop,
+    length: ReplayLength,
+) -> Result<ReplayedRecording, PipelineError> {
+    let plant = mechanism.parameters;
+    let replayer = Replayer::new(plant, &item.recording).map(|replayer| match mechanism.structure {
+        Some(body) => replayer.with_whole_body(body.clone()),
+        None => replayer,
+    });
     let control = if item.has_other_controller() { &Loop::Open } else { control };
-    let followed = Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, control, length));
+    let followed = replayer.and_then(|replayer| match mechanism.structure {
+        Some(_) => selected(&replayer, plant, control, length),
+        None => {
+            let found = selected(&replayer, plant, control, length)?;
+            Ok(from_fitted_start(&replayer, plant, control, found))
+        }
+    });
     let cannot = |cause: counterpoise_simulate::Error| {
         let unused = unused_columns([item]);
         PipelineError::CannotReplay { recording: item.file.clone(), cause: Box::new(cause), unused }
@@ -84,7 +123,7 @@ pub fn replay_one(
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 
-fn follow(
+fn selected(
     replayer: &Replayer,
     plant: &Parameters,
     control: &Loop,
@@ -92,14 +131,12 @@ fn follow(
 ) -> Result<SelectedReplay, counterpoise_simulate::Error> {
     let (replay, mode) = match (length, control) {
         (ReplayLength::Automatic, _) => {
-            let selected = replayer.replay_free_or_windowed(plant, control)?;
-            return Ok(from_fitted_start(replayer, plant, control, selected));
+            return replayer.replay_free_or_windowed(plant, control);
         }
         (ReplayLength::Whole, Loop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
         (ReplayLength::Whole, _) => {
             let replay = replayer.replay(plant, control)?;
-            let selected = SelectedReplay { replay, mode: ReplayMode::Free, divergence: None };
-            return Ok(from_fitted_start(replayer, plant, control, selected));
+            return Ok(SelectedReplay { replay, mode: ReplayMode::Free, divergence: None });
         }
         (ReplayLength::Windows { window_s }, Loop::Open) => {
             (replayer.replay_windowed(plant, window_s)?, ReplayMode::Windowed { window_s, free: Vec::new() })

@@ -5,6 +5,8 @@ use counterpoise_verify::certificate::{
 };
 use serde::Serialize;
 
+use crate::exchange::SystemResult;
+
 /// The certificate: the worst case, and every case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CertificateResult {
@@ -92,7 +94,7 @@ pub struct CycleResult {
 }
 
 /// The loop in a regime.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegimeResult {
     /// Key of the regime.
     pub regime: &'static str,
@@ -106,6 +108,8 @@ pub struct RegimeResult {
     pub gain_margin_db: Option<f64>,
     /// Largest sensitivity; `None` in an unstable loop.
     pub max_sensitivity: Option<f64>,
+    /// The sampled loop broken at the plant's input: 1 + L is the return difference.
+    pub sampled_loop: SystemResult,
 }
 
 /// A predicted limit cycle.
@@ -190,6 +194,7 @@ impl From<&RegimeLoop> for RegimeResult {
             frequency_hz: at.frequency_hz,
             gain_margin_db: finite(at.gain_margin_db),
             max_sensitivity: finite(at.max_sensitivity),
+            sampled_loop: SystemResult::new("loop", &at.broken, &["control_v"], &["returned_control_v"]),
         }
     }
 }

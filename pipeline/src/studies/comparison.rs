@@ -5,10 +5,13 @@ use counterpoise_lti::{C64, StateSpace};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
     Alternative, Channel, Design, DesignPlant, Figures, JointOptimum, Method, Reference, Refusal, Sampled,
-    SourceCost, Weighed, Weight, alternative, attempt, check, discretise, error_at, figures, total_cost,
+    SourceCost, Weighed, Weight, alternative, attempt, check, discretise, error_at, figure_systems, figures,
+    total_cost,
 };
 use serde::Serialize;
 
+use super::cost_basis::{CostBasis, cost_basis};
+use crate::exchange::SystemResult;
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, rows};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
@@ -40,6 +43,9 @@ pub struct TotalCostResult {
     pub total: f64,
     /// Feedback first.
     pub parts: Vec<PartCostRow>,
+    /// What the cost and the motions are computed from; absent for one joint problem.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub basis: Option<CostBasis>,
 }
 
 /// The cost of one part's disturbances in the assembled loop.
@@ -70,6 +76,8 @@ pub struct MethodRow {
     pub norm: Option<f64>,
     /// Figures of the sampled loop; `None` if there is no controller.
     pub figures: Option<LoopFigures>,
+    /// The systems that these figures are measured on: the loop broken at the control, the plant from the held control, the controller.
+    pub systems: Vec<SystemResult>,
     /// Why there is none.
     pub why: Option<String>,
 }
@@ -94,7 +102,7 @@ pub struct LoopFigures {
 }
 
 /// What a lower order of the feedback costs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LoweredRow {
     /// States before and after.
     pub order: [usize; 2],
@@ -104,6 +112,8 @@ pub struct LoweredRow {
     pub before: LoopFigures,
     /// Figures after.
     pub after: LoopFigures,
+    /// The systems that the figures before are measured on, and those after, as in a row of a method.
+    pub systems: [Vec<SystemResult>; 2],
 }
 
 /// RMS rates under an expected disturbance, rad/s.
@@ -118,7 +128,7 @@ pub struct MotionRow {
 }
 
 /// The loop on the structure with more modes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spillover {
     /// Modes of the structure.
     pub modes: usize,
@@ -126,6 +136,8 @@ pub struct Spillover {
     pub order: usize,
     /// Largest modulus of the loop's poles there.
     pub largest_pole: f64,
+    /// These poles, in the z-plane; empty if the loop is not stable.
+    pub poles: Vec<[f64; 2]>,
 }
 
 /// Band over which |S| is averaged, rad/s: 0.2 to 2 Hz.
@@ -171,7 +183,8 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
         best_gain: source.best_gain,
         gained_percent: source.gained.map(|share| 100.0 * share),
     };
-    Ok(Some(TotalCostResult { total: found.total, parts: found.sources.iter().map(row).collect() }))
+    let basis = Some(cost_basis(&made.design)?);
+    Ok(Some(TotalCostResult { total: found.total, parts: found.sources.iter().map(row).collect(), basis }))
 }
 
 /// One problem has one cost; its parts are the gains from its sensors.
@@ -187,7 +200,33 @@ fn joint_result(joint: &JointOptimum, total: f64) -> TotalCostResult {
         best_gain: None,
         gained_percent: None,
     };
-    TotalCostResult { total, parts: names.zip(&joint.slopes).map(row).collect() }
+    TotalCostResult { total, parts: names.zip(&joint.slopes).map(row).collect(), basis: None }
+}
+
+/// Figures of a sampled loop with the systems that they are measured on.
+struct MeasuredLoop {
+    figures: LoopFigures,
+    systems: Vec<SystemResult>,
+}
+
+fn measured_loop(made: &Synthesised, sampled: &Sampled) -> Result<MeasuredLoop, PipelineError> {
+    let on = figure_systems(&made.design.plant, sampled, &made.sampling)?;
+    let systems = vec![
+        SystemResult::new("loop", &on.broken, &["control_v"], &["returned_control_v"]),
+        SystemResult::new(
+            "held_plant",
+            &on.plant,
+            &["control_v"],
+            &["measured_rate_rad_s", "hub_rate_rad_s"],
+        ),
+        SystemResult::new(
+            "controller",
+            &on.controller,
+            &["demand_rad_s", "measured_rate_rad_s"],
+            &["control_v"],
+        ),
+    ];
+    Ok(MeasuredLoop { figures: loop_figures(made, sampled)?, systems })
 }
 
 fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
@@ -207,12 +246,12 @@ fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, Pi
 fn with_feedback(
     made: &Synthesised,
     controller: &StateSpace,
-) -> Result<Result<LoopFigures, String>, PipelineError> {
+) -> Result<Result<MeasuredLoop, String>, PipelineError> {
     let mut design =
         Design { substitute: Some(controller.clone()), heave: None, pitch: None, ..made.design.clone() };
     design.specification.reference = Reference::Error;
     Ok(match attempt(discretise(&design, &made.sampling))? {
-        Ok(sampled) => Ok(loop_figures(made, &sampled)?),
+        Ok(sampled) => Ok(measured_loop(made, &sampled)?),
         Err(refusal) => Err(words(&refusal.findings)),
     })
 }
@@ -257,12 +296,14 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
         let error = &asked.specification.feedback.error;
         (asked.options.method.name().to_owned(), without_integral(error) != *error)
     };
+    let on = measured_loop(made, &made.sampled)?;
     Ok(MethodRow {
         method: format!("{method} (built)"),
         integral,
         order: made.design.feedback_controller().order(),
         norm,
-        figures: Some(loop_figures(made, &made.sampled)?),
+        figures: Some(on.figures),
+        systems: on.systems,
         why: None,
     })
 }
@@ -278,14 +319,17 @@ fn method_row(
         order: 0,
         norm: None,
         figures: None,
+        systems: Vec::new(),
         why: None,
     };
     Ok(match answer {
         Err(refusal) => MethodRow { why: Some(words(&refusal.findings)), ..blank },
         Ok(found) => {
-            let judged = with_feedback(made, &found.controller)?;
-            let (figures, why) = (judged.as_ref().ok().copied(), judged.err());
-            MethodRow { order: found.controller.order(), norm: found.norm, figures, why, ..blank }
+            let row = MethodRow { order: found.controller.order(), norm: found.norm, ..blank };
+            match with_feedback(made, &found.controller)? {
+                Ok(on) => MethodRow { figures: Some(on.figures), systems: on.systems, ..row },
+                Err(why) => MethodRow { why: Some(why), ..row },
+            }
         }
     })
 }
@@ -310,8 +354,9 @@ fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
     Ok(Some(LoweredRow {
         order: [lowered.before.order(), after.order()],
         loop_change: lowered.reduction.closed_loop_error.value,
-        before,
-        after: now,
+        before: before.figures,
+        after: now.figures,
+        systems: [before.systems, now.systems],
     }))
 }
 
@@ -347,16 +392,21 @@ fn spillover(
     let plant: DesignPlant = design_plant(asked, modelled, &unreduced)?;
     let order = plant.system.order();
     let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    let largest_pole = match attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))? {
-        Ok(sampled) => largest(&sampled.closed_loop),
-        Err(refusal) => refusal
-            .findings
-            .iter()
-            .find_map(|finding| match finding.cause {
-                counterpoise_synth::Cause::SampledUnstable { pole, .. } => Some(pole.norm()),
-                _ => None,
-            })
-            .unwrap_or(f64::INFINITY),
+    let pair = |pole: &C64| [pole.re, pole.im];
+    let (largest_pole, poles) = match attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))?
+    {
+        Ok(sampled) => (largest(&sampled.closed_loop), sampled.closed_loop.iter().map(pair).collect()),
+        Err(refusal) => (
+            refusal
+                .findings
+                .iter()
+                .find_map(|finding| match finding.cause {
+                    counterpoise_synth::Cause::SampledUnstable { pole, .. } => Some(pole.norm()),
+                    _ => None,
+                })
+                .unwrap_or(f64::INFINITY),
+            Vec::new(),
+        ),
     };
-    Ok(Some(Spillover { modes, order, largest_pole }))
+    Ok(Some(Spillover { modes, order, largest_pole, poles }))
 }

@@ -33,6 +33,7 @@ use crate::signal::{LOOK_AHEAD, Signal};
 use crate::tolerance::SAME_PERIOD;
 use crate::{PlantState, PlatformMotion};
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
+use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Parameters, Plant};
 use counterpoise_recordings::{Channel, Recording};
@@ -115,6 +116,8 @@ pub struct Replayer<'a> {
     steps_per_sample: f64,
     /// The state of an exported controller at the first sample.
     fitted: FittedStart,
+    /// The structure, if it is not that of the mechanism's two inertias.
+    body: Option<Body>,
 }
 
 impl<'a> Replayer<'a> {
@@ -138,12 +141,26 @@ impl<'a> Replayer<'a> {
         let sensed = platform::Sensed::new(parameters, recording, None);
         let platform = sensed.motion(parameters, period);
         let fitted = FittedStart::default();
-        Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY, fitted })
+        Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY, fitted, body: None })
     }
 
     /// Returns the same with a bound on the steps of a run: see [`Simulator::bounded`].
     pub fn bounded(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample, ..self }
+    }
+
+    /// Returns the same on another structure than that of two inertias: with the modes of finite elements, for instance. The rotor behind a rigid
+    /// transmission belongs to it.
+    pub fn with_whole_body(self, body: Body) -> Self {
+        Self { body: Some(body), ..self }
+    }
+
+    /// Returns the plant of a mechanism.
+    fn plant(&self, parameters: &Parameters) -> Result<Plant, Error> {
+        Ok(match &self.body {
+            Some(body) => Plant::with_whole_body(parameters, body.clone())?,
+            None => Plant::lumped(parameters)?,
+        })
     }
 
     /// Returns a simulator of a plant with that bound.
@@ -156,7 +173,7 @@ impl<'a> Replayer<'a> {
     pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
         let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
         let platform = sensed.motion(parameters, self.recording.sample_period_s);
-        Self { sensed, platform, fitted: self.fitted.clone(), ..*self }
+        Self { sensed, platform, fitted: self.fitted.clone(), body: self.body.clone(), ..*self }
     }
 
     /// Returns the same with an exported controller that starts in the state that another recording of the same run shows: for copies
@@ -180,7 +197,7 @@ impl<'a> Replayer<'a> {
     /// # Errors
     /// As [`replay`].
     pub fn replay(&self, parameters: &Parameters, control: &Loop) -> Result<Replay, Error> {
-        let plant = Plant::lumped(parameters)?;
+        let plant = self.plant(parameters)?;
         self.replay_plant(&plant, control)
     }
 
@@ -195,7 +212,7 @@ impl<'a> Replayer<'a> {
         control: &Loop,
         near: &PlantState,
     ) -> Result<Replay, Error> {
-        let plant = Plant::lumped(parameters)?;
+        let plant = self.plant(parameters)?;
         let mut simulator = self.simulator(&plant)?;
         let start = start::refine(&mut simulator, self, near)?;
         self.settled(&plant, simulator, control, start)
@@ -239,7 +256,7 @@ impl<'a> Replayer<'a> {
         control: &Loop,
         start: &PlantState,
     ) -> Result<Replay, Error> {
-        let plant = Plant::lumped(parameters)?;
+        let plant = self.plant(parameters)?;
         let history = self.run(&mut self.simulator(&plant)?, control, start)?;
         Ok(self.compared(&plant, control, history, start.clone()))
     }
@@ -256,7 +273,7 @@ impl<'a> Replayer<'a> {
         near: &PlantState,
         steps: &[f64; START_FREEDOMS],
     ) -> Result<Replay, Error> {
-        let plant = Plant::lumped(parameters)?;
+        let plant = self.plant(parameters)?;
         let mut simulator = self.simulator(&plant)?;
         let start = start::nudged(&mut simulator, self, near, steps);
         let history = self.run(&mut simulator, control, &start)?;

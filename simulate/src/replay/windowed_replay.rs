@@ -13,7 +13,7 @@ use crate::Error;
 use crate::history::ReadingColumns;
 use crate::sensing::Noise;
 use crate::tolerance::{DIVERGED_FLOORS, LONG_WINDOWS, WRONG_MODEL};
-use counterpoise_models::{Parameters, Plant};
+use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
 /// Length of a window, s.
@@ -112,7 +112,7 @@ impl Replayer<'_> {
         control: &Loop,
         quiet: &Replay,
     ) -> Result<Option<Divergence>, Error> {
-        let mut simulator = self.simulator(&Plant::lumped(parameters)?)?;
+        let mut simulator = self.simulator(&self.plant(parameters)?)?;
         let start = redrawn(&mut simulator, self, &quiet.start)?;
         let moved = self.run(&mut simulator, control, &start)?.readings;
         let recording = with_noise(self.recording, parameters.sensors.hub_gyro.noise_rms);

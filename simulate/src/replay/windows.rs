@@ -127,7 +127,7 @@ impl<'a, 'b> Windows<'a, 'b> {
     ) -> Result<Self, Error> {
         let mut prompt = parameters.clone();
         let delay = std::mem::take(&mut prompt.interface.output_delay_samples);
-        let plant = Plant::lumped(&prompt)?;
+        let plant = replayer.plant(&prompt)?;
         let held = holding_control(&plant, &start.core);
         let mut control_v = vec![held; delay];
         control_v.extend(Playback::filled(replayer.recording)?);

@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &Des
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         egui::Grid::new("figures").num_columns(5).min_col_width(34.0).spacing([6.0, 3.0]).show(ui, |ui| {
-            ui.label("");
+            ui.label(RichText::new("linear loop").small().color(theme.weak));
             right_aligned(ui, |ui| drop(ui.label(RichText::new("now").small().color(theme.weak))));
             for slot in DesignSlot::ALL {
                 right_aligned(ui, |ui| kept_designs::show_slot(ui, view, queue, slot));

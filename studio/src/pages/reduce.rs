@@ -82,7 +82,7 @@ fn show_charts(
     let response = widgets::show_chart(ui, view, queue, cells[0], &hankel);
     if let (true, Some(at)) = (response.response.clicked(), response.response.interact_pointer_pos()) {
         let state = response.transform.value_from_position(at).x.round();
-        let most = (shown.plant.reduced.order_before - 1).max(1) as f64;
+        let most = (shown.plant.reduced.order_before() - 1).max(1) as f64;
         choose_order(queue, shown.method, state.clamp(1.0, most) as usize);
     }
     let charts = [
@@ -130,7 +130,7 @@ fn show_side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &Sho
 /// Shows the orders to choose from, and the error of the current one.
 fn show_orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, shown: &ShownReduction) {
     let (theme, reduced) = (view.theme, &shown.plant.reduced);
-    let before = reduced.order_before;
+    let before = reduced.order_before();
     widgets::show_heading(ui, "Order");
     let has_order = matches!(shown.method, ReductionMethod::Balanced | ReductionMethod::Modal);
     ui.add_enabled_ui(has_order, |ui| {

@@ -154,11 +154,12 @@ fn show_verdict(ui: &mut Ui, view: &View, found: &Verification, index: usize) ->
     if let Some(at) = shown.rect(sign) {
         draw_verdict_sign(ui, at.center(), verdict, colour);
     }
-    let text = format!("{word}: {figure}, {limit}");
+    let basis = found.acceptance(&requirement.figure).basis;
+    let text = format!("{word}: {figure}, {limit}, {basis}");
     shown
         .response
         .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, text.clone()));
-    shown.response.on_hover_text(figure.as_ref() as &str)
+    shown.response.on_hover_text(format!("{figure}: {basis}"))
 }
 
 /// Draws a verdict as a sign that can be read without colour: a dot, a cross, or a ring.
@@ -182,6 +183,6 @@ fn draw_verdict_sign(ui: &Ui, at: egui::Pos2, verdict: &Verdict, colour: egui::C
 /// Returns the tab that shows what a figure is read from.
 fn evidence_tab(figure: Figure) -> VerificationTab {
     let key = figure.key();
-    let is_over_frequency = ["margin", "sensitivity", "drr"].iter().any(|word| key.contains(word));
+    let is_over_frequency = ["margin", "sensitivity", "drr_db at"].iter().any(|word| key.contains(word));
     if is_over_frequency { VerificationTab::Rejection } else { VerificationTab::Histories }
 }

@@ -1,10 +1,12 @@
-"""Recomputes every figure that `counterpoise design` prints from its JSON result alone, with numpy and python-control.
+"""Recomputes every figure that `counterpoise model`, `reduce`, `synth`, `verify` and `design` print from the JSON result alone, with numpy
+and python-control.
 
     counterpoise design PROJECT -o out --histories --json=result.json
     python tests/peers/results/recompute.py result.json
 
-Linear figures come from the matrices (poles, margins, sensitivities, rejection ratios), the others from the time histories. Every
-figure of the result is recomputed; the script fails if one differs by more than its tolerance or is not recomputed.
+Linear figures come from the matrices (poles, margins, sensitivities, rejection ratios, costs as integrals over frequency), the others from
+the time histories. The script fails if one differs by more than its tolerance, and lists the printed figures that the result does not
+determine, each with the reason.
 """
 
 import json
@@ -14,63 +16,14 @@ import sys
 import control
 import numpy as np
 
+import stages
+from responses import at, bisect, crossings, decibels, golden, largest, named, system
+
 # Margins are found here by another method than in the program (a dense grid, then bisection).
 LOOP_TOLERANCE = 1e-7
 # Rejection ratios and histories are the same formulas on the same numbers.
 TOLERANCE = 1e-9
 ROUNDING = 1e-12
-
-
-def system(result):
-    """The three lines of the manual: a system of the result as one of python-control."""
-    dt = result["sample_time_s"]
-    return control.ss(result["A"], result["B"], result["C"], result["D"], dt)
-
-
-def named(systems, name):
-    return next(one for one in systems if one["name"] == name)
-
-
-def at(sys_, rates, dt):
-    """The response at rates in rad/s, an array of matrices."""
-    points = np.exp(1j * rates * dt) if dt else 1j * rates
-    eye = np.eye(sys_.nstates)
-    return np.array([sys_.C @ np.linalg.solve(s * eye - sys_.A, sys_.B.astype(complex)) + sys_.D for s in points])
-
-
-def bisect(function, low, high):
-    sign = function(low) > 0
-    for _ in range(200):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if (function(middle) > 0) == sign else (low, middle)
-    return math.sqrt(low * high)
-
-
-def golden(function, low, high):
-    """The place of the largest value between two rates."""
-    ratio = (math.sqrt(5.0) - 1.0) / 2.0
-    low, high = math.log(low), math.log(high)
-    for _ in range(120):
-        a, b = high - ratio * (high - low), low + ratio * (high - low)
-        if function(math.exp(a)) > function(math.exp(b)):
-            high = b
-        else:
-            low = a
-    return math.exp(0.5 * (low + high))
-
-
-def crossings(rates, values, function):
-    found = []
-    for k in range(len(rates) - 1):
-        if values[k] == 0.0 or values[k] * values[k + 1] < 0.0:
-            found.append(bisect(function, rates[k], rates[k + 1]))
-    return found
-
-
-def largest(rates, values, function):
-    k = int(np.argmax(values))
-    place = golden(function, rates[max(k - 1, 0)], rates[min(k + 1, len(rates) - 1)])
-    return max(function(place), values[k])
 
 
 def loop_figures(verify):
@@ -129,10 +82,6 @@ def rejection_db(verify, source, arrangement, hertz):
     hold = (1.0 - np.exp(-1j * rate * dt)) / (1j * rate * dt)
     hold *= np.exp(-1j * rate * dt * verify["control_delay_samples"])
     return decibels(abs(G[0, source_input] + G[0, 0] * hold * tone))
-
-
-def decibels(ratio):
-    return 20.0 * math.log10(ratio) if ratio > 0.0 else -math.inf
 
 
 def rms(values):
@@ -224,7 +173,7 @@ def history_figures(history, settle_s):
 
 def recomputed(verify):
     all_ = loop_figures(verify)
-    for history in verify["histories"]:
+    for history in verify.get("histories", []):
         all_.update(history_figures(history, verify["settle_s"]))
     for figure in verify["figures"]:
         key = figure["figure"]
@@ -235,12 +184,8 @@ def recomputed(verify):
     return all_
 
 
-def check_design(design):
-    """Poles and responses of the parts before the verification."""
-    model, synth = design["model"], design["synth"]
-    poles = np.sort_complex(np.linalg.eigvals(system(model["plant"]).A))
-    told = np.sort_complex(np.array([complex(*p) for p in model["poles_rad_s"]]))
-    assert np.max(np.abs(poles - told)) <= 1e-7 * np.max(np.abs(told)), "poles of the plant"
+def check_responses(synth):
+    """Weights by their coefficients and by their roots, and the stored responses of the controllers and of the sampled loop."""
     for weight in synth["weights"]:
         transfer = control.tf(weight["numerator"], weight["denominator"])
         s = 3.0j
@@ -249,7 +194,7 @@ def check_design(design):
             by_roots *= s - complex(*root)
         for root in weight["poles"]:
             by_roots /= s - complex(*root)
-        assert abs(transfer(s) - by_roots) <= 1e-9 * abs(by_roots), weight["name"]
+        yield f"weight {weight['name']}", abs(by_roots), abs(transfer(s)), 1e-9
     responses = {one["name"]: one for one in synth["responses"]}
     for part in synth["controllers"] + [synth["sampled_loop"]]:
         dt = part["sample_time_s"]
@@ -262,34 +207,133 @@ def check_design(design):
                 hertz = hertz[hertz < 0.499 / dt]
             mine = at(system(part), 2.0 * math.pi * hertz, dt)[:, 0, column]
             theirs = np.array(one["real"])[: len(hertz)] + 1j * np.array(one["imaginary"])[: len(hertz)]
-            assert np.max(np.abs(mine - theirs) / np.maximum(np.abs(theirs), 1e-12)) < 1e-6, name
+            off = np.max(np.abs(mine - theirs) / np.maximum(np.abs(theirs), 1e-12))
+            yield f"response {name}", 1.0, 1.0 + float(off), 1e-6
+
+
+# What no figure of a result determines.
+BY_DESIGN = "another design, measured again"
+BY_SIMULATION = "a run of the simulator that is not among the histories"
+BY_CONES = "a cone program over its own grid, certified between its points"
+BY_BOUNDS = "upper bounds of the structured singular value"
+
+
+def verify_rows(verify):
+    mine = recomputed(verify)
+    for figure in verify["figures"]:
+        key, value = figure["figure"], figure["value"]
+        if value is None:
+            continue
+        if key not in mine or mine[key] is None:
+            missing = "its time history is not part of the result: ask for --histories"
+            yield (key, value, math.nan, 0.0) if verify.get("histories") else (key, value, missing)
+        else:
+            yield key, value, mine[key], LOOP_TOLERANCE if key in loop_keys else TOLERANCE
+    yield from verdict_rows(verify, mine)
+    yield from certificate_rows(verify.get("certificate"))
+    yield from robustness_rows(verify)
+    for advice in verify.get("advice", []):
+        yield f"advice on {advice['figure']}", advice["value"], BY_DESIGN
+    if verify.get("error_budget"):
+        yield "error budget of the line of sight", math.nan, BY_SIMULATION
+
+
+def verdict_rows(verify, mine):
+    values = {figure["figure"]: figure["value"] for figure in verify["figures"]}
+    for verdict in verify["verdicts"]:
+        if verdict["value"] is not None:
+            yield f"verdict on {verdict['figure']}", verdict["value"], values[verdict["figure"]], 0.0
+    holds = sum(verdict["verdict"] == "holds" for verdict in verify["verdicts"])
+    yield "requirements that hold", float(holds), float(sum(map(is_held, verify["verdicts"]))), 0.0
+
+
+def is_held(verdict):
+    if verdict["value"] is None:
+        return False
+    room = verdict["limit"] - verdict["value"]
+    return room >= 0.0 if verdict["limit_side"] == "at most" else room <= 0.0
+
+
+def certificate_rows(certificate):
+    if not certificate:
+        return
+    for case in certificate["cases"]:
+        for regime in case["regimes"]:
+            name = f"{case['name']}, {regime['regime']}"
+            loop = system(regime["sampled_loop"])
+            if regime["gain_margin_db"] is None or regime["max_sensitivity"] is None:
+                yield f"pole modulus, {name}", regime["pole_radius"], "the loop is open, or constants are left out of its poles"
+                continue
+            dt = loop.dt
+            rates = np.geomspace(1e-2, math.pi / dt * (1.0 - 1e-9), 20000)
+            values = at(loop, rates, dt)[:, 0, 0]
+            one = lambda rate: at(loop, np.array([rate]), dt)[0, 0, 0]
+            real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
+            margin = min((abs(20.0 * math.log10(abs(one(r)))) for r in real), default=math.inf)
+            # the certificate reads both off a grid of frequencies
+            yield f"gain margin, {name}", regime["gain_margin_db"], margin, 5e-3
+            sensitivity = largest(rates, np.abs(1 / (1 + values)), lambda r: abs(1 / (1 + one(r))))
+            yield f"largest sensitivity, {name}", regime["max_sensitivity"], sensitivity, 5e-3
+            yield f"growth, {name}", regime["growth_per_s"], math.log(regime["pole_radius"]) / dt, 1e-9
+        if case["sector"]:
+            yield f"sector argument, {case['name']}", case["sector"]["least"] or math.nan, BY_CONES
+        for orbit in case["orbits"]:
+            yield f"motion from {orbit['start_rad_s']:.3e} rad/s, {case['name']}", orbit["start_rad_s"], BY_SIMULATION
+
+
+def robustness_rows(verify):
+    for one in verify.get("robustness", []):
+        name = f"{one['case']}, {one['joints']}"
+        if one["guaranteed"] is None:
+            continue
+        peak = max(one["bounds"], key=lambda bound: bound["upper"])
+        yield f"stable within times the ranges, {name}", one["guaranteed"], 1.0 / peak["upper"], 1e-12
+        yield f"largest bound at, Hz, {name}", one["worst_hz"], peak["frequency_hz"], 0.0
+        yield f"bound itself, {name}", peak["upper"], BY_BOUNDS
+        if one["nearest"]:
+            pole, dt = complex(*one["nearest"]["pole"]), named(verify["systems"], "loop")["sample_time_s"]
+            yield f"oscillation at the limit, Hz, {name}", one["nearest"]["frequency_hz"], abs(np.angle(pole)) / (2.0 * math.pi * dt), 1e-9
+
+
+def rows_of(result):
+    """The rows of every stage that a result holds."""
+    if "synth" in result:
+        yield from stages.model(result["model"])
+        yield from stages.reduce(result["reduce"])
+        yield from stages.synth(result["synth"])
+        yield from check_responses(result["synth"])
+        yield from verify_rows(result["verify"])
+    elif "poles_rad_s" in result:
+        yield from stages.model(result)
+    elif "ranked" in result:
+        yield from stages.reduce(result)
+    elif "path_orders" in result:
+        yield from stages.synth(result)
+        yield from check_responses(result)
+    else:
+        yield from verify_rows(result)
 
 
 def main(path):
     with open(path, encoding="utf-8") as file:
         result = json.load(file)
     assert result["schema"] == "counterpoise.results/2", result["schema"]
-    if "model" in result:
-        check_design(result)
-    verify = result.get("verify", result)
-    mine, worst, wrong = recomputed(verify), 0.0, []
-    for figure in verify["figures"]:
-        key, value = figure["figure"], figure["value"]
-        if value is None:
+    count, worst, wrong, cannot = 0, 0.0, [], []
+    for name, value, mine, *allowed in rows_of(result):
+        if not allowed:
+            cannot.append(f"  {name}: {mine}")
             continue
-        if key not in mine or mine[key] is None:
-            wrong.append(f"{key}: not recomputed")
-            continue
-        allowed = LOOP_TOLERANCE if key in loop_keys else TOLERANCE
+        count += 1
         # differences of numbers of order 1 are rounding below 1e-12
-        scale = abs(value) + ROUNDING / allowed
-        off = 0.0 if mine[key] == value else abs(mine[key] - value) / scale
-        worst = max(worst, off)
-        if not off <= allowed:
-            wrong.append(f"{key}: {value!r} in the result, {mine[key]!r} here")
-    count = sum(figure["value"] is not None for figure in verify["figures"])
-    print(f"{count} figures, {count - len(wrong)} recomputed within their tolerance, largest relative difference {worst:.1e}")
-    print("\n".join(wrong))
+        scale = abs(value) + (ROUNDING / allowed[0] if allowed[0] > 0.0 else 0.0)
+        off = 0.0 if mine == value else abs(mine - value) / scale
+        worst = max(worst, off / allowed[0] if allowed[0] > 0.0 else off)
+        if not off <= allowed[0]:
+            wrong.append(f"  WRONG {name}: {value!r} in the result, {mine!r} here")
+    print(f"{count} figures, {count - len(wrong)} recomputed within their tolerance, largest difference {worst:.1e} of its tolerance")
+    if cannot:
+        print(f"{len(cannot)} printed figures that the result does not determine:")
+    print("\n".join(wrong + cannot))
     return 1 if wrong else 0
 
 

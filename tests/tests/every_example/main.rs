@@ -1,5 +1,5 @@
-//! What holds for every shipped example: its design, its requirements, its code, its FMI units, and how it bears faults. The suites stand in one
-//! program, so that the design of an example is computed once for all of them.
+//! What holds for every shipped example: its design, its requirements, its code, its FMI units, how it bears faults, and that it replays
+//! its own recordings. The suites stand in one program, so that the design of an example is computed once for all of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
 
 #[path = "../../../export/tests/support/mod.rs"]
@@ -12,4 +12,5 @@ mod exported_code;
 mod fault_injection;
 mod fmi_units;
 mod handover;
+mod own_recordings;
 mod requirements;

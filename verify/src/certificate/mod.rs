@@ -181,7 +181,8 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
 fn judge(found: &CaseCertificate) -> Stability {
     let sliding = |one: &&RegimeLoop| one.regime.is_judged() && !one.is_at_rest();
     let grows = found.regimes.iter().filter(sliding).any(|one| one.growth_per_s > STEADY_GROWTH);
-    if grows || found.rest.diverges() || found.motion.diverges() {
+    let diverges = found.orbits.iter().any(|orbit| orbit.rms_rad_s.is_infinite());
+    if grows || diverges || found.rest.diverges() || found.motion.diverges() {
         return Stability::Unstable;
     }
     let floor = MOVES_FLOORS * found.noise_floor_rad_s;
@@ -190,8 +191,12 @@ fn judge(found: &CaseCertificate) -> Stability {
         let Run { amplitude_rad_s, frequency_hz, .. } = found.rest;
         return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
     }
-    let stays = found.orbits.iter().filter(|orbit| orbit.rms_rad_s > floor);
-    if let Some(largest) = stays.max_by(|a, b| a.rms_rad_s.total_cmp(&b.rms_rad_s)) {
+    let (cycling, wandering): (Vec<&Orbit>, Vec<&Orbit>) = found
+        .orbits
+        .iter()
+        .filter(|orbit| orbit.rms_rad_s > floor)
+        .partition(|orbit| orbit.frequency_hz > 0.0);
+    if let Some(largest) = cycling.into_iter().max_by(|a, b| a.rms_rad_s.total_cmp(&b.rms_rad_s)) {
         let (amplitude_rad_s, frequency_hz) = (largest.amplitude_rad_s, largest.frequency_hz);
         return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
     }
@@ -199,8 +204,10 @@ fn judge(found: &CaseCertificate) -> Stability {
         return Stability::Unstable;
     }
     let grows = |one: &RegimeLoop| one.regime.is_judged() && one.growth_per_s > STEADY_GROWTH;
-    let doubtful = found.regimes.iter().any(grows) || !found.prediction.cycles.is_empty();
+    // a prediction near which every motion faded is refuted
+    let stays = found.orbits.iter().any(|orbit| orbit.rms_rad_s > 0.0);
+    let doubtful = found.regimes.iter().any(grows) || (!found.prediction.cycles.is_empty() && stays);
     let bound = if doubtful { MOVES_UNSTABLE_FLOORS * found.noise_floor_rad_s } else { floor };
     let most = found.rest.rms_rad_s + found.rest.spread_rad_s;
-    if most > bound { Stability::NotPredicted } else { Stability::Stable }
+    if most > bound || !wandering.is_empty() { Stability::NotPredicted } else { Stability::Stable }
 }

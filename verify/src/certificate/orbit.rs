@@ -8,11 +8,12 @@ use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
 use super::{Prediction, Subject};
 use crate::Error;
+use crate::signals::periodic::fundamental_hz;
 use crate::signals::statistics::centred;
 use crate::signals::{mean, rms};
 use crate::tolerance::{
-    BURST_PERIODS, CYCLE_BAND, FADED_FLOORS, OBSERVED_S, SETTLED, SETTLING_S, STILL_FADES, STRETCH_PERIODS,
-    STRETCH_S,
+    BURST_PERIODS, CYCLE_BAND, FADED_FLOORS, LONGEST_STRETCH_S, MULTIPLE, OBSERVED_S, SETTLED, SETTLING_S,
+    STILL_FADES, STRETCH_PERIODS, STRETCH_S,
 };
 
 /// What became of a disturbance.
@@ -132,7 +133,7 @@ impl Stretches {
         let run = simulator.run(controller, &scenario)?;
         Ok(Self {
             state: run.final_state,
-            stretch_s: (STRETCH_PERIODS / start.hz).max(STRETCH_S),
+            stretch_s: (STRETCH_PERIODS / start.hz).clamp(STRETCH_S, LONGEST_STRETCH_S),
             time_s: 0.0,
             before_rad_s: Vec::new(),
             rms_rad_s: f64::NAN,
@@ -216,7 +217,8 @@ fn stiffness(subject: &Subject<'_>) -> f64 {
     pivot + motor
 }
 
-/// Half the range of a rate, and its frequency by the upward crossings of a band about its mean, Hz; 0 with fewer than two.
+/// Half the range of a rate, and its frequency by the upward crossings of a band about its mean, Hz; 0 with fewer than two. A motion with harmonics
+/// that cross the band as well has the frequency with which it repeats itself.
 pub(super) fn cycle_of(rates: &[f64], period_s: f64) -> [f64; 2] {
     let high = rates.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let low = rates.iter().copied().fold(f64::INFINITY, f64::min);
@@ -232,7 +234,8 @@ pub(super) fn cycle_of(rates: &[f64], period_s: f64) -> [f64; 2] {
     }
     let hz = match (crossings.first(), crossings.last()) {
         (Some(first), Some(last)) if last > first => {
-            (crossings.len() - 1) as f64 / ((last - first) as f64 * period_s)
+            let crossed = (crossings.len() - 1) as f64 / ((last - first) as f64 * period_s);
+            fundamental_hz(rates, period_s).filter(|hz| *hz < MULTIPLE * crossed).unwrap_or(crossed)
         }
         _ => 0.0,
     };

@@ -1,6 +1,6 @@
 //! The linear loop in each regime of friction, gear teeth and estimator.
 
-use counterpoise_lti::{C64, Response};
+use counterpoise_lti::{C64, Response, StateSpace};
 use counterpoise_models::friction::FrictionModel;
 
 use super::elements::{Elements, Learning, Linear};
@@ -35,7 +35,7 @@ pub enum Teeth {
 }
 
 /// The loop in a regime.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RegimeLoop {
     /// Which regime.
     pub regime: Regime,
@@ -51,6 +51,8 @@ pub struct RegimeLoop {
     pub gain_margin_db: f64,
     /// Largest magnitude of the sensitivity; infinite in an unstable loop.
     pub max_sensitivity: f64,
+    /// The sampled loop broken at the plant's input: 1 + L is the return difference.
+    pub broken: StateSpace,
 }
 
 impl Regime {
@@ -138,6 +140,7 @@ fn loop_in(subject: &Subject<'_>, regime: Regime, elements: &Elements) -> Result
         frequency_hz: pole.arg().abs() / (std::f64::consts::TAU * period_s),
         gain_margin_db: if stable { gain_margin_db(&loop_gain) } else { 0.0 },
         max_sensitivity: if stable { 1.0 / nearest } else { f64::INFINITY },
+        broken: linear.broken,
     })
 }
 

@@ -1,0 +1,67 @@
+"""Systems of a JSON result as those of python-control, their responses, and searches over frequency."""
+
+import math
+
+import control
+import numpy as np
+
+
+def system(result):
+    """The three lines of the manual: a system of the result as one of python-control."""
+    dt = result["sample_time_s"]
+    return control.ss(result["A"], result["B"], result["C"], result["D"], dt)
+
+
+def named(systems, name):
+    return next(one for one in systems if one["name"] == name)
+
+
+def at(sys_, rates, dt):
+    """The response at rates in rad/s, an array of matrices; a thousand rates are solved at a time."""
+    points = np.exp(1j * rates * dt) if dt else 1j * rates
+    A, B, C, D = (np.array(matrix, dtype=complex) for matrix in (sys_.A, sys_.B, sys_.C, sys_.D))
+    if not len(A):
+        return np.repeat(D[None], len(points), axis=0)
+    eye, parts = np.eye(len(A)), []
+    for k in range(0, len(points), 1000):
+        parts.append(C @ np.linalg.solve(points[k : k + 1000, None, None] * eye - A, B) + D)
+    return np.concatenate(parts)
+
+
+def bisect(function, low, high):
+    sign = function(low) > 0
+    for _ in range(200):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if (function(middle) > 0) == sign else (low, middle)
+    return math.sqrt(low * high)
+
+
+def golden(function, low, high):
+    """The place of the largest value between two rates."""
+    ratio = (math.sqrt(5.0) - 1.0) / 2.0
+    low, high = math.log(low), math.log(high)
+    for _ in range(120):
+        a, b = high - ratio * (high - low), low + ratio * (high - low)
+        if function(math.exp(a)) > function(math.exp(b)):
+            high = b
+        else:
+            low = a
+    return math.exp(0.5 * (low + high))
+
+
+def crossings(rates, values, function):
+    found = []
+    for k in range(len(rates) - 1):
+        if values[k] == 0.0 or values[k] * values[k + 1] < 0.0:
+            found.append(bisect(function, rates[k], rates[k + 1]))
+    return found
+
+
+def largest(rates, values, function):
+    k = int(np.argmax(values))
+    place = golden(function, rates[max(k - 1, 0)], rates[min(k + 1, len(rates) - 1)])
+    return max(function(place), values[k])
+
+
+def decibels(ratio):
+    return 20.0 * math.log10(ratio) if ratio > 0.0 else -math.inf

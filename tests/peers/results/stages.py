@@ -1,0 +1,318 @@
+"""What `counterpoise model`, `reduce` and `synth` print, recomputed from their JSON results alone.
+
+Each function yields rows (name, value in the result, value computed here, relative tolerance), or (name, value, why) for a printed
+figure that the result does not determine.
+"""
+
+import math
+
+import control
+import numpy as np
+
+from responses import at, bisect, crossings, decibels, golden, largest, system
+
+# Eigenvalues of a badly scaled matrix by another library.
+POLES = 1e-7
+# Margins by a dense grid and bisection.
+MARGINS = 1e-6
+# Integrals over frequency on another grid.
+INTEGRALS = 2e-4
+# The same sums.
+SUMS = 1e-9
+
+
+def model(result):
+    plant = system(result["plant"])
+    yield "order", result["order"], plant.nstates, 0.0
+    yield "number of states named", result["order"], len(result["states"]), 0.0
+    told = sorted((complex(*p) for p in result["poles_rad_s"]), key=lambda p: (abs(p), p.imag))
+    mine = sorted(np.linalg.eigvals(plant.A), key=lambda p: (abs(p), p.imag))
+    for a, b in zip(told, mine):
+        if a.imag >= 0.0 and abs(a) > 0.0:
+            yield "frequency of a pole, Hz", abs(a) / (2.0 * math.pi), abs(b) / (2.0 * math.pi), POLES
+            yield "damping of a pole", -a.real / abs(a), -b.real / abs(b), POLES * abs(a) / max(abs(a.real), 1e-12)
+    yield "out_of_balance_kg_m", result["out_of_balance_kg_m"], "read from the project or condensed from its structure"
+    yield "holding_v", result["holding_v"], "the balance of weight and drive, of which the result has the linearisation alone"
+    for row in result.get("assumption_effects", []):
+        yield f"effect of {row['key']}", math.nan, "a design with another value"
+    for one in result.get("modes", []) + ([result["meshes"]] if result.get("meshes") else []):
+        yield "natural frequencies of the finite elements", math.nan, "the matrices of the elements are not part of the result"
+        del one
+
+
+def largest_singular_value(before, after):
+    """The largest singular value of the difference over frequency, and where."""
+    poles = np.concatenate([np.linalg.eigvals(before.A), np.linalg.eigvals(after.A)])
+    moduli = np.abs(poles)[np.abs(poles) > 0.0]
+    rates = np.geomspace(moduli.min() * 1e-2, moduli.max() * 1e2, 4000)
+    rates = np.unique(np.concatenate([rates, np.abs(poles.imag)[poles.imag > 0.0]]))
+    size = lambda rate: np.linalg.norm(at(before, np.array([rate]), 0.0)[0] - at(after, np.array([rate]), 0.0)[0], 2)
+    values = np.array([size(rate) for rate in rates])
+    k = int(np.argmax(values))
+    place = golden(size, rates[max(k - 1, 0)], rates[min(k + 1, len(rates) - 1)])
+    return (size(place), place) if size(place) > values[k] else (values[k], rates[k])
+
+
+def reduce(result):
+    before, after = system(result["plant_before"]), system(result["plant"])
+    yield "order before", result["order"][0], before.nstates, 0.0
+    yield "order after", result["order"][1], after.nstates, 0.0
+    if result["error"] is not None:
+        error, rate = largest_singular_value(before, after)
+        yield "largest error", result["error"][0], error, 1e-4
+        # a flat maximum has a wide place
+        reached = np.linalg.norm(np.subtract(*(at(s, np.array([result["error"][1]]), 0.0)[0] for s in (before, after))), 2)
+        yield "error at the rate of the largest one", result["error"][0], reached, 1e-4
+    ranked = result["ranked"]
+    if result["bound"] is not None and ranked:
+        yield "bound", result["bound"], 2.0 * sum(ranked[result["order"][1]:]), 1e-6
+    if ranked and result["bound"] is not None and np.max(np.linalg.eigvals(before.A).real) < 0.0:
+        P = control.lyap(before.A, before.B @ before.B.T)
+        Q = control.lyap(before.A.T, before.C.T @ before.C)
+        hankel = np.sqrt(np.abs(np.sort(np.linalg.eigvals(P @ Q).real)[::-1]))
+        for k, (told, mine) in enumerate(zip(ranked, hankel)):
+            if told > 1e-6 * ranked[0]:
+                yield f"Hankel value {k + 1}", told, float(mine), 1e-5
+            else:
+                yield f"Hankel value {k + 1}", told, "below what the product of two Gramians determines"
+    elif ranked:
+        for k, told in enumerate(ranked):
+            yield f"rank {k + 1}", told, "a share of a mode, computed with its own error bound"
+
+
+def loop_figures(systems):
+    """The seven figures of a sampled feedback loop."""
+    named = {one["name"]: system(one) for one in systems}
+    L, P, K = named["loop"], named["held_plant"], named["controller"]
+    dt = L.dt
+    rates = np.geomspace(1e-3, math.pi / dt * (1 - 1e-9), 40000)
+    one = lambda rate: at(L, np.array([rate]), dt)[0, 0, 0]
+    values = at(L, rates, dt)[:, 0, 0]
+    unity = crossings(rates, np.abs(values) - 1.0, lambda r: abs(one(r)) - 1.0)
+    real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
+    gains = [-20.0 * math.log10(abs(one(r))) for r in real]
+    nyquist = at(L, np.array([math.pi / dt]), dt)[0, 0, 0].real
+    gains += [-20.0 * math.log10(-nyquist)] if nyquist < 0.0 else []
+    phases = [abs(math.degrees(np.angle(-one(r)))) for r in unity]
+    band = np.array([1.26 * (12.6 / 1.26) ** (k / 23.0) for k in range(24)])
+    rejection = math.sqrt(float(np.mean(np.abs(1.0 / (1.0 + at(L, band, dt)[:, 0, 0])) ** 2)))
+    x, q, peak = np.zeros(P.nstates), np.zeros(K.nstates), 0.0
+    for _ in range(math.ceil(1.5 / dt)):
+        measured, true = P.C @ x
+        peak = max(peak, true)
+        u = K.C @ q + K.D @ np.array([1.0, measured])
+        q = K.A @ q + K.B @ np.array([1.0, measured])
+        x = P.A @ x + P.B @ u
+    # the control for white noise of the measured rate
+    Kn = control.ss(K.A, K.B[:, 1:], K.C, K.D[:, 1:], dt)
+    Pn = control.ss(P.A, P.B, P.C[:1, :], P.D[:1, :], dt)
+    closed = control.feedback(Kn, Pn, sign=1)
+    X = control.dlyap(closed.A, closed.B @ closed.B.T)
+    noise = math.sqrt(float((closed.C @ X @ closed.C.T + closed.D @ closed.D.T)[0, 0]))
+    return {
+        "gain_margin_db": min([g for g in gains if g > 0.0], default=math.inf),
+        "phase_margin_deg": min(phases, default=math.inf),
+        "max_sensitivity": largest(rates, np.abs(1.0 / (1.0 + values)), lambda r: abs(1.0 / (1.0 + one(r)))),
+        "crossover_rad_s": max(unity, default=0.0),
+        "overshoot_percent": 100.0 * (peak - 1.0),
+        "rejection": rejection,
+        "noise_gain": noise,
+    }
+
+
+class Assembled:
+    """The cost of an assembled loop as the documentation of the program states it, on a grid of its own."""
+
+    def __init__(self, basis, weights):
+        self.basis = basis
+        self.plant = system(basis["plant"])
+        self.feedback = system(basis["feedback"])
+        self.weights = {w["name"]: (np.array(w["numerator"]), np.array(w["denominator"])) for w in weights}
+        poles = [np.linalg.eigvals(self.plant.A), np.linalg.eigvals(self.feedback.A)]
+        poles.append(np.linalg.eigvals(control.feedback(self.loop(), control.ss([], [], [], [[1.0]]), sign=1).A))
+        for channel in basis["channels"]:
+            poles.append(np.linalg.eigvals(system(channel["module"]).A))
+            poles.append(np.roots(self.weights[f"{channel['name']}.generator"][1]))
+        poles = np.concatenate(poles)
+        moduli = np.abs(poles)[np.abs(poles) > 1e-6]
+        rates = [np.geomspace(moduli.min() * 1e-3, moduli.max() * 1e3, 4000)]
+        for pole in poles[(poles.imag > 0.0) & (np.abs(poles.real) < 0.3 * np.abs(poles))]:
+            rates.append(pole.imag + max(abs(pole.real), 1e-9 * abs(pole)) * 60.0 * np.linspace(-1.0, 1.0, 201) ** 3)
+        rates = np.unique(np.concatenate(rates))
+        self.rates = rates[rates > 0.0]
+        self.G = at(self.plant, self.rates, 0.0)
+        self.K0 = at(self.feedback, self.rates, 0.0)[:, 0, 0]
+
+    def loop(self):
+        chosen = self.plant
+        u = self.basis["control_input"]
+        one = control.ss(chosen.A, chosen.B[:, [u]], chosen.C[[0], :], chosen.D[[0], :][:, [u]])
+        return control.series(one, self.feedback)
+
+    def weight(self, name):
+        numerator, denominator = self.weights[name]
+        s = 1j * self.rates
+        return np.polyval(numerator, s) / np.polyval(denominator, s)
+
+    def integral(self, density):
+        r = self.rates
+        below, above = np.concatenate([[0.0], r[:-1]]), np.concatenate([r[1:], [r[-1]]])
+        return float(np.sum(0.5 * (above - below) / math.pi * density))
+
+    def of_feedback(self, gain):
+        b, u = self.basis, self.basis["control_input"]
+        true = lambda output, input_: self.G[:, 1 + output, input_]
+        hub, K = b["rate_output"], self.K0 * gain
+        closed = 1.0 / (1.0 - K * self.G[:, 0, u])
+        error, on_control = self.weight("feedback.error"), self.weight("feedback.control")
+        sum_ = np.zeros(len(self.rates))
+        H = self.G[:, 0, u] / true(hub, u)
+        for one in (d for d in b["disturbances"] if d["density"] > 0.0):
+            moved = closed * K * self.G[:, 0, one["input"]]
+            y = lambda output: true(output, one["input"]) + true(output, u) * moved
+            further = sum(w["weight"] * y(w["output"]) for w in b["combination"]) + 0.0 * moved
+            sum_ += one["density"] * (np.abs(error * H * y(hub)) ** 2 + np.abs(on_control * moved) ** 2 + np.abs(further) ** 2)
+        moved = closed * K
+        y = lambda output: true(output, u) * moved
+        further = sum(w["weight"] * y(w["output"]) for w in b["combination"]) + 0.0 * moved
+        noisy = error * H * y(hub) + (error - b["direct_error_weight"])
+        sum_ += b["measurement_noise"] * (np.abs(noisy) ** 2 + np.abs(on_control * moved) ** 2 + np.abs(further) ** 2)
+        return self.integral(sum_)
+
+    def source(self, channel):
+        """The disturbance with its derivatives for a unit of white noise, and what the module makes of it."""
+        s = 1j * self.rates
+        size = self.weight(f"{channel['name']}.generator")
+        signals = np.array([size * s**k for k in range(len(channel["inputs"]))])
+        return signals, at(system(channel["module"]), self.rates, 0.0)
+
+    def terms(self, channel, feedback_gain, given, module, weighed):
+        """Weighed (rate, control) without the module and by it."""
+        b, u = self.basis, self.basis["control_input"]
+        K, G = self.K0 * feedback_gain, self.G[:, 0, u]
+        closed = 1.0 / (1.0 - K * G)
+        H = G / self.G[:, 1 + b["rate_output"], u]
+        expected = H * module[1] if b["assembly"] == "grimble" else 0.0
+        before, by = closed * K * H * given[0], closed * (module[0] - K * expected)
+        to = self.G[:, 1 + weighed, u]
+        return (given[1] + to * before, to * by), (before, by)
+
+    def quadratic(self, channel, feedback_gain):
+        signals, M = self.source(channel)
+        sensor = at(system(channel["sensor"]), self.rates, 0.0)[:, 0, 0] if channel["sensor"] else 1.0
+        direct = lambda output: sum(self.G[:, 1 + output, c] * signals[j] for j, c in enumerate(channel["inputs"]))
+        module = [sum(M[:, i, j] * signals[j] for j in range(M.shape[2])) * sensor for i in (0, 1)]
+        hub, weighed = self.basis["rate_output"], channel["weighed_output"]
+        given = (direct(hub), direct(weighed))
+        pairs = [self.terms(channel, feedback_gain, given, module, weighed)]
+        if channel["noise"] is not None:
+            of_noise = [M[:, i, 0] * math.sqrt(channel["noise"]) for i in (0, 1)]
+            pairs.append(self.terms(channel, feedback_gain, (0.0, 0.0), of_noise, weighed))
+        weights = (self.weight(f"{channel['name']}.error"), self.weight(f"{channel['name']}.control"))
+        constant = linear = square = 0.0
+        for pair in pairs:
+            for weight, (before, by) in zip(weights, pair):
+                before, by = weight * before + 0.0 * by, weight * by
+                constant += self.integral(np.abs(before) ** 2)
+                linear += self.integral(2.0 * (np.conj(before) * by).real)
+                square += self.integral(np.abs(by) ** 2)
+        return constant, linear, square
+
+    def motion(self, channel, output, gain):
+        """RMS of a true output under the expected disturbance, the feedforward times a gain."""
+        signals, M = self.source(channel)
+        sensor = at(system(channel["true_sensor"]), self.rates, 0.0)[:, 0, 0] if channel["true_sensor"] else 1.0
+        direct = lambda o: sum(self.G[:, 1 + o, c] * signals[j] for j, c in enumerate(channel["inputs"]))
+        module = [sum(M[:, i, j] * signals[j] for j in range(M.shape[2])) * sensor for i in (0, 1)]
+        given = (direct(self.basis["rate_output"]), direct(output))
+        (before, by), _ = self.terms(channel, 1.0, given, module, output)
+        return math.sqrt(self.integral(np.abs(before + gain * by) ** 2))
+
+
+def total_cost(cost, weights, motions):
+    if cost.get("basis") is None:
+        yield "total cost", cost["total"], "one joint problem, whose certificate stands in the design"
+        return
+    assembled = Assembled(cost["basis"], weights)
+    channels = assembled.basis["channels"]
+    own = assembled.of_feedback(1.0)
+    quadratics = [assembled.quadratic(channel, 1.0) for channel in channels]
+    total = own + sum(sum(q) for q in quadratics)
+    yield "total cost", cost["total"], total, INTEGRALS
+    rows = {row["part"]: row for row in cost["parts"]}
+    names = list(rows)
+    yield f"cost of {names[0]}", rows[names[0]]["cost"], own, INTEGRALS
+    step = 1e-4
+    at_gain = lambda g: assembled.of_feedback(g) + sum(sum(assembled.quadratic(c, g)) for c in channels)
+    slope = (at_gain(1.0 + step) - at_gain(1.0 - step)) / (2.0 * step * total)
+    yield f"slope of {names[0]}", rows[names[0]]["slope"], slope, 1e-2
+    for name, (constant, linear, square) in zip(names[1:], quadratics):
+        row, best = rows[name], -0.5 * linear / square
+        lowered = constant + best * (linear + best * square)
+        yield f"cost of {name}", row["cost"], constant + linear + square, INTEGRALS
+        yield f"slope of {name}", row["slope"], (linear + 2.0 * square) / total, 20.0 * INTEGRALS
+        yield f"best gain of {name}", row["best_gain"], best, INTEGRALS
+        yield f"what it gains, {name}, %", row["gained_percent"], 100.0 * (constant + linear + square - lowered) / total, 0.05
+    for row in motions:
+        channel = next(c for c in channels if c["name"] == row["disturbance"])
+        for key, output in (("hub_rad_s", 0), ("tip_rad_s", 1)):
+            for gain, told in zip((0.0, 1.0), row[key]):
+                # a small difference of large numbers
+                yield f"{row['disturbance']} {key} with feedforward x{gain:g}", told, assembled.motion(channel, output, gain), 5e-3
+
+
+def poles_of_the_sampled_loop(result):
+    """The closed feedback loop, and the paths that no loop goes through."""
+    loop = system(result["sampled_loop"])
+    closed = control.feedback(loop, control.ss([], [], [], [[1.0]], loop.dt), sign=-1)
+    return np.max(np.abs(np.linalg.eigvals(closed.A)))
+
+
+def synth(result):
+    if result["design_plant"]:
+        yield "order of the design plant", result["plant_order"], system(result["design_plant"]).nstates, 0.0
+    for path in result["paths"]:
+        order = len(path["system"]["A"]) if "system" in path else len(path["A"])
+        yield f"order of {path['name']}", result["path_orders"][path["name"]], order, 0.0
+    moduli = [abs(complex(*pole)) for pole in result["closed_loop_poles"]]
+    yield "largest modulus of the poles", result["largest_pole_modulus"], max(moduli), SUMS
+    yield "poles of the loop, broken and closed again", result["largest_pole_modulus"], max(
+        [poles_of_the_sampled_loop(result)] + feedforward_moduli(result)), 1e-6
+    if result["cost_difference"] is not None:
+        yield "difference of costs", result["cost_difference"], "rounding errors of this program's own arithmetic"
+    beside = result.get("beside")
+    if beside is None:
+        return
+    for row in beside["methods"]:
+        if row["figures"]:
+            mine = loop_figures(row["systems"])
+            for key, told in row["figures"].items():
+                yield f"{row['method']}: {key}", told, mine[key], MARGINS
+            yield f"{row['method']}: norm", row["norm"] or math.nan, "the norm of the generalised plant of its own method"
+    if beside["lowered"]:
+        row = beside["lowered"]
+        for which, systems in zip(("before", "after"), row["systems"]):
+            mine = loop_figures(systems)
+            for key, told in row[which].items():
+                yield f"order lowered, {which}: {key}", told, mine[key], MARGINS
+        T = [control.feedback(system(s[0]), control.ss([], [], [], [[1.0]], system(s[0]).dt)) for s in row["systems"]]
+        del T
+        yield "change of the closed loop", row["loop_change"], "the error in continuous time, before sampling"
+    if beside["total_cost"]:
+        yield from total_cost(beside["total_cost"], result["weights"], beside["motions"])
+    for row in beside["balance"]:
+        yield f"state of balance {row['name']}", row["out_of_balance_kg_m"], "a design for another mechanism"
+    if beside["spillover"]:
+        row = beside["spillover"]
+        moduli = [abs(complex(*pole)) for pole in row["poles"]]
+        yield "largest modulus on the structure with all its modes", row["largest_pole"], max(moduli, default=math.inf), SUMS
+
+
+def feedforward_moduli(result):
+    all_ = []
+    for path in result["paths"]:
+        if not path["name"].startswith("feedback"):
+            one = path.get("system", path)
+            if len(one["A"]):
+                all_.append(float(np.max(np.abs(np.linalg.eigvals(np.array(one["A"]))))))
+    return all_
