@@ -5,7 +5,7 @@ use crate::level::Level;
 use crate::norms::Peak;
 use crate::response::point;
 use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, PEAK_WIDTHS, PRECISE_SIZE};
-use crate::{C64, Error, Mat, StateSpace};
+use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation};
 
 /// The peak with its value computed with residuals in twice the working precision. Where that differs by more than the tolerance from what
@@ -35,16 +35,26 @@ fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     Ok(Some(values.first().copied().unwrap_or(0.0)))
 }
 
-/// The top of the hill around a frequency: steps of several widths both ways, then a golden section.
+/// The highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then steps of
+/// several widths both ways, then a golden section.
 fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
     let at = |rate_rad_s: f64| -> Result<Peak, Error> {
         Ok(Peak { value: gain(g, rate_rad_s)?.unwrap_or(0.0), rate_rad_s })
     };
     let mut top = start;
+    let places = crate::poles(g)?.into_iter().map(|pole| rate_of(pole, g.timebase));
+    for rate in places.chain([0.0]) {
+        let found = at(rate)?;
+        top = if found.value > top.value { found } else { top };
+    }
+    if top.rate_rad_s == 0.0 {
+        return Ok(top);
+    }
+    let middle = top.rate_rad_s;
     let mut width = 0.0;
     for share in PEAK_WIDTHS {
         for factor in [1.0 - share, 1.0 + share] {
-            let found = at(start.rate_rad_s * factor)?;
+            let found = at(middle * factor)?;
             if found.value > top.value {
                 (top, width) = (found, share);
             }
@@ -66,6 +76,14 @@ fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
         top = if better.value > top.value { better } else { top };
     }
     Ok(top)
+}
+
+/// The frequency of a pole, rad/s.
+fn rate_of(pole: C64, timebase: Timebase) -> f64 {
+    match timebase {
+        Timebase::Continuous => pole.norm(),
+        Timebase::Discrete { period_s } => pole.arg().abs() / period_s,
+    }
 }
 
 /// Whether a singular value of the response of a small continuous system takes a level nowhere: all 2 n eigenvalues of

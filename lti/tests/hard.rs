@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use counterpoise_lti::{
-    C64, Descriptor, Mat, StateSpace, Timebase, Zpk, h2norm, hinfnorm, linfnorm, linfnorm_bounds, margins,
-    parallel, series, zeros,
+    C64, Descriptor, Discretisation, Mat, StateSpace, Timebase, Zpk, c2d, h2norm, hinfnorm, linfnorm,
+    linfnorm_bounds, margins, margins_with_delay, parallel, response_at, series, zeros,
 };
 
 fn zpk(zeros: &[f64], poles: &[f64], gain: f64) -> StateSpace {
@@ -126,5 +126,45 @@ fn systems_without_inputs_or_states_are_answered() {
         assert!(zeros(&g).is_ok());
         let descriptor = Descriptor::new(Mat::zeros(n, n), g).unwrap();
         assert_eq!(descriptor.reduce_index().unwrap().system.order(), 0);
+    }
+}
+
+#[test]
+fn an_integrator_with_delay_is_followed_until_its_gain_is_small() {
+    // k exp(-s T)/s crosses the negative axis at w T = pi/2 + 2 pi m, where its gain is k/w.
+    let (k, delay_s) = (16.6, 1.7);
+    let found = margins_with_delay(&zpk(&[], &[0.0], k), delay_s).unwrap();
+    let turns = (k / 1e-3 * delay_s - 0.5 * std::f64::consts::PI) / (2.0 * std::f64::consts::PI);
+    let reached = found.margins.gain.iter().filter(|margin| margin.factor < 1e3).count();
+    assert_eq!(reached, turns.floor() as usize + 1);
+}
+
+#[test]
+fn a_flat_response_and_a_tiny_difference_keep_their_norms() {
+    // (1 + e) / (s + 1) - 1 / (s + 1) with two poles that nearly cancel: e/(s+1) exactly, e = 2^-30.
+    let e = f64::exp2(-30.0);
+    let A = Mat::from_rows(&[&[-1.0, 0.0], &[0.0, -1.0]]);
+    let (B, C) = (Mat::col(&[1.0, 1.0]), Mat::from_rows(&[&[1.0 + e, -1.0]]));
+    let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    let bounds = linfnorm_bounds(&g, 1e-10).unwrap();
+    assert!((bounds.lower.value / e - 1.0).abs() < 1e-12 && bounds.upper / e < 1.0 + 1e-6, "{bounds:?}");
+    // A hill of a millionth above the value at rest: a (s + 1) / (s^2 + 2 z s + 1) with z just below flat.
+    let hill = zpk(&[-1.0], &[-0.5, -2.0], 1.0);
+    let squared = |w: f64| (w * w + 1.0) / ((w * w + 0.25) * (w * w + 4.0));
+    let peak = linfnorm(&hill, 1e-12).unwrap();
+    let best = (0..200_000).map(|k| squared(k as f64 * 1e-5).sqrt()).fold(0.0, f64::max);
+    assert!((peak.value / best - 1.0).abs() < 1e-9, "{peak:?} {best}");
+}
+
+#[test]
+fn tustin_keeps_its_digits_in_any_units() {
+    let plain = zpk(&[-3.0, -50.0], &[-2.0, -4.0, -2300.0, -2400.0], 1e6);
+    let units = [1e6, 1e-6, 1e5, 1e-5].map(|unit: f64| unit.log2().round().exp2());
+    let scaled = plain.scale_states(&units);
+    let method = Discretisation::Tustin { prewarp_rad_s: None };
+    let (a, b) = (c2d(&plain, 8e-4, method).unwrap(), c2d(&scaled, 8e-4, method).unwrap());
+    for rate in [1.0, 12.0, 400.0] {
+        let (x, y) = (response_at(&a, rate).unwrap()[(0, 0)], response_at(&b, rate).unwrap()[(0, 0)]);
+        assert!(((x - y) / x).norm() < 1e-11, "{rate}: {x} {y}");
     }
 }

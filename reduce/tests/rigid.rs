@@ -49,3 +49,22 @@ fn the_flexible_modes_of_a_free_mechanism_stay_above_rounding() {
         hinfnorm(&parallel(&first, &split(&found.system).unwrap().first.negate()).unwrap(), 1e-6).unwrap();
     assert!(error.value <= 1.01 * bound, "{} {bound}", error.value);
 }
+
+#[test]
+fn a_rigid_body_between_stiff_dashpots_is_not_split_in_two() {
+    // Two masses in physical coordinates: the rows of the stiffness sum to zero exactly, and rounding splits the double pole by 1e-5.
+    for (first, second, stiffness, damping) in
+        [(0.02, 40.0, 5e5, 5e-4), (0.03, 0.7, 9e5, 1e-3), (3.0, 0.05, 2e4, 1e-5)]
+    {
+        let (a, b) = (stiffness / first, stiffness / second);
+        let A = Mat::from_rows(&[
+            &[0.0, 0.0, 1.0, 0.0],
+            &[0.0, 0.0, 0.0, 1.0],
+            &[-a, a, -damping * a, damping * a],
+            &[b, -b, damping * b, -damping * b],
+        ]);
+        let (B, C) = (Mat::col(&[0.0, 0.0, 1.0 / first, 0.0]), Mat::from_rows(&[&[0.0, 1.0, 0.0, 0.0]]));
+        let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+        assert_eq!(split(&g).unwrap().second.order(), 2, "{first} {second}");
+    }
+}

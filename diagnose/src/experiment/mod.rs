@@ -8,5 +8,5 @@ pub mod plan;
 pub mod separation;
 
 pub use menu::{Demand, Shape};
-pub use plan::{ExperimentRequest, Limits, PlannedExperiment, Reached, plan};
+pub use plan::{ExperimentRequest, Limits, Plan, PlannedExperiment, Reached, plan};
 pub use separation::{PossibleMachine, Separation};

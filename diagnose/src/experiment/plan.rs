@@ -71,35 +71,60 @@ impl PlannedExperiment {
     }
 }
 
-/// Returns the experiments of the menu that keep the limits, the one first that separates best; none if fewer than two machines are given.
-pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> Vec<PlannedExperiment> {
-    let Some(first) = request.machines.first() else { return Vec::new() };
+/// The experiments that keep the limits, with the machines that they separate.
+#[derive(Debug, Clone, Default)]
+pub struct Plan {
+    /// The machines that keep the limits with at least one demand: separations refer to them by their places.
+    pub machines: Vec<PossibleMachine>,
+    /// The experiments, the one first that separates best.
+    pub experiments: Vec<PlannedExperiment>,
+}
+
+/// Returns the plan within the limits; it has no experiments if fewer than two machines keep them.
+pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> Plan {
+    let Some(first) = request.machines.first() else { return Plan::default() };
     let demands = list_demands(&request.limits, first.parameters.interface.sample_period_s);
-    if request.machines.len() < 2 {
-        return Vec::new();
+    let machines = request.that_keep_limits(&demands, pool);
+    if machines.len() < 2 {
+        return Plan { machines, experiments: Vec::new() };
     }
+    let request = ExperimentRequest { machines: &machines, ..*request };
     let count = demands.len();
-    let mut planned: Vec<PlannedExperiment> = map(pool, count, |k| {
+    let tried = map(pool, count, |k| {
         pool.progress("planning", k, count);
         request.tried(&demands[k])
-    })
-    .into_iter()
-    .flatten()
-    .collect();
+    });
+    let mut experiments: Vec<PlannedExperiment> = tried.into_iter().flatten().collect();
     let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.nats);
-    planned.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
-    planned
+    experiments.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
+    Plan { machines, experiments }
 }
 
 impl ExperimentRequest<'_> {
-    /// Simulates a demand with every machine; `None` if one of them leaves the limits or cannot be simulated.
-    fn tried(&self, demand: &Demand) -> Option<PlannedExperiment> {
+    /// Returns the machines that keep the limits with at least one demand; a machine that keeps them with none cannot be the one whose
+    /// recordings were made in this loop.
+    fn that_keep_limits(&self, demands: &[Demand], pool: &dyn Pool) -> Vec<PossibleMachine> {
+        let keeps = map(pool, self.machines.len(), |k| {
+            let bare = PossibleMachine { free: Vec::new(), ..self.machines[k].clone() };
+            demands.iter().rev().any(|demand| self.expected(&bare, &self.demanded(demand)).is_some())
+        });
+        let kept = self.machines.iter().zip(keeps).filter(|(_, keeps)| *keeps);
+        kept.map(|(machine, _)| machine.clone()).collect()
+    }
+
+    /// Returns a demand as the controller reads it.
+    fn demanded(&self, demand: &Demand) -> Vec<f64> {
         let machine = &self.machines[0].parameters;
-        let demanded = if self.controller.demands_position() || machine.sensors.measured.is_position() {
+        if self.controller.demands_position() || machine.sensors.measured.is_position() {
             demand.angle_rad.iter().map(|angle| self.start_angle_rad + angle).collect()
         } else {
             demand.rate_rad_s.clone()
-        };
+        }
+    }
+
+    /// Simulates a demand with every machine; `None` if one of them leaves the limits or cannot be simulated.
+    fn tried(&self, demand: &Demand) -> Option<PlannedExperiment> {
+        let demanded = self.demanded(demand);
         let mut reached = Reached::default();
         let mut expected = Vec::new();
         for possible in self.machines {

@@ -4,7 +4,7 @@
 //! changes in the residuals; `parameter_scan`, starts found by a scan; `screening`, every effect ranked; [`candidate`], a fitted
 //! model; [`searcher`], fits and assessments; [`baseline`], how the recordings stand to the model as it is; `validation`, recordings
 //! of another kind predicted; `pairs`, two effects at once; `merging`, one effect in the place of two; [`stage`], one stage of the
-//! search; `refinement`, what is done to accepted effects; `curve_knots`, where the points of a curve lie; [`outcome`] and `search`.
+//! search; `refinement`, what is done to accepted effects; `determination`, effects without a determined size; `curve_knots`, where the points of a curve lie; [`outcome`] and `search`.
 
 pub mod baseline;
 pub mod candidate;

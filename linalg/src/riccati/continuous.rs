@@ -166,7 +166,8 @@ fn attempt(
         return Err(Failure::Certain(reason));
     }
     let is_hopeless = reason::is_beyond_doubles(&first, modes);
-    let refined = refine(equation, first).map_err(|reason| Failure::of(reason, is_hopeless))?;
+    let refined =
+        refine(equation, first).map_err(if is_hopeless { Failure::hopeless } else { Failure::from })?;
     Ok(certify(equation, problem, refined, method)?)
 }
 
@@ -181,10 +182,10 @@ pub(super) enum Failure {
 }
 
 impl Failure {
-    /// The failure of a refinement from a start that is larger than doubles can tell from infinity (`hopeless`), or is not.
-    pub(super) fn of(reason: Reason, hopeless: bool) -> Self {
+    /// The failure of a refinement from a start that is larger than doubles can tell from infinity.
+    pub(super) fn hopeless(reason: Reason) -> Self {
         match Self::from(reason) {
-            Self::Doubtful(reason) if hopeless => Self::Hopeless(reason),
+            Self::Doubtful(reason) => Self::Hopeless(reason),
             other => other,
         }
     }

@@ -132,7 +132,10 @@ fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -
     }
     let is_hopeless = reason::is_beyond_doubles(&first, &modes);
     let offset = Mat::eye(problem.A.nrows()).scale(shift);
-    let refined = refine(equation, scaled.restore(&first) + offset)
-        .map_err(|reason| Failure::of(reason, is_hopeless))?;
+    let refined = refine(equation, scaled.restore(&first) + offset).map_err(if is_hopeless {
+        Failure::hopeless
+    } else {
+        Failure::from
+    })?;
     Ok(certify(equation, problem, refined, method)?)
 }

@@ -1,9 +1,7 @@
 //! The next experiment of a project's machine: the machines that a diagnosis leaves possible, and the demand that separates them best.
 
 use counterpoise_diagnose::can_have;
-use counterpoise_diagnose::experiment::{
-    ExperimentRequest, Limits, PlannedExperiment, PossibleMachine, plan,
-};
+use counterpoise_diagnose::experiment::{ExperimentRequest, Limits, Plan, PossibleMachine, plan};
 use counterpoise_diagnose::library::{
     Component, Effect, EffectName, Kind, Parameter, find_effects, list_effects,
 };
@@ -74,19 +72,14 @@ pub struct TriedEffect {
     pub gain_nats: f64,
 }
 
-/// A plan with the machines that it separates.
-#[derive(Debug, Clone)]
-pub struct ExperimentPlan {
-    /// The machines that are left.
-    pub machines: Vec<PossibleMachine>,
-    /// The experiments that keep the limits, the best first.
-    pub experiments: Vec<PlannedExperiment>,
-}
-
 /// Effects of the library that stand for what is left if no finding says it.
 const CANDIDATES: usize = 4;
-/// Multiple of an effect's typical size at which a plan without findings takes it.
-const TYPICAL_SIZES: f64 = 2.0;
+/// Share of its value by which a plan without findings changes a parameter: what a drawing or a data sheet leaves open.
+const CHANGE: f64 = 0.2;
+/// Share of the drive's largest torque that a weight takes which a plan without findings adds.
+const WEIGHT: f64 = 0.02;
+/// Standard acceleration of gravity, m/s^2.
+const GRAVITY: f64 = 9.80665;
 
 /// Plans the next experiment of a project's machine within limits: from the findings of a diagnosis, or, without one, for the effects that a
 /// machine of this kind most often lacks.
@@ -99,7 +92,7 @@ pub fn plan_experiment(
     findings: Option<&Findings>,
     limits: Limits,
     pool: &dyn Pool,
-) -> Result<ExperimentPlan, PipelineError> {
+) -> Result<Plan, PipelineError> {
     let controller = recording_controller(project)?.ok_or(PipelineError::Missing {
         section: "recording_controller",
         needed_by: "the plan of an experiment",
@@ -113,11 +106,11 @@ pub fn plan_experiment(
     }
     let start_angle_rad = project.model.operating_point.hub_angle_rad;
     let request = ExperimentRequest { machines: &machines, controller: &controller, start_angle_rad, limits };
-    let experiments = plan(&request, pool);
-    if experiments.is_empty() {
+    let planned = plan(&request, pool);
+    if planned.experiments.is_empty() {
         return Err(PipelineError::NoExperiment);
     }
-    Ok(ExperimentPlan { machines, experiments })
+    Ok(planned)
 }
 
 /// Effects that a plan without findings separates: those that are most often confused.
@@ -141,13 +134,26 @@ fn usual_machines(plant: &Parameters) -> Vec<PossibleMachine> {
         let effect = find_effects(component, name).find(|effect| can_have(plant, effect));
         all.extend(effect.map(|effect| {
             let mut values = effect.values(plant);
-            let first = &effect.parameters[0];
-            values[0] = (values[0] + TYPICAL_SIZES * first.size).clamp(first.bounds[0], first.bounds[1]);
+            values[0] += match name {
+                EffectName::Delay => 1.0,
+                EffectName::OutOfBalance => WEIGHT * largest_torque_nm(plant) / GRAVITY,
+                _ => CHANGE * values[0],
+            };
             machine(plant, &[(effect, values)])
         }));
     }
     all
 }
+
+/// Returns the torque at the hub that the full control gives at rest, N m.
+fn largest_torque_nm(plant: &Parameters) -> f64 {
+    let motor = &plant.motor;
+    let current_a = FULL_V * plant.amplifier.stall_gain_a_v(motor);
+    plant.gearbox.ratio * motor.torque_constant_nm_a * current_a.min(plant.amplifier.current_limit_a)
+}
+
+/// Full scale of the control, V.
+const FULL_V: f64 = 10.0;
 
 /// Returns a mechanism with effects at given values; their parameters are free in a fit.
 fn machine(plant: &Parameters, effects: &[(&'static Effect, Vec<f64>)]) -> PossibleMachine {

@@ -1,7 +1,6 @@
 //! The plan of an experiment in words and as plain data.
 
-use counterpoise_diagnose::experiment::{PlannedExperiment, Shape};
-use counterpoise_pipeline::recordings::experiment::ExperimentPlan;
+use counterpoise_diagnose::experiment::{Plan, PlannedExperiment, Shape};
 use counterpoise_plot::number::short;
 use serde::Serialize;
 
@@ -50,7 +49,7 @@ pub struct OtherExperiment {
 const OTHERS: usize = 3;
 
 /// Describes a plan.
-pub fn describe_plan(plan: &ExperimentPlan) -> ExperimentPlanText {
+pub fn describe_plan(plan: &Plan) -> ExperimentPlanText {
     let best = plan.experiments.first();
     let separations = best.iter().flat_map(|e| &e.separations).map(|s| SeparationText {
         first: s.first,
