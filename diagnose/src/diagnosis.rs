@@ -7,6 +7,7 @@ use counterpoise_simulate::replay::Loop;
 use crate::error::Error;
 use crate::explanation::{Explanation, explain};
 use crate::findings::answer::{Answer, Verdict};
+use crate::findings::axis_units::set_axis_units;
 use crate::findings::instrument_findings::make_finding;
 use crate::findings::similarity::Scale;
 use crate::findings::verdict::Evidence;
@@ -105,12 +106,14 @@ pub fn diagnose(
 /// # Errors
 /// As [`diagnose`].
 pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
-    match Scale::of(request.base, request.recordings) {
+    let mut found = match Scale::of(request.base, request.recordings) {
         Some(scale) => {
-            diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)
+            diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)?
         }
-        None => diagnose_as_built(request, pool),
-    }
+        None => diagnose_as_built(request, pool)?,
+    };
+    set_axis_units(&mut found.answer, request.base);
+    Ok(found)
 }
 
 /// Diagnoses a machine whose sizes are those of the library.

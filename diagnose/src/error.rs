@@ -11,7 +11,8 @@ pub enum Error {
     NoRecording,
     /// A channel without which there is no diagnosis.
     #[error(
-        "recording {recording}: the channel {channel} is missing; a diagnosis needs demand, control and hub_rate"
+        "recording {recording}: the channel {channel} is missing; a diagnosis needs demand, control and hub_rate (or \
+         hub_position in a loop of position)"
     )]
     NoChannel {
         /// Name of the recording.
@@ -21,7 +22,8 @@ pub enum Error {
     },
     /// A channel without which nothing is identified.
     #[error(
-        "recording {recording}: the channel {channel} is missing; identification needs control and hub_rate"
+        "recording {recording}: the channel {channel} is missing; identification needs control and hub_rate (or \
+         hub_position in a loop of position)"
     )]
     NotIdentifiable {
         /// Name of the recording.

@@ -134,6 +134,18 @@ pub const PENCIL_REAL: f64 = 1e-15;
 /// split by rounding.
 pub const PENCIL_TOGETHER: f64 = 1e-8;
 
+/// Corrections of one simple eigenvalue at most: each gains at least one digit of the 17 that are needed.
+pub const PENCIL_CORRECTIONS: usize = 20;
+
+/// A correction of a simple eigenvalue is at most this share of the one before; otherwise the iteration does not converge.
+pub const PENCIL_APPROACH: f64 = 0.1;
+
+/// Correction of an eigenvector with the largest entry 1 below which it counts as found: the eigenvalue's error is of second order in it.
+pub const PENCIL_VECTOR: f64 = 1e-9;
+
+/// A simple eigenvalue is at most this share of the distance to the nearest other approximation from its own: none is found twice.
+pub const PENCIL_NEAR: f64 = 0.1;
+
 /// Corrections allowed for the solution of an equation with a matrix `E`; each gains as many digits as the condition of `E` leaves.
 pub const GENERALISED_REFINEMENTS: usize = 6;
 

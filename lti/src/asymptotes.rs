@@ -13,12 +13,12 @@ pub(crate) struct Asymptotes {
 }
 
 impl Asymptotes {
-    /// The asymptotes of a loop whose response is known between two frequencies in rad/s.
+    /// The asymptotes of a loop whose zeros are known, and its response between two frequencies in rad/s.
     ///
     /// # Errors
-    /// Returns [`Error::Matrix`] if zeros or poles cannot be computed.
-    pub(crate) fn of(g: &StateSpace, (low, high): (f64, f64)) -> Result<Self, Error> {
-        Ok(Self { roots: Zpk::of(g)?, low, high })
+    /// Returns [`Error::Matrix`] if poles cannot be computed.
+    pub(crate) fn of(g: &StateSpace, zeros: &[C64], (low, high): (f64, f64)) -> Result<Self, Error> {
+        Ok(Self { roots: Zpk::with_zeros(g, zeros.to_vec())?, low, high })
     }
 
     /// Whether the response at a frequency is computed here: below the grid, and above it in continuous time. Near half the

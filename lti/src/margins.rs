@@ -129,9 +129,23 @@ impl Margins {
 /// [`Error::NotSiso`]; [`Error::AlgebraicLoop`] where 1 + L(infinity) = 0.
 pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
     needs_siso("margins", loop_gain)?;
+    margins_on(Scan::of(loop_gain)?, loop_gain)
+}
+
+/// The margins of one of many loops that are compared: as [`margins`], with a grid that starts from zeros without the correction in 32
+/// digits. Every crossing and peak is closed in on as there, so the answers differ by rounding; a loop with double zeros, as the bilinear map
+/// makes them at half the sampling rate, takes a hundredth of the time.
+///
+/// # Errors
+/// As [`margins`].
+pub fn candidate_margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
+    needs_siso("margins", loop_gain)?;
+    margins_on(Scan::of_candidate(loop_gain)?, loop_gain)
+}
+
+fn margins_on(mut scan: Scan, loop_gain: &StateSpace) -> Result<Margins, Error> {
     let unit = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
     let closed_poles = poles(&feedback(loop_gain, &unit)?)?;
-    let mut scan = Scan::of(loop_gain)?;
     let ends = ends(loop_gain);
     let phase: Vec<PhaseMargin> = phase_margins(&scan);
     let gain = gain_margins(&scan, &ends);

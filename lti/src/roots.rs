@@ -93,13 +93,28 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     {
         return orthogonal;
     }
-    if let Some(zeros) = precise_zeros(&scaled, &entrywise)? {
-        return Ok(zeros);
+    match precise_zeros(&scaled, &entrywise)? {
+        Some(zeros) => Ok(zeros),
+        None => Ok(agreed(orthogonal, entrywise)),
     }
-    Ok(match orthogonal {
+}
+
+/// The zeros as [`zeros`] without the correction in 32 digits: a double one is known to 8 digits, which places the points of a grid.
+///
+/// # Errors
+/// As [`zeros`].
+pub(crate) fn uncorrected_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    let scaled = unit_gains(&balance(g).0);
+    let entrywise = entrywise_zeros(&scaled)?;
+    Ok(agreed(orthogonal_zeros(scaled), entrywise))
+}
+
+/// The zeros by orthogonal transformations if both methods agree; otherwise those by eliminations.
+fn agreed(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> {
+    match orthogonal {
         Ok(zeros) if is_same(&zeros, &entrywise, SAME_ROOT) => zeros,
         _ => entrywise,
-    })
+    }
 }
 
 /// The zeros corrected in 32 digits from approximations of all of them; `None` if the system matrix is not square or too large, or the

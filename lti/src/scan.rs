@@ -2,7 +2,7 @@
 
 use crate::asymptotes::Asymptotes;
 use crate::response::Response;
-use crate::roots::{poles, zeros};
+use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::tolerance::{
     DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE,
     SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
@@ -29,12 +29,21 @@ pub(crate) struct Scan {
 impl Scan {
     /// Resolves the loop's response.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
+        Self::with_zeros(g, &zeros(g)?)
+    }
+
+    /// Resolves the loop's response on a grid that starts from zeros without the correction in 32 digits.
+    pub fn of_candidate(g: &StateSpace) -> Result<Self, Error> {
+        Self::with_zeros(g, &uncorrected_zeros(g)?)
+    }
+
+    fn with_zeros(g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
         let response = Response::of(g)?;
         let mut scan = Self { response, asymptotes: None, delay_s: 0.0, points: Vec::new() };
-        let rates = starting_grid(g)?;
+        let rates = starting_grid(g, zeros)?;
         scan.points = scan.evaluate(&rates);
         scan.refine();
-        scan.extend(g)?;
+        scan.extend(g, zeros)?;
         Ok(scan)
     }
 
@@ -75,7 +84,7 @@ impl Scan {
         };
         let asymptotes = match self.asymptotes.take() {
             Some(known) => known,
-            None => Asymptotes::of(g, (first.rate, last.rate))?,
+            None => Asymptotes::of(g, &zeros(g)?, (first.rate, last.rate))?,
         };
         let rates = asymptotes.down_to(LEAST_GAIN, last);
         self.asymptotes = Some(asymptotes);
@@ -85,11 +94,11 @@ impl Scan {
     }
 
     /// Adds points beyond both ends until the gain leaves one for good, and up to half the sampling rate.
-    fn extend(&mut self, g: &StateSpace) -> Result<(), Error> {
+    fn extend(&mut self, g: &StateSpace, zeros: &[C64]) -> Result<(), Error> {
         let (Some(first), Some(last)) = (self.points.first().copied(), self.points.last().copied()) else {
             return Ok(());
         };
-        let asymptotes = Asymptotes::of(g, (first.rate, last.rate))?;
+        let asymptotes = Asymptotes::of(g, zeros, (first.rate, last.rate))?;
         let rates = asymptotes.beyond(first, last, g.timebase);
         if rates.is_empty() {
             return Ok(());
@@ -220,9 +229,9 @@ fn unresolved(a: Point, b: Point) -> bool {
 }
 
 /// A logarithmic grid over all roots, and close points about each lightly damped one.
-fn starting_grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
+fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     let mut roots: Vec<C64> = poles(g)?;
-    roots.extend(zeros(g)?);
+    roots.extend(zeros);
     let mut highest = f64::INFINITY;
     if let Timebase::Discrete { period_s } = g.timebase {
         roots.iter_mut().for_each(|root| *root = root.ln() / period_s);

@@ -39,7 +39,15 @@ impl Zpk {
     /// [`Error::NotSiso`], [`Error::Matrix`].
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         needs_siso("zpk", g)?;
-        let mut zpk = Self { zeros: zeros(g)?, poles: poles(g)?, gain: 1.0, timebase: g.timebase };
+        Self::with_zeros(g, zeros(g)?)
+    }
+
+    /// Zeros, poles and gain of a system with one input and one output whose zeros are known.
+    ///
+    /// # Errors
+    /// [`Error::Matrix`].
+    pub(crate) fn with_zeros(g: &StateSpace, zeros: Vec<C64>) -> Result<Self, Error> {
+        let mut zpk = Self { zeros, poles: poles(g)?, gain: 1.0, timebase: g.timebase };
         let largest = zpk.zeros.iter().chain(&zpk.poles).map(|r| r.norm()).fold(0.0, f64::max);
         let away = C64::new(if largest > 0.0 { 2.0 * largest } else { 1.0 }, 0.0);
         let value = Response::of(g)?.at_points(&[away])?[0][(0, 0)];

@@ -183,9 +183,9 @@ pub struct FirstDesignResult {
     pub bandwidth_rad_s: f64,
     /// Bandwidth that was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
-    /// What limits it.
+    /// What limits it: what raises the bandwidth most when it alone is lifted, or several that only do so together.
     pub limited_by: String,
-    /// Every limit with the highest bandwidth that it alone would allow.
+    /// Every limit with the highest bandwidth that it alone would allow, and the bandwidth without it.
     pub limits: Vec<LimitRow>,
     /// What is not known and lowered the ceiling.
     pub unknown: Vec<String>,
@@ -210,6 +210,8 @@ pub struct LimitRow {
     pub bandwidth_rad_s: Option<f64>,
     /// That over the bandwidth that was reached.
     pub over_reached: Option<f64>,
+    /// The bandwidth if this limit alone were lifted, rad/s; absent if it would be no higher.
+    pub lifted_rad_s: Option<f64>,
 }
 
 impl From<&FirstDesign> for FirstDesignResult {
@@ -218,12 +220,13 @@ impl From<&FirstDesign> for FirstDesignResult {
         let row = |limit: &counterpoise_synth::Limit| {
             let bandwidth_rad_s = Some(limit.bandwidth_rad_s).filter(|rate| rate.is_finite());
             let over_reached = bandwidth_rad_s.map(|rate| rate / found.bandwidth_rad_s);
-            LimitRow { limit: limit.kind.to_string(), bandwidth_rad_s, over_reached }
+            let lifted_rad_s = limit.lifted_rad_s;
+            LimitRow { limit: limit.kind.to_string(), bandwidth_rad_s, over_reached, lifted_rad_s }
         };
         Self {
             bandwidth_rad_s: found.bandwidth_rad_s,
             asked_rad_s: found.asked_rad_s,
-            limited_by: found.limited_by.to_string(),
+            limited_by: found.limited_by.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and "),
             limits: found.limits.iter().map(row).collect(),
             unknown: found.unknown.iter().map(ToString::to_string).collect(),
             gain_margin_db: judged.gain_margin_db,
@@ -238,6 +241,6 @@ impl From<&FirstDesign> for FirstDesignResult {
 /// Whether the bandwidth that was asked for is not reached, by more than rounding.
 pub fn falls_short(first: &FirstDesign) -> bool {
     let found = &first.bandwidth;
-    found.limited_by != LimitKind::Asked
+    !found.limited_by.contains(&LimitKind::Asked)
         && found.asked_rad_s.is_some_and(|asked| asked > found.bandwidth_rad_s)
 }

@@ -10,16 +10,35 @@ use crate::page::{Cell, Column, Section, Table};
 
 /// Returns the section on weights that were chosen because the project file states none.
 pub fn section(first: &FirstDesignResult) -> Section {
-    let columns =
-        [Column::Text("limit"), Column::Number("bandwidth [rad/s]"), Column::Number("over what is reached")];
-    let mut table = Table::new("What each limit alone would allow", &columns);
+    let columns = [
+        Column::Text("limit"),
+        Column::Number("allows alone [rad/s]"),
+        Column::Number("over what is reached"),
+        Column::Number("bandwidth without it [rad/s]"),
+    ];
+    let mut table = Table::new("What each limit alone would allow, and the bandwidth without it", &columns);
     table.rows = first.limits.iter().map(row).collect();
     sentences(first).into_iter().fold(Section::new("First design"), Section::saying).listing(table)
 }
 
 fn row(limit: &LimitRow) -> Vec<Cell> {
     let number = |value: Option<f64>| value.map_or_else(|| Cell::text("no limit found"), Cell::number);
-    vec![Cell::text(limit.limit.as_str()), number(limit.bandwidth_rad_s), number(limit.over_reached)]
+    let lifted = limit.lifted_rad_s.map_or_else(|| Cell::text("no higher"), Cell::number);
+    vec![Cell::text(limit.limit.as_str()), number(limit.bandwidth_rad_s), number(limit.over_reached), lifted]
+}
+
+/// Returns what limits the bandwidth and by how much, as a clause.
+pub fn limitation(first: &FirstDesignResult) -> String {
+    let lifted = first.limits.first().and_then(|limit| limit.lifted_rad_s);
+    match lifted {
+        Some(rate) => format!(
+            "{}; without this limit it would be {} rad/s, {:.2} times as high",
+            first.limited_by,
+            short(rate),
+            rate / first.bandwidth_rad_s
+        ),
+        None => format!("{}; lifting one limit alone does not raise it", first.limited_by),
+    }
 }
 
 fn sentences(first: &FirstDesignResult) -> Vec<String> {
@@ -28,7 +47,7 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
          The bandwidth is {} rad/s ({} Hz), limited by: {}.",
         short(first.bandwidth_rad_s),
         short(first.bandwidth_rad_s / TAU),
-        first.limited_by
+        limitation(first)
     )];
     if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
         lines.push(format!("{} rad/s are asked for.", short(asked)));
@@ -57,6 +76,7 @@ mod tests {
             limit: name.to_owned(),
             bandwidth_rad_s,
             over_reached: bandwidth_rad_s.map(|rate| rate / 20.0),
+            lifted_rad_s: (name == "resonance").then_some(25.0),
         };
         let first = FirstDesignResult {
             bandwidth_rad_s: 20.0,
@@ -74,7 +94,7 @@ mod tests {
         let text = section.text.join(" ");
         for said in [
             "20 rad/s (3.183 Hz)",
-            "limited by: resonance",
+            "limited by: resonance; without this limit it would be 25 rad/s, 1.25 times as high",
             "30 rad/s are asked for",
             "the lag of the sensor",
         ] {
@@ -82,5 +102,6 @@ mod tests {
         }
         let rows = &section.tables[0].rows;
         assert_eq!((rows.len(), &rows[1][1]), (2, &Cell::text("no limit found")));
+        assert_eq!((&rows[0][3], &rows[1][3]), (&Cell::number(25.0), &Cell::text("no higher")));
     }
 }

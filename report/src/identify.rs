@@ -2,6 +2,7 @@
 
 use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, GainPoint, Loop};
+use counterpoise_pipeline::recordings::AxisUnits;
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
@@ -11,7 +12,7 @@ use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 const BREAKAWAY: &str = "highest after a reversal";
 
 /// The report.
-pub fn report(machine: &str, command: &str, found: &IdentificationText) -> Report {
+pub fn report(machine: &str, command: &str, found: &IdentificationText, units: &AxisUnits) -> Report {
     let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
@@ -24,9 +25,9 @@ pub fn report(machine: &str, command: &str, found: &IdentificationText) -> Repor
         title: format!("Identification of {machine}"),
         subtitle: "out-of-balance, friction, inertia and amplifier, from recordings in closed loop"
             .to_owned(),
-        headline: headline(found),
-        tiles: tiles(found),
-        verdicts: estimates(found),
+        headline: headline(found, units),
+        tiles: tiles(found, units),
+        verdicts: estimates(found, units),
         glance: first.iter().map(|figure| explained(figure, found)).collect(),
         sections,
         provenance: vec![
@@ -36,8 +37,8 @@ pub fn report(machine: &str, command: &str, found: &IdentificationText) -> Repor
     }
 }
 
-fn headline(found: &IdentificationText) -> Headline {
-    let moved: Vec<&str> = named(found)
+fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
+    let moved: Vec<&str> = named(found, units)
         .into_iter()
         .filter(|(name, e, _)| *name != BREAKAWAY && e.before.is_finite() && !e.holds(e.before))
         .map(|(name, _, _)| name)
@@ -48,14 +49,14 @@ fn headline(found: &IdentificationText) -> Headline {
         format!("Not as in the project: {}", moved.join(", "))
     };
     let detail = format!(
-        "From {:.1} s of sliding; the torque balance leaves {:.2} N m RMS.",
-        found.sliding_s, found.residual_nm
+        "From {:.1} s of sliding; the torque balance leaves {:.2} {} RMS.",
+        found.sliding_s, found.residual_nm, units.torque
     );
     Headline { tone: Tone::Neutral, text, detail }
 }
 
 /// Every estimate with its name and unit.
-fn named(found: &IdentificationText) -> Vec<(&'static str, Estimate, &'static str)> {
+fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Estimate, &'static str)> {
     let mut out = Vec::new();
     for (state, b) in found.balances.iter().enumerate() {
         let names = if state == 0 {
@@ -63,24 +64,28 @@ fn named(found: &IdentificationText) -> Vec<(&'static str, Estimate, &'static st
         } else {
             ["out-of-balance, other state", "inertia, other state"]
         };
-        out.push((names[0], b.out_of_balance_kg_m, "kg m"));
-        out.push((names[1], b.inertia_kg_m2, "kg m²"));
+        out.push((names[0], b.out_of_balance_kg_m, units.moment));
+        out.push((
+            names[1],
+            b.inertia_kg_m2,
+            if units.inertia == "kg m^2" { "kg m²" } else { units.inertia },
+        ));
     }
-    out.push(("Coulomb friction", found.coulomb_nm, "N m"));
-    out.push(("viscous friction", found.viscous_nm_s_rad, "N m s/rad"));
-    out.extend(found.breakaway_nm.map(|e| (BREAKAWAY, e, "N m")));
+    out.push(("Coulomb friction", found.coulomb_nm, units.torque));
+    out.push(("viscous friction", found.viscous_nm_s_rad, units.viscous));
+    out.extend(found.breakaway_nm.map(|e| (BREAKAWAY, e, units.torque)));
     out.retain(|(_, e, _)| e.is_known());
     out
 }
 
-fn tiles(found: &IdentificationText) -> Vec<Tile> {
+fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<Tile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
         Tile::plain(name, short(e.value), unit).noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
     };
-    named(found).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
+    named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }
 
-fn estimates(found: &IdentificationText) -> Table {
+fn estimates(found: &IdentificationText, units: &AxisUnits) -> Table {
     let columns = [
         Column::Text("value"),
         Column::Number("identified"),
@@ -89,7 +94,7 @@ fn estimates(found: &IdentificationText) -> Table {
         Column::Text("unit"),
     ];
     let mut table = Table::new("Identified, all torques at the hub", &columns);
-    for (name, e, unit) in named(found) {
+    for (name, e, unit) in named(found, units) {
         table.rows.push(vec![
             Cell::text(name),
             Cell::number(e.value),

@@ -42,6 +42,8 @@ pub struct Limit {
     pub kind: LimitKind,
     /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
     pub bandwidth_rad_s: f64,
+    /// The bandwidth if this limit alone were lifted, rad/s; `None` if it would be no higher.
+    pub lifted_rad_s: Option<f64>,
 }
 
 /// A fact of the loop that is not known, and lowers the ceiling of the bandwidth.
@@ -64,9 +66,9 @@ pub enum Unknown {
 pub struct Bandwidth {
     /// The bandwidth that was reached, rad/s.
     pub bandwidth_rad_s: f64,
-    /// The limit that is the nearest above it.
-    pub limited_by: LimitKind,
-    /// Every limit, the lowest first.
+    /// What limits it: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
+    pub limited_by: Vec<LimitKind>,
+    /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by what they allow.
     pub limits: Vec<Limit>,
     /// What is not known.
     pub unknown: Vec<Unknown>,

@@ -99,7 +99,7 @@ fn what_is_not_known_lowers_the_bandwidth() {
     assert_eq!(nothing.bandwidth.unknown.len(), 5);
     assert!(nothing.bandwidth.bandwidth_rad_s < 0.2 * CEILING / 1e-3);
     assert!(nothing.bandwidth.unknown.contains(&Unknown::Structure));
-    assert_eq!(nothing.bandwidth.limited_by, LimitKind::SampleRate);
+    assert_eq!(nothing.bandwidth.limited_by, [LimitKind::SampleRate]);
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_longer_delay_leaves_less_and_is_named() {
         println!("{delay_s} {:?} {:?}", found.bandwidth, found.judgement);
         assert!(found.bandwidth.bandwidth_rad_s < last && found.bandwidth.bandwidth_rad_s * delay_s < 1.0);
         assert!(found.bandwidth.bandwidth_rad_s * delay_s > 0.2);
-        assert_eq!(found.bandwidth.limited_by, LimitKind::Margins);
+        assert_eq!(found.bandwidth.limited_by, [LimitKind::Margins]);
         last = found.bandwidth.bandwidth_rad_s;
     }
 }
@@ -158,9 +158,9 @@ fn noise_and_an_asked_bandwidth_lower_it() {
     let loud = exported(&Circumstances { noise_rms: 1.0, ..given.clone() }).unwrap().bandwidth;
     println!("{quiet:?} {loud:?}");
     assert!(loud.bandwidth_rad_s < quiet.bandwidth_rad_s);
-    assert_eq!(loud.limited_by, LimitKind::Noise);
+    assert_eq!(loud.limited_by, [LimitKind::Noise]);
     let asked = exported(&Circumstances { asked_rad_s: Some(10.0), noise_rms: 1e-5, ..given }).unwrap();
     println!("{:?}", asked.bandwidth);
     assert!((asked.bandwidth.bandwidth_rad_s / 10.0 - 1.0).abs() < 0.02);
-    assert_eq!(asked.bandwidth.limited_by, LimitKind::Asked);
+    assert_eq!(asked.bandwidth.limited_by, [LimitKind::Asked]);
 }

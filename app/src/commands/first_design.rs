@@ -2,10 +2,11 @@
 
 use counterpoise_host::projects::Loaded;
 use counterpoise_pipeline::FirstDesignResult;
-use counterpoise_pipeline::first_design::falls_short;
+use counterpoise_pipeline::first_design::{LimitRow, falls_short};
 
 use crate::output::say;
 use counterpoise_plot::number::short;
+use counterpoise_report::first_design::limitation;
 
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
 pub fn print(loaded: &Loaded) {
@@ -18,24 +19,12 @@ pub fn print(loaded: &Loaded) {
         "bandwidth {} rad/s ({} Hz), limited by: {}",
         short(result.bandwidth_rad_s),
         short(result.bandwidth_rad_s / std::f64::consts::TAU),
-        result.limited_by
+        limitation(&result)
     );
     if let Some(asked) = result.asked_rad_s.filter(|_| falls_short(first)) {
         say!("warning: {} rad/s are asked for and CANNOT BE REACHED", short(asked));
     }
-    for row in &result.limits {
-        match (row.bandwidth_rad_s, row.over_reached) {
-            (Some(rate), Some(over)) => {
-                say!(
-                    "  {:26} allows {:>9} rad/s, {} times what is reached",
-                    row.limit,
-                    short(rate),
-                    short(over)
-                );
-            }
-            _ => say!("  {:26} allows every bandwidth that was looked at", row.limit),
-        }
-    }
+    result.limits.iter().for_each(print_limit);
     for fact in &result.unknown {
         say!("  not known, and lowers the ceiling by 3 dB: {fact}");
     }
@@ -49,4 +38,16 @@ pub fn print(loaded: &Loaded) {
     result.left_out.iter().for_each(|reason| say!("no feedforward: {reason}"));
     say!("`counterpoise synth PROJECT --save FILE` writes the weights into the file");
     say!();
+}
+
+fn print_limit(row: &LimitRow) {
+    let without = row.lifted_rad_s.map(|rate| format!("; without it {} rad/s", short(rate)));
+    let without = without.unwrap_or_default();
+    match (row.bandwidth_rad_s, row.over_reached) {
+        (Some(rate), Some(over)) => {
+            let (rate, over) = (short(rate), short(over));
+            say!("  {:26} allows {rate:>9} rad/s, {over} times what is reached{without}", row.limit);
+        }
+        _ => say!("  {:26} allows every bandwidth that was looked at{without}", row.limit),
+    }
 }

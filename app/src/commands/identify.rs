@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use crate::output::say;
 use counterpoise_diagnose::identification::{Estimate, improved};
-use counterpoise_pipeline::recordings::identify;
+use counterpoise_pipeline::recordings::{AxisUnits, identify};
 use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::identify::report;
@@ -31,45 +31,47 @@ pub fn run(options: &IdentifyOptions) -> Done {
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
-        let page = html(&report(&loaded.project.plant.name, &command, &found));
+        let page = html(&report(&loaded.project.plant.name, &command, &found, &identified.units));
         projects::write(path, page.as_bytes())?;
     }
     if !output::json(&options.outputs.results, &found)? {
-        print(&found);
+        print(&found, &identified.units);
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn print(found: &IdentificationText) {
+fn print(found: &IdentificationText, units: &AxisUnits) {
     say!("{:<28} {:>12}   {:^25} {:>12}  unit", "", "identified", "95 % interval", "project");
     for (state, balance) in found.balances.iter().enumerate() {
         let of = |name: &str| match state {
             0 => name.to_owned(),
             _ => format!("{name}, other state"),
         };
-        line(&of("out-of-balance"), &balance.out_of_balance_kg_m, "kg m");
-        line(&of("inertia"), &balance.inertia_kg_m2, "kg m^2");
+        line(&of("out-of-balance"), &balance.out_of_balance_kg_m, units.moment);
+        line(&of("inertia"), &balance.inertia_kg_m2, units.inertia);
     }
-    line("Coulomb friction, total", &found.coulomb_nm, "N m");
-    line("viscous friction, total", &found.viscous_nm_s_rad, "N m s/rad");
+    line("Coulomb friction, total", &found.coulomb_nm, units.torque);
+    line("viscous friction, total", &found.viscous_nm_s_rad, units.viscous);
     match &found.breakaway_nm {
-        Some(breakaway) => line("highest after a reversal", breakaway, "N m"),
+        Some(breakaway) => line("highest after a reversal", breakaway, units.torque),
         None => say!("highest friction after a reversal: too few reversals"),
     }
     let l = &found.lobes;
     say!(
-        "u against rate: offset {} V, step {} V, slope {} V s/rad, width {} V per rad/s^2",
+        "u against rate: offset {} V, step {} V, slope {} {}, width {} V per {}/s^2",
         figure(l.offset_v),
         figure(l.step_v),
         figure(l.slope_v_s_rad),
-        figure(l.width_v_s2_rad)
+        units.slope,
+        figure(l.width_v_s2_rad),
+        units.position
     );
     let left = if found.residual_nm >= LEAST_WITH_DECIMALS {
         format!("{:.2}", found.residual_nm)
     } else {
         figure(found.residual_nm)
     };
-    say!("left over: {left} N m RMS, of {:.1} s of sliding", found.sliding_s);
+    say!("left over: {left} {} RMS, of {:.1} s of sliding", units.torque, found.sliding_s);
     amplifier(&found.amplifier);
     found.notes.iter().for_each(|note| say!("note: {note}"));
 }

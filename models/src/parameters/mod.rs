@@ -62,6 +62,32 @@ pub enum Axis {
     Linear,
 }
 
+/// Units of a turning axis with those of a sliding one.
+const AXIS_UNITS: [(&str, &str); 14] = [
+    ("V/rad", "V/m"),
+    ("(rad/s)/(m/s^2)", "(m/s)/(m/s^2)"),
+    ("rad/(m/s^2)", "m/(m/s^2)"),
+    ("kg m^2", "kg"),
+    ("kg m", "kg"),
+    ("N m", "N"),
+    ("N m/rad", "N/m"),
+    ("N m s/rad", "N s/m"),
+    ("N m s^2/rad^2", "N s^2/m^2"),
+    ("N m/A", "N/A"),
+    ("V s/rad", "V s/m"),
+    ("rad", "m"),
+    ("rad/s", "m/s"),
+    ("(rad/s)^2 s", "(m/s)^2 s"),
+];
+
+impl Axis {
+    /// Returns the unit of a quantity of the axis that has a given unit on a turning one.
+    pub fn unit(self, turning: &'static str) -> &'static str {
+        let known = AXIS_UNITS.iter().find(|(unit, _)| *unit == turning && self == Self::Linear);
+        known.map_or(turning, |(_, sliding)| sliding)
+    }
+}
+
 /// A torque that repeats with an angle: amplitude x sin(order x angle + phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ripple {

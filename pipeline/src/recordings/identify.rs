@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use counterpoise_diagnose::identification::Identified;
+use counterpoise_models::Axis;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
@@ -16,6 +17,39 @@ pub struct IdentifiedRecordings {
     pub identified: Identified,
     /// What was found on reading each recording, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
+    /// The units of the values.
+    pub units: AxisUnits,
+}
+
+/// Units of what is identified on an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AxisUnits {
+    /// Of the out-of-balance.
+    pub moment: &'static str,
+    /// Of the inertia.
+    pub inertia: &'static str,
+    /// Of a torque or a force.
+    pub torque: &'static str,
+    /// Of viscous friction.
+    pub viscous: &'static str,
+    /// Of volts over a rate.
+    pub slope: &'static str,
+    /// Of a position.
+    pub position: &'static str,
+}
+
+impl AxisUnits {
+    /// Returns the units of an axis.
+    pub fn of(axis: Axis) -> Self {
+        Self {
+            moment: axis.unit("kg m"),
+            inertia: axis.unit("kg m^2"),
+            torque: axis.unit("N m"),
+            viscous: axis.unit("N m s/rad"),
+            slope: axis.unit("V s/rad"),
+            position: axis.unit("rad"),
+        }
+    }
 }
 
 /// Identifies out-of-balance, friction, inertia and the amplifier's gain curve; each group of files is one state of balance.
@@ -41,5 +75,5 @@ pub fn identify(
     let states: Vec<&[Recording]> = recordings.iter().map(Vec::as_slice).collect();
     let identified = counterpoise_diagnose::identification::identify(&project.plant, &states)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused })?;
-    Ok(IdentifiedRecordings { identified, remarks })
+    Ok(IdentifiedRecordings { identified, remarks, units: AxisUnits::of(project.plant.axis) })
 }

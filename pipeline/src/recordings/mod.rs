@@ -25,6 +25,6 @@ pub mod tracks;
 
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use held_out::{HeldOutRecording, replay_held_out};
-pub use identify::identify;
+pub use identify::{AxisUnits, identify};
 pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, UnusedColumn, read};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

@@ -6,7 +6,7 @@ use counterpoise_verify::robust::{
     one_at_a_time, ranking, summary,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
-use counterpoise_verify::{Figure, Requirement, VerifiedController};
+use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
 use crate::{Modelled, PipelineError, World, procedure};
@@ -80,15 +80,35 @@ impl CampaignResult {
 pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
     let missing = |section| Err(PipelineError::Missing { section, needed_by: "the campaign" });
     let Some(asked) = project.campaign() else { return missing("sweep") };
-    let Some(judged) = &project.verify else { return missing("verify") };
     if asked.variations.is_empty() {
         return missing("[sweep.variation]");
     }
-    if judged.requirements.is_empty() {
-        return missing("[verify.requirement]");
-    }
     Ok(())
 }
+
+/// The requirements that a campaign judges: those of the project, or [`usual_requirements`] if it states none.
+fn judged(project: &Project) -> Vec<Requirement> {
+    let stated = project.verify.as_ref().map(|asked| asked.requirements.clone()).unwrap_or_default();
+    if stated.is_empty() { usual_requirements() } else { stated }
+}
+
+/// What every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a gain margin
+/// of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
+fn usual_requirements() -> Vec<Requirement> {
+    let require =
+        |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
+    vec![
+        require(LoopFigure::MaxSensitivity, Limit::AtMost(USUAL_SENSITIVITY)),
+        require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING)),
+    ]
+}
+
+/// Largest sensitivity that is reasonable, 1.4 to 2 (K. J. Astrom and R. M. Murray, Feedback Systems, section 12.3).
+const USUAL_SENSITIVITY: f64 = 2.0;
+/// A pole that only drifts is on the unit circle up to rounding.
+const DRIFTING: f64 = 1e-6;
+/// Where requirements come from that no project states.
+const USUAL: &str = "usual, because the project states no requirement";
 
 /// The Monte Carlo campaign of the project's requirements over its variations.
 ///
@@ -102,17 +122,13 @@ pub fn campaign(
 ) -> Result<Campaign, PipelineError> {
     let asked =
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the campaign" })?;
-    let judged = project
-        .verify
-        .as_ref()
-        .ok_or(PipelineError::Missing { section: "verify", needed_by: "the campaign" })?;
     campaign_is_stated(project)?;
     Ok(Campaign::new(
         modelled.parameters.clone(),
         verified.controller().clone(),
         procedure(project, world)?,
         asked.variations.clone(),
-        judged.requirements.clone(),
+        judged(project),
         Layout { samples: asked.samples, seed: asked.seed, points: asked.layout },
     )?)
 }
@@ -129,11 +145,7 @@ pub fn families(
 ) -> Result<Vec<Member>, PipelineError> {
     let asked =
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
-    let judged = project
-        .verify
-        .as_ref()
-        .ok_or(PipelineError::Missing { section: "verify", needed_by: "the families" })?;
-    let figures: Vec<Figure> = judged.requirements.iter().map(|requirement| requirement.figure).collect();
+    let figures: Vec<Figure> = judged(project).iter().map(|requirement| requirement.figure).collect();
     let (parameters, controller, procedure) =
         (&modelled.parameters, verified.controller(), procedure(project, world)?);
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;

@@ -5,23 +5,6 @@ use counterpoise_models::Axis;
 use crate::file::field::{Field, TableField};
 use crate::file::visit::{Count, Presence, Visit};
 
-/// Units of a turning axis with those of a sliding one.
-const UNITS: [(&str, &str); 14] = [
-    ("V/rad", "V/m"),
-    ("(rad/s)/(m/s^2)", "(m/s)/(m/s^2)"),
-    ("rad/(m/s^2)", "m/(m/s^2)"),
-    ("kg m^2", "kg"),
-    ("kg m", "kg"),
-    ("N m", "N"),
-    ("N m/rad", "N/m"),
-    ("N m s/rad", "N s/m"),
-    ("N m s^2/rad^2", "N s^2/m^2"),
-    ("N m/A", "N/A"),
-    ("V s/rad", "V s/m"),
-    ("rad", "m"),
-    ("rad/s", "m/s"),
-    ("(rad/s)^2 s", "(m/s)^2 s"),
-];
 /// Keys of a turning axis with those of a sliding one.
 const KEYS: [(&str, &str); 3] = [("inertia", "mass"), ("hub_inertia", "mass"), ("beam_inertia", "tip_mass")];
 
@@ -47,9 +30,7 @@ impl<'a> Words<'a> {
             Axis::Linear if field.key == "ratio" && field.unit.is_empty() => {
                 Field { unit: "rad/m", meaning: "motor's angle per travel of the slide", ..*field }
             }
-            Axis::Linear => {
-                Field { key: sliding(&KEYS, field.key), unit: sliding(&UNITS, field.unit), ..*field }
-            }
+            Axis::Linear => Field { key: sliding_key(field.key), unit: self.axis.unit(field.unit), ..*field },
         }
     }
 
@@ -59,9 +40,9 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The word of a sliding axis; the same if it has none of its own.
-fn sliding(words: &[(&'static str, &'static str)], word: &'static str) -> &'static str {
-    words.iter().find(|(turning, _)| *turning == word).map_or(word, |(_, sliding)| sliding)
+/// The key of a sliding axis; the same if it has none of its own.
+fn sliding_key(key: &'static str) -> &'static str {
+    KEYS.iter().find(|(turning, _)| *turning == key).map_or(key, |(_, sliding)| sliding)
 }
 
 impl Visit for Words<'_> {

@@ -125,9 +125,12 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
         &mut name,
     );
     model.configuration = (!name.is_empty()).then_some(name);
-    let angle = Limit::Between(-1.5, 1.5);
+    let (angle, whole_turn) = (Limit::Between(-1.5, 1.5), Limit::Between(-3.15, 3.15));
     v.number(
-        &Field::new("hub_angle", "angle of the hub against the horizontal").unit("rad").limit(angle).or(0.0),
+        &Field::new("hub_angle", "angle of the hub against the horizontal")
+            .unit("rad")
+            .limit(whole_turn)
+            .or(0.0),
         &mut model.operating_point.hub_angle_rad,
     );
     v.number(

@@ -60,10 +60,13 @@ pub enum Command {
         /// The path.
         path: PathBuf,
     },
-    /// Makes a folder with a complete project file to start from, and opens it.
+    /// Makes a folder with a project file to start from, and opens it.
     New {
         /// The folder; it must not hold a project.
         folder: PathBuf,
+        /// Name of the kind of machine that the file describes in a few lines; `None` for a complete file.
+        #[serde(default)]
+        like: Option<String>,
     },
     /// Shows files and folders to choose from.
     Browse {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use counterpoise_host::files::{self, Disk, PROJECT_FILE};
+use counterpoise_project::starters::Kind;
 use counterpoise_project::{Attachments, Document, STARTER};
 
 use super::file_check::{modification_time, recordings_beside};
@@ -32,6 +33,8 @@ pub enum FileJob {
     Create {
         /// The folder.
         folder: PathBuf,
+        /// The kind of machine; `None` for a complete file.
+        like: Option<Kind>,
     },
     /// Writes a project to its file.
     Save {
@@ -178,7 +181,7 @@ impl ProjectStore {
                 });
                 FileJobResult::Reread { path, found }
             }
-            FileJob::Create { folder } => FileJobResult::Loaded(self.create(&folder)),
+            FileJob::Create { folder, like } => FileJobResult::Loaded(self.create(&folder, like)),
             FileJob::Save { path, text, overwrite } => {
                 let outcome = self.save(&path, &text, &overwrite);
                 FileJobResult::Written { path, text, outcome }
@@ -191,8 +194,8 @@ impl ProjectStore {
         }
     }
 
-    fn create(&self, folder: &Path) -> Result<Box<LoadedProject>, String> {
-        let path = files::create(folder, &Document::parse(STARTER, PROJECT_FILE))?;
+    fn create(&self, folder: &Path, like: Option<Kind>) -> Result<Box<LoadedProject>, String> {
+        let path = files::create(folder, &Document::parse(like.map_or(STARTER, Kind::text), PROJECT_FILE))?;
         let mut loaded = self.load(&path)?;
         loaded.origin = ProjectOrigin::Created;
         Ok(loaded)

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use counterpoise_project::starters::Kind;
 use egui::text::{CCursor, CCursorRange};
 use egui::{Key, Modifiers, RichText, Ui};
 
@@ -247,8 +248,9 @@ fn show_buttons(
             let make = ui.add_enabled(new_folder.is_some(), egui::Button::new("New project here"));
             let make = make.on_hover_text("a folder with a complete machine to start from");
             if let (true, Some(folder)) = (make.clicked(), &new_folder) {
-                queue.push(Command::New { folder: folder.clone() });
+                queue.push(Command::New { folder: folder.clone(), like: None });
             }
+            queue.extend(new_of_a_kind(ui, new_folder.as_ref()));
         }
         if about.can_close && ui.button("Cancel").on_hover_text("Esc").clicked() {
             choice = BrowserChoice::Cancel;
@@ -260,6 +262,23 @@ fn show_buttons(
         });
     });
     choice
+}
+
+/// Offers every kind of machine, each a file of a few values that leaves the weights to the first design; returns the command of a chosen
+/// one.
+fn new_of_a_kind(ui: &mut Ui, folder: Option<&PathBuf>) -> Option<Command> {
+    let mut chosen = None;
+    ui.add_enabled_ui(folder.is_some(), |ui| {
+        ui.menu_button("New, like ...", |ui| {
+            for kind in Kind::ALL {
+                if ui.button(kind.name()).clicked() {
+                    chosen = Some(kind.name().to_owned());
+                    ui.close();
+                }
+            }
+        });
+    });
+    Some(Command::New { folder: folder?.clone(), like: Some(chosen?) })
 }
 
 /// Returns what is to be said about the path, with its colour.

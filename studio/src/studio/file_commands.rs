@@ -7,6 +7,7 @@ use std::path::Path;
 
 use counterpoise_host::files::project_file;
 use counterpoise_project::PlatformSource;
+use counterpoise_project::starters::Kind;
 
 use super::{OpenProject, Studio, WindowClosing};
 use crate::browser::Browser;
@@ -79,7 +80,7 @@ impl Studio {
         {
             self.jobs.file.cancel();
             self.file_queue.push_first(match leaving {
-                Command::New { folder } => Command::Open { path: folder },
+                Command::New { folder, .. } => Command::Open { path: folder },
                 other => other,
             });
         }
@@ -117,7 +118,10 @@ impl Studio {
         };
         Ok(match command {
             Command::Open { path } => FileJob::Open { path: path.clone() },
-            Command::New { folder } => FileJob::Create { folder: folder.clone() },
+            Command::New { folder, like } => {
+                let like = like.as_deref().and_then(Kind::from_name);
+                FileJob::Create { folder: folder.clone(), like }
+            }
             Command::Reload => FileJob::Reread { path: open.ok_or(None)?.path.clone() },
             Command::Save => {
                 let open = writable()?;

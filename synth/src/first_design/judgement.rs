@@ -1,7 +1,8 @@
 //! What a sampled loop does, against what it must keep.
 
 use counterpoise_lti::{
-    C64, Discretisation, Margins, Mat, StateSpace, c2d, feedback as closed, h2norm, margins, poles, series,
+    C64, Discretisation, Margins, Mat, StateSpace, c2d, candidate_margins, feedback as closed, h2norm, poles,
+    series,
 };
 
 use super::Circumstances;
@@ -70,48 +71,59 @@ impl<'a> Judge<'a> {
     /// Those of the discretisation.
     pub fn new(circumstances: &'a Circumstances, neighbours: &[DesignPlant]) -> Result<Self, Error> {
         let sampling = &coarser(&circumstances.sampling);
-        let all = |plants: &[DesignPlant]| plants.iter().map(|p| sampled_plant(p, sampling)).collect();
-        Ok(Self {
-            circumstances,
-            sampling: sampling.clone(),
-            held: sampled_plant(&circumstances.plant, sampling)?,
-            neighbours: all(neighbours)?,
-            others: {
-                let plants: Result<Vec<StateSpace>, Error> = all(&circumstances.others);
-                plants?
-            },
-        })
+        let all = |plants: &[DesignPlant]| -> Result<Vec<StateSpace>, Error> {
+            plants.iter().map(|p| sampled_plant(p, sampling)).collect()
+        };
+        let held = sampled_plant(&circumstances.plant, sampling)?;
+        let mut others: Vec<StateSpace> = all(&circumstances.others)?;
+        // What the linear plant leaves out of a loop of position is nothing.
+        others.retain(|other| *other != held);
+        let neighbours = all(neighbours)?;
+        Ok(Self { circumstances, sampling: sampling.clone(), held, neighbours, others })
     }
 
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
+    /// Plants beside the plant are left out, and their sensitivity is taken as the plant's, if `is_out` says so of the rest.
     ///
     /// # Errors
     /// Those of the discretisation and the margins.
-    pub fn judge(&self, controller: &StateSpace) -> Result<Option<LoopJudgement>, Error> {
+    pub fn judge(
+        &self,
+        controller: &StateSpace,
+        is_out: impl Fn(&LoopJudgement) -> bool,
+    ) -> Result<Option<LoopJudgement>, Error> {
         let Circumstances { noise_rms, reading_step, demand_step, .. } = self.circumstances;
         let sampling = &self.sampling;
         let both = sampled_controller(controller, sampling)?;
         let K = both.select(&[0], &[1]);
         let Some(nominal) = stable_margins(&self.held, &K)? else { return Ok(None) };
         let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
-        if crossover == 0.0 || !self.holds_others(&K)? {
+        if crossover == 0.0 {
             return Ok(None);
         }
         // The density of the noise is what the coarser samples keep.
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
         let gain = thinned * noise_gain(&self.held, &K)?;
-        Ok(Some(LoopJudgement {
+        let mut found = LoopJudgement {
             bandwidth_rad_s: crossover,
             closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
             gain_margin_db: nominal.gain_margin_db(),
             phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
             max_sensitivity: nominal.ms.value,
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
-            shifted_sensitivity: self.shifted_sensitivity(&K, nominal.ms.value)?,
+            shifted_sensitivity: nominal.ms.value,
             noise_v: gain * noise_rms,
             quantisation_v: gain * reading_step / 12f64.sqrt(),
             step_v: demand_step.abs() * step_peak(&self.held, &both, crossover, sampling)?,
-        }))
+        };
+        if is_out(&found) {
+            return Ok(Some(found));
+        }
+        if !self.holds_others(&K)? {
+            return Ok(None);
+        }
+        found.shifted_sensitivity = self.shifted_sensitivity(&K, nominal.ms.value)?;
+        Ok(Some(found))
     }
 
     /// The largest sensitivity over the plant and its neighbours; beyond what is borne, that of the first plant that exceeds it.
@@ -132,7 +144,7 @@ impl<'a> Judge<'a> {
     fn holds_others(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.others {
             let broken = series(plant, &K.negate())?;
-            if margins(&broken)?.ms.value > NEIGHBOUR_MS {
+            if candidate_margins(&broken)?.ms.value > NEIGHBOUR_MS {
                 return Ok(false);
             }
             let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
@@ -208,7 +220,7 @@ fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Margins>,
     if poles(&closed(&loop_gain, &one)?)?.iter().any(|pole| pole.norm() > 1.0 + DRIFTING_POLE) {
         return Ok(None);
     }
-    let found = margins(&loop_gain)?;
+    let found = candidate_margins(&loop_gain)?;
     Ok(found.closed_loop_stable.then_some(found))
 }
 

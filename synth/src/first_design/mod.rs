@@ -4,8 +4,9 @@
 //! integrates below a fifth of it and is the inverse of the plant's gain at it, a control weight that rises above it, and
 //! noises that make the observer a few times as quick. For each aim the *sampled* loop is judged ([`judgement`]): margins,
 //! the same margins with every lightly damped mode shifted ([`neighbours`]), the control that noise and quantisation cost,
-//! and the control that a step of the demand takes. The highest aim that keeps everything is the answer, and every limit
-//! is told with the bandwidth up to which it alone would have allowed the loop.
+//! and the control that a step of the demand takes. The highest aim that keeps everything is the answer. Every limit
+//! is told with the bandwidth up to which it alone would have allowed the loop, and with the bandwidth if it alone were lifted ([`lifted`]):
+//! what limits is what raises the bandwidth when it is lifted.
 //!
 //! In a cascade the weights aim at the bandwidth of the rate loop, the position loop has a fixed share of it, and the judged loop is
 //! the whole cascade at the plant's input.
@@ -22,6 +23,7 @@
 mod candidate;
 mod feedforwards;
 mod judgement;
+mod lifted;
 mod neighbours;
 mod scan;
 
@@ -87,7 +89,7 @@ pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error>
         let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
         return Err(Error::refused(vec![finding]));
     };
-    let bandwidth = scan.bandwidth(&found);
+    let bandwidth = lifted::bandwidth(&mut scan, &found)?;
     let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;
     Ok(FirstDesign { specification, bandwidth, judgement: found.judgement, left_out })
 }

@@ -29,17 +29,36 @@ pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<De
         return Ok(Vec::new());
     }
     let both = [1.0 / (1.0 + MODE_SHIFT), 1.0 + MODE_SHIFT];
-    both.into_iter().map(|factor| shifted(plant, modes, factor)).collect()
+    let halved = |factor: f64| move |mode: C64| C64::new(0.5 * mode.re, mode.im) * factor;
+    both.into_iter().map(|factor| moved(plant, modes, halved(factor))).collect()
 }
 
-/// Moves each mode p to `factor` times its frequency and half its damping: `A + 2 Re((q - p) v w^H / w^H v)` with the right
-/// and left eigenvectors v and w of p. Eigenvectors and all other modes stay.
-fn shifted(plant: &DesignPlant, modes: &[C64], factor: f64) -> Result<DesignPlant, Error> {
+/// Returns a plant whose lightly damped modes beyond a frequency are far quicker and well damped: what a much stiffer structure would be.
+///
+/// # Errors
+/// Those of the decompositions.
+pub(super) fn stiffened(plant: &DesignPlant, beyond_rad_s: f64) -> Result<DesignPlant, Error> {
+    let mut modes = light_modes(plant)?;
+    modes.retain(|mode| mode.norm() > beyond_rad_s);
+    let mut stiff = moved(plant, &modes, |mode| C64::from_polar(STIFFER * mode.norm(), STIFF_ANGLE))?;
+    if let Some(inner) = &mut stiff.rate_loop {
+        inner.plant = stiffened(&inner.plant, beyond_rad_s)?;
+    }
+    Ok(stiff)
+}
+
+/// Factor on the frequencies of the modes of a much stiffer structure: out of reach of any loop that they limited.
+const STIFFER: f64 = 5.0;
+/// Angle of their poles: a damping ratio of 0.5, so that sampling does not fold a peak back.
+const STIFF_ANGLE: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
+
+/// Moves each mode p to its target q: `A + 2 Re((q - p) v w^H / w^H v)` with the right and left eigenvectors v and w of p.
+/// Eigenvectors and all other modes stay.
+fn moved(plant: &DesignPlant, modes: &[C64], target: impl Fn(C64) -> C64) -> Result<DesignPlant, Error> {
     let A = &plant.system.A;
     let mut moved = A.clone();
     for &mode in modes {
-        let halved = C64::new(0.5 * mode.re, mode.im);
-        let change = halved * factor - mode;
+        let change = target(mode) - mode;
         if let Some(projector) = projector(A, mode)? {
             let n = A.nrows();
             moved += &Mat::from_fn(n, n, |i, j| 2.0 * (change * projector[(i, j)]).re);

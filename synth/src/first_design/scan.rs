@@ -1,10 +1,12 @@
 //! The highest bandwidth that everything allows, and what each limit alone would have allowed.
 
+use std::collections::BTreeMap;
+
 use super::Circumstances;
-use super::candidate::{PlantGain, SHAPES, Shape, position_gain, weights};
+use super::candidate::{PlantGain, SHAPES, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
-use crate::bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
+use crate::bandwidth::{Limit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::refusal::attempt;
 use crate::tolerance::{CAUTION, CEILING};
@@ -14,14 +16,15 @@ use crate::{Error, FeedbackWeights, Reference, feedback};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tried {
     pub aim_rad_s: f64,
-    shape: Shape,
+    /// Number of its shape.
+    shape: usize,
     pub weights: FeedbackWeights,
     pub position_gain: Option<f64>,
     pub judgement: LoopJudgement,
 }
 
 /// Aims per decade.
-const PER_DECADE: i32 = 10;
+pub(super) const PER_DECADE: i32 = 10;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
 const REACH: f64 = 3.0;
 /// Decades of aims.
@@ -35,12 +38,16 @@ const DELAY_REACH: f64 = 2.0;
 
 /// The search over the aim.
 pub(super) struct Scan<'a> {
-    circumstances: &'a Circumstances,
+    pub circumstances: &'a Circumstances,
     judge: Judge<'a>,
     gain: PlantGain,
-    unknown: Vec<Unknown>,
+    pub unknown: Vec<Unknown>,
     tried: Vec<Tried>,
     best: Option<Tried>,
+    /// A candidate that misses so many limits already is judged no further.
+    pub most_missed: usize,
+    /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none or its loop is not stable.
+    attempts: BTreeMap<(u64, usize), Option<Tried>>,
 }
 
 impl<'a> Scan<'a> {
@@ -54,7 +61,9 @@ impl<'a> Scan<'a> {
         let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
         let unknown = unknown(circumstances, &gain.modes);
         let judge = Judge::new(circumstances, &neighbours)?;
-        Ok(Self { circumstances, judge, gain, unknown, tried: Vec::new(), best: None })
+        let attempts = BTreeMap::new();
+        let most_missed = usize::MAX;
+        Ok(Self { circumstances, judge, gain, unknown, tried: Vec::new(), best: None, most_missed, attempts })
     }
 
     /// The ceiling that sample rate, ignorance and what was asked for set, rad/s.
@@ -73,11 +82,7 @@ impl<'a> Scan<'a> {
     /// # Errors
     /// Those of the design.
     pub fn run(&mut self) -> Result<(), Error> {
-        let given = self.circumstances;
-        let period_s = given.sampling.period_s;
-        let delay_s =
-            given.plant.delay_s.max(given.sampling.delay_samples as f64 * period_s) + 0.5 * period_s;
-        let highest = (REACH * CEILING * given.sampling.rate_rad_s()).min(DELAY_REACH / delay_s);
+        let highest = self.highest_aim();
         let mut above = None;
         for k in 0..DECADES * PER_DECADE {
             let aim = highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
@@ -93,10 +98,18 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
+    /// The highest aim that is looked at, rad/s.
+    pub fn highest_aim(&self) -> f64 {
+        let sampling = &self.circumstances.sampling;
+        let samples_s = sampling.delay_samples as f64 * sampling.period_s;
+        let delay_s = self.circumstances.plant.delay_s.max(samples_s) + 0.5 * sampling.period_s;
+        (REACH * CEILING * sampling.rate_rad_s()).min(DELAY_REACH / delay_s)
+    }
+
     /// The first shape that keeps everything at an aim.
     fn best_shape(&mut self, aim_rad_s: f64) -> Result<Option<Tried>, Error> {
-        let shapes = if aim_rad_s > FAR_ABOVE * self.ceiling() { &SHAPES[..1] } else { &SHAPES[..] };
-        for &shape in shapes {
+        let count = if aim_rad_s > FAR_ABOVE * self.ceiling() { 1 } else { SHAPES.len() };
+        for shape in 0..count {
             let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
             let keeps = self.keeps_all(&tried.judgement);
             self.tried.push(tried.clone());
@@ -125,22 +138,43 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    fn attempt(&self, aim_rad_s: f64, shape: Shape) -> Result<Option<Tried>, Error> {
-        let Some(weights) = weights(self.circumstances, &self.gain, aim_rad_s, shape) else {
-            return Ok(None);
-        };
+    /// Returns the feedback of an aim and the number of a shape; `None` if there is none or its loop is not stable.
+    ///
+    /// # Errors
+    /// Those of the design.
+    pub fn attempt(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+        let key = (aim_rad_s.to_bits(), shape);
+        if let Some(known) = self.attempts.get(&key) {
+            return Ok(known.clone());
+        }
+        let found = self.judged(aim_rad_s, shape)?;
+        self.attempts.insert(key, found.clone());
+        Ok(found)
+    }
+
+    fn judged(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+        let weights = SHAPES.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
+        let Some(weights) = weights else { return Ok(None) };
         let plant = &self.circumstances.plant;
         let Ok(designed) = attempt(feedback(plant.weighted(), &weights, Reference::Error))? else {
             return Ok(None);
         };
         let position_gain = position_gain(self.circumstances, aim_rad_s);
         let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
-        let judged = self.judge.judge(&cascade.unwrap_or(designed.controller))?;
+        let judged = self.judge.judge(&cascade.unwrap_or(designed.controller), |found| {
+            self.most_missed < usize::MAX && self.missed(found).len() >= self.most_missed
+        })?;
         Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, position_gain, judgement }))
     }
 
     fn keeps_all(&self, found: &LoopJudgement) -> bool {
         found.bandwidth_rad_s <= self.ceiling() && KINDS.into_iter().all(|kind| self.keeps(kind, found))
+    }
+
+    /// The limits that a loop does not keep.
+    pub fn missed(&self, found: &LoopJudgement) -> Vec<LimitKind> {
+        let kinds = KINDS.into_iter().chain([LimitKind::Asked]);
+        kinds.filter(|kind| !self.keeps(*kind, found)).collect()
     }
 
     fn keeps(&self, kind: LimitKind, found: &LoopJudgement) -> bool {
@@ -181,25 +215,11 @@ impl<'a> Scan<'a> {
 
     /// Every limit, the lowest first.
     pub fn summary(&self) -> Vec<Limit> {
-        let mut limits: Vec<Limit> =
-            KINDS.into_iter().map(|kind| Limit { kind, bandwidth_rad_s: self.highest(kind) }).collect();
-        if self.circumstances.asked_rad_s.is_some() {
-            limits.push(Limit { kind: LimitKind::Asked, bandwidth_rad_s: self.highest(LimitKind::Asked) });
-        }
+        let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
+        let limit = |kind| Limit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
+        let mut limits: Vec<Limit> = KINDS.into_iter().chain(asked).map(limit).collect();
         limits.sort_by(|a, b| a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s));
         limits
-    }
-
-    /// The bandwidth of an answer with its limits.
-    pub fn bandwidth(&self, found: &Tried) -> Bandwidth {
-        let (limits, reached) = (self.summary(), found.judgement.bandwidth_rad_s);
-        Bandwidth {
-            bandwidth_rad_s: reached,
-            limited_by: limits.first().map_or(LimitKind::SampleRate, |limit| limit.kind),
-            limits,
-            unknown: self.unknown.clone(),
-            asked_rad_s: self.circumstances.asked_rad_s,
-        }
     }
 }
 

@@ -12,6 +12,7 @@ use crate::Error;
 use crate::linear::SampledPlant;
 use crate::linear::closed::resolver_use;
 use crate::linear::plant::port;
+use crate::structured::places::joint_stiffness;
 use crate::tolerance::{
     NEUTRAL, OBSERVER_PERIODS, OBSERVER_SAMPLES, OBSERVER_SMALL_DEFLECTION_RAD, OBSERVER_SMALL_SHARE, STUCK,
     UNLIMITED_V,
@@ -54,7 +55,9 @@ impl Elements {
     /// Returns the elements at rest, for motions that are small against the presliding deflection.
     pub(super) fn at_rest(subject: &Subject<'_>) -> Result<Self, Error> {
         let parameters = subject.case.plant.parameters();
-        let (gear, ratio) = (parameters.gearbox.stiffness_nm_rad, parameters.gearbox.ratio);
+        // The body of a plant holds the rotor of a rigid transmission already.
+        let inertia = subject.case.plant.body().inertia_kg_m2 - parameters.reflected_inertia_kg_m2();
+        let (gear, ratio) = (joint_stiffness(parameters, inertia), parameters.gearbox.ratio);
         let of = |friction, most: f64| -> Result<Impedance, Error> {
             let model = FrictionModel::new(friction)?;
             let stiffness = model.rest_stiffness_nm_rad().min(STUCK * most);

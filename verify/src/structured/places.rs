@@ -94,12 +94,24 @@ pub enum Joints {
 /// The presliding stiffness at motor and pivot, N m/rad: 0 for a law that creeps, that of a joint that is all but stuck for one that
 /// truly sticks.
 pub fn presliding(parameters: &Parameters) -> [f64; 2] {
-    let (gear, ratio) = (parameters.gearbox.stiffness_nm_rad, parameters.gearbox.ratio);
+    let inertia = parameters.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2());
+    let (gear, ratio) = (joint_stiffness(parameters, inertia), parameters.gearbox.ratio);
     let joints = [(&parameters.motor_friction, gear / (ratio * ratio)), (&parameters.pivot_friction, gear)];
     joints.map(|(friction, most)| {
         let stuck = if friction.law.has_true_stick() { STUCK * most } else { 0.0 };
         friction.presliding_stiffness_nm_rad().unwrap_or(stuck)
     })
+}
+
+/// The stiffness of the joint at the output, N m/rad, against which a stuck one is stiff: that of the transmission. A rigid one has none: a
+/// body of the inertia, kg m^2, and of the rotor's is held as stiffly as half the sample rate shows, `J (pi / T)^2`.
+pub fn joint_stiffness(parameters: &Parameters, inertia_kg_m2: f64) -> f64 {
+    let gearbox = &parameters.gearbox;
+    if !gearbox.is_rigid() {
+        return gearbox.stiffness_nm_rad;
+    }
+    let inertia = inertia_kg_m2 + parameters.reflected_inertia_kg_m2();
+    inertia * (std::f64::consts::PI / parameters.interface.sample_period_s).powi(2)
 }
 
 /// The viscous friction that takes as much work as the dry friction at a sinusoidal rate of the hub, N m s/rad at the motor and at

@@ -1,0 +1,175 @@
+//! What limits a bandwidth: the limits are lifted one by one, and the loop is looked for again above the answer.
+//!
+//! A limit that is a rule (noise, quantisation, the control's limit, the sample rate, what was asked for) is lifted by leaving the
+//! rule out: candidates count that miss it and no other. Margins and shifted modes are rules with two possible causes, so the causes
+//! are lifted: the structure becomes much stiffer, or sensor and delay become ideal. The rule of the margins alone is
+//! left out only if neither explains it: then the lags of the drive or poles and zeros of the plant are the cause.
+
+use std::collections::BTreeMap;
+
+use super::Circumstances;
+use super::candidate::SHAPES;
+use super::neighbours::stiffened;
+use super::scan::{PER_DECADE, Scan, Tried};
+use crate::bandwidth::{Bandwidth, LimitKind};
+use crate::{DesignPlant, Error, Sampling};
+
+/// A bandwidth is higher if it is by this share: the answer itself is known to 0.7 %.
+const HIGHER: f64 = 0.015;
+/// Aims in a row without a loop at which the climb ends.
+const MISSES: usize = 2;
+/// Aims above the answer at most: two decades.
+const MOST_AIMS: i32 = 2 * PER_DECADE;
+/// Halvings between the last aim with a loop and the first without.
+const HALVINGS: usize = 3;
+
+/// The highest bandwidth of the candidates that miss certain limits and no others.
+type Highest = BTreeMap<Vec<u8>, f64>;
+
+/// Returns the bandwidth of an answer with its limits.
+///
+/// # Errors
+/// Those of the design.
+pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<Bandwidth, Error> {
+    let reached = found.judgement.bandwidth_rad_s;
+    let mut limits = scan.summary();
+    // One limit at a time is left out: what misses two is not the answer without either.
+    scan.most_missed = 2;
+    let missed = climb_all(scan, found.aim_rad_s, &limits.iter().map(|l| l.kind).collect::<Vec<_>>())?;
+    let alone = |kind: LimitKind| {
+        let rate = missed.get(&vec![kind as u8]).copied().unwrap_or(0.0);
+        (rate > reached * (1.0 + HIGHER)).then_some(rate)
+    };
+    let causes = causes(scan, found)?;
+    for limit in &mut limits {
+        limit.lifted_rad_s = match limit.kind {
+            LimitKind::Resonance => causes.structure_rad_s,
+            LimitKind::Margins if causes.structure_rad_s.is_some() || causes.lags_rad_s.is_some() => {
+                causes.lags_rad_s
+            }
+            kind => alone(kind),
+        };
+    }
+    let size = |rate: Option<f64>| rate.unwrap_or(0.0);
+    limits.sort_by(|a, b| {
+        let lifted = size(b.lifted_rad_s).total_cmp(&size(a.lifted_rad_s));
+        lifted.then(a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s))
+    });
+    let first = limits.first().filter(|limit| limit.lifted_rad_s.is_some()).map(|limit| vec![limit.kind]);
+    let limited_by = first.unwrap_or_else(|| together(&missed, limits.iter().map(|limit| limit.kind)));
+    Ok(Bandwidth {
+        bandwidth_rad_s: reached,
+        limited_by,
+        limits,
+        unknown: scan.unknown.clone(),
+        asked_rad_s: scan.circumstances.asked_rad_s,
+    })
+}
+
+/// The fewest limits that only together keep the candidates from being the answer, the highest bandwidth first.
+fn together(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
+    let several = missed.iter().filter(|(set, _)| set.len() > 1);
+    let fewest = several.min_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.total_cmp(a.1)));
+    match fewest {
+        Some((set, _)) => kinds.filter(|kind| set.contains(&(*kind as u8))).collect(),
+        // Nothing above the answer is a stable loop.
+        None => vec![LimitKind::Margins],
+    }
+}
+
+/// The bandwidth with a cause of phase lag lifted, rad/s; `None` if it is no higher or there is no such cause.
+struct Causes {
+    structure_rad_s: Option<f64>,
+    lags_rad_s: Option<f64>,
+}
+
+fn causes(scan: &Scan, found: &Tried) -> Result<Causes, Error> {
+    let reached = found.judgement.bandwidth_rad_s;
+    let stiff = with_plants(scan.circumstances, |plant| stiffened(plant, reached))?;
+    let structure_rad_s = if stiff == *scan.circumstances { None } else { above(scan, &stiff, found)? };
+    let mut quick = with_plants(scan.circumstances, |plant| Ok(without_lags(plant)))?;
+    quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
+    let lags_rad_s = if quick == *scan.circumstances { None } else { above(scan, &quick, found)? };
+    Ok(Causes { structure_rad_s, lags_rad_s })
+}
+
+fn with_plants(
+    given: &Circumstances,
+    change: impl Fn(&DesignPlant) -> Result<DesignPlant, Error>,
+) -> Result<Circumstances, Error> {
+    let others = given.others.iter().map(&change).collect::<Result<_, _>>()?;
+    Ok(Circumstances { plant: change(&given.plant)?, others, ..given.clone() })
+}
+
+/// The plant without the delay and the lag of its sensor; the lag of a cascade's difference quotient belongs to the sampling and stays.
+fn without_lags(plant: &DesignPlant) -> DesignPlant {
+    let mut quick = DesignPlant { delay_s: 0.0, hub_sensor: None, ..plant.clone() };
+    if let Some(inner) = &mut quick.rate_loop {
+        inner.plant.delay_s = 0.0;
+    }
+    quick
+}
+
+/// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
+fn above(scan: &Scan, other: &Circumstances, found: &Tried) -> Result<Option<f64>, Error> {
+    let mut lifted = Scan::new(other)?;
+    lifted.unknown.clone_from(&scan.unknown);
+    lifted.most_missed = 1;
+    let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
+    let rate = highest.get(&Vec::new()).copied().unwrap_or(0.0);
+    Ok((rate > found.judgement.bandwidth_rad_s * (1.0 + HIGHER)).then_some(rate))
+}
+
+/// Climbs from an aim once for the candidates that keep everything and once for each limit that may be left out.
+fn climb_all(scan: &mut Scan, aim_rad_s: f64, kinds: &[LimitKind]) -> Result<Highest, Error> {
+    let mut highest = Highest::new();
+    if kinds.is_empty() {
+        climb(scan, aim_rad_s, &[], &mut highest)?;
+    }
+    for kind in kinds {
+        climb(scan, aim_rad_s, &[*kind], &mut highest)?;
+    }
+    Ok(highest)
+}
+
+/// Climbs as long as there are candidates that keep every limit but those that are left out.
+fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut Highest) -> Result<(), Error> {
+    let step = |k: i32| from * 10f64.powf(f64::from(k) / f64::from(PER_DECADE));
+    let (mut low, mut high, mut misses) = (from, None, 0);
+    let top = scan.highest_aim();
+    for aim in (1..=MOST_AIMS).map(step).take_while(|aim| *aim <= top) {
+        if has_loop(scan, aim, left_out, highest)? {
+            (low, high, misses) = (aim, None, 0);
+            continue;
+        }
+        high = high.or(Some(aim));
+        misses += 1;
+        if misses == MISSES {
+            break;
+        }
+    }
+    let Some(mut high) = high else { return Ok(()) };
+    for _ in 0..HALVINGS {
+        let middle = (low * high).sqrt();
+        if has_loop(scan, middle, left_out, highest)? {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(())
+}
+
+/// Whether some shape keeps every limit but those that are left out at an aim.
+fn has_loop(scan: &mut Scan, aim: f64, left_out: &[LimitKind], highest: &mut Highest) -> Result<bool, Error> {
+    for shape in 0..SHAPES.len() {
+        let Some(tried) = scan.attempt(aim, shape)? else { continue };
+        let missed = scan.missed(&tried.judgement);
+        let known = highest.entry(missed.iter().map(|kind| *kind as u8).collect()).or_insert(0.0);
+        *known = known.max(tried.judgement.bandwidth_rad_s);
+        if missed.iter().all(|kind| left_out.contains(kind)) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
