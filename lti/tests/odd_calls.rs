@@ -151,7 +151,7 @@ fn call_all(seed: u64) -> Vec<&'static str> {
         ("balance", Box::new(|| drop(scaling::balance(&g)))),
     ];
     // The slow ones (responses of thousands of points) every third time.
-    if seed % 3 == 0 {
+    if seed.is_multiple_of(3) {
         calls.extend(further(&g, &h, &E, x, y));
     }
     let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();

@@ -103,7 +103,10 @@ pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
 }
 
 fn plane_curve(points: &[C64]) -> PlaneCurve {
-    PlaneCurve { nyquist: points.iter().map(|L| [L.re, L.im]).collect(), nichols: nichols(points) }
+    PlaneCurve {
+        nyquist: points.iter().map(|point| [point.re, point.im]).collect(),
+        nichols: nichols(points),
+    }
 }
 
 fn margin_points(found: &Verification) -> Vec<MarginPoint> {

@@ -227,7 +227,15 @@ mod tests {
 
     #[test]
     fn the_page_names_what_moved_and_draws_the_loop() {
-        let page = html(&report("rig", "counterpoise identify rig", &found()));
+        let rotary = AxisUnits {
+            moment: "kg m",
+            inertia: "kg m^2",
+            torque: "N m",
+            viscous: "N m s/rad",
+            slope: "V s/rad",
+            position: "rad",
+        };
+        let page = html(&report("rig", "counterpoise identify rig", &found(), &rotary));
         assert!(page.contains("Not as in the project: out-of-balance, Coulomb friction"), "headline");
         assert!(page.contains("control against hub rate") && page.contains("the control stays large"));
         assert!(!page.contains("NaN"));
