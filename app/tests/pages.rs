@@ -108,7 +108,7 @@ fn a_frequency_response_is_measured_on_the_plant_that_is_asked_for() {
         let common = ["fra", RIG, "-q", "--json", "--amplitudes", "0.1", "--frequencies", "1"];
         let told = run(&[&common[..], &["--plant", plant]].concat());
         let maps: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
-        maps[0]["points"][0]["gain_db"].as_f64().unwrap()
+        maps["maps"][0]["points"][0]["gain_db"].as_f64().unwrap()
     };
     let (project, lumped, fe) = (gain("project"), gain("lumped"), gain("fe"));
     assert_eq!(project, lumped);

@@ -261,9 +261,10 @@ fn page() -> String {
 #[test]
 fn the_program_gives_the_keys_of_the_stored_results() {
     let writes = writes();
-    let published: Value = serde_json::from_str(&schema_text()).unwrap();
+    // a new example has no stored result before it is written
+    let published: Option<Value> = (!writes).then(|| serde_json::from_str(&schema_text()).unwrap());
     for (example, given) in EXAMPLES.iter().zip(run_all()) {
-        if !writes {
+        if let Some(published) = &published {
             let wrong = schema::violations(&published["$defs"][example.name], &given, example.name);
             assert!(wrong.is_empty(), "{wrong:#?}");
         }
@@ -289,6 +290,9 @@ fn write_page() {
 
 #[test]
 fn a_result_that_breaks_the_schema_is_found() {
+    if writes() {
+        return;
+    }
     let published: Value = serde_json::from_str(&schema_text()).unwrap();
     let replay = &published["$defs"]["replay"];
     let (_, good) = all_stored().into_iter().find(|(name, _)| *name == "replay").unwrap();
@@ -308,7 +312,7 @@ fn a_result_that_breaks_the_schema_is_found() {
 #[test]
 fn the_page_of_results_is_current() {
     if writes() {
-        write_page();
+        return;
     }
     assert_eq!(fs::read_to_string(root().join("docs/reference/results.schema.json")).unwrap(), schema_text());
     let written = fs::read_to_string(root().join("docs/reference/results.md")).unwrap();

@@ -145,7 +145,7 @@ fn a_worst_case_is_told_and_can_be_run_again() {
         String::from_utf8(command.output().unwrap().stdout).unwrap()
     };
     let rows: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
-    for (k, row) in rows.as_array().unwrap().iter().enumerate() {
+    for (k, row) in rows["figures"].as_array().unwrap().iter().enumerate() {
         let (worst, figure) = (&row["worst_case"], row["figure"].as_str().unwrap());
         let options: Vec<&str> = worst["options"].as_str().unwrap().split(' ').collect();
         let again: serde_json::Value =

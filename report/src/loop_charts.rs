@@ -170,6 +170,6 @@ mod tests {
 
     #[test]
     fn the_outline_is_named_by_its_sensitivity() {
-        assert_eq!(outline_name(2.0), "|S| = 2 (6.02 dB)");
+        assert_eq!(outline_name(2.0), "|S| = 2 (6.021 dB)");
     }
 }
