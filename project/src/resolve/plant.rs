@@ -80,7 +80,7 @@ fn blank_motor() -> Motor {
 pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     v.text(&Field::new("name", "name of the machine").or_text("machine").shown(), &mut plant.name);
     choose(v, &Field::new("axis", "whether the hub turns or slides").or_text("rotary"), &mut plant.axis);
-    if plant.axis == Axis::Rotary && v.has("mass") {
+    if plant.axis == Axis::Rotary && (v.has("mass") || v.has("lumped.mass")) {
         let allowed = "must be \"linear\" where [plant] has a mass: what turns has an inertia";
         v.complain("axis", allowed, Some("write axis = \"linear\"".to_owned()));
         plant.axis = Axis::Linear;

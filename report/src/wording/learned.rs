@@ -96,8 +96,9 @@ fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> Lear
 
 /// Describes that a recording leaves the range over which a free function is known.
 pub fn describe_beyond(beyond: &RangeExceedance) -> String {
-    let element = LearnedElement { variable: beyond.variable, ..LearnedElement::default() };
-    let range = |[low, high]: [f64; 2]| format!("{} to {}", along(&element, low), along(&element, high));
+    let range = |[low, high]: [f64; 2]| {
+        format!("{} to {}", along(beyond.variable, low), along(beyond.variable, high))
+    };
     format!(
         "the free function \"{}\" is known for {} from {} and is flat outside, but the recording goes from {}: {:.1} % of the samples are beyond; \
          diagnose a recording with this range as well",
@@ -160,14 +161,14 @@ fn range(element: &LearnedElement) -> String {
     format!(
         "known for {} from {} to {}; flat outside, where the recordings do not go",
         variable(element.variable),
-        along(element, *low),
-        along(element, *high)
+        along(element.variable, *low),
+        along(element.variable, *high)
     )
 }
 
 /// A value of the variable with a unit of its size.
-fn along(element: &LearnedElement, value: f64) -> String {
-    let unit = element.variable.unit();
+fn along(variable: RegimeVariable, value: f64) -> String {
+    let unit = variable.unit();
     if unit.starts_with("rad") && value.abs() < 0.5 && value != 0.0 {
         return format!("{} m{unit}", short(1e3 * value));
     }
@@ -235,7 +236,7 @@ fn without_form(element: &LearnedElement, subject: &str) -> String {
 fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     let of = |name: &str| change(element, reading.value(name).abs(), reading.half_width(name));
     let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
-    let at = |name: &str| along(element, reading.value(name));
+    let at = |name: &str| along(element.variable, reading.value(name));
     match reading.form {
         Form::Sign => format!(
             "{subject} changes its sign with the {}: {} either way",
@@ -308,7 +309,7 @@ fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     let hard = slope < 0.0 && element.variable == RegimeVariable::Angle && !element.quantity.is_factor();
     format!(
         "{subject} sets in beyond {} of {over} to either side, with {} +- {} per {}{}",
-        along(element, reading.value("distance")),
+        along(element.variable, reading.value("distance")),
         short(slope),
         short(reading.half_width("slope")),
         element.variable.unit(),
@@ -351,7 +352,7 @@ fn sine(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
         ),
         _ => format!(
             "{subject} repeats every {} of the {}, with an amplitude of {amplitude}",
-            along(element, std::f64::consts::TAU / order),
+            along(element.variable, std::f64::consts::TAU / order),
             variable(element.variable)
         ),
     }
