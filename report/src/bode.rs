@@ -26,6 +26,8 @@ pub enum Phase {
 
 /// What lies below the largest magnitude by more than this is rounding noise for the reader and stretches the axis, dB.
 const DEPTH_DB: f64 = 120.0;
+/// What is shown below the lowest mark, dB.
+const BELOW_MARK_DB: f64 = 20.0;
 
 impl BodeCurve {
     /// Returns an unbroken curve.
@@ -68,7 +70,8 @@ pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: 
     let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());
     let (lowest, highest) = (levels().fold(f64::MAX, f64::min), levels().fold(f64::MIN, f64::max));
     let axis = Axis::linear("magnitude", &label);
-    let axis = if highest - lowest > DEPTH_DB { axis.over(highest - DEPTH_DB, highest + 6.0) } else { axis };
+    let [from, to] = window_db(highest, &marks);
+    let axis = if highest - lowest > DEPTH_DB { axis.over(from, to) } else { axis };
     let mut panels = vec![Panel::new(axis, magnitudes).with_marks(marks)];
     if phase == Phase::Shown {
         let phases = curves.iter().map(|curve| curve.series(curve.phase_deg())).collect();
@@ -77,9 +80,27 @@ pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: 
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)
 }
 
+/// The part of an axis that is too long: from the top down, or lower where a mark would not be seen.
+fn window_db(highest: f64, marks: &[Mark]) -> [f64; 2] {
+    let heights = marks.iter().filter_map(|mark| match mark {
+        Mark::Point { y, .. } | Mark::Cross { y, .. } | Mark::Level { y, .. } => Some(*y),
+        Mark::Instant { .. } => None,
+    });
+    let from = heights.fold(highest - DEPTH_DB, |from, y| from.min(y - BELOW_MARK_DB));
+    [from, (highest + 6.0).min(from + DEPTH_DB + 6.0)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_loop_of_a_huge_gain_is_shown_where_its_margins_are() {
+        let level = |y: f64| Mark::Level { y, text: String::new() };
+        assert_eq!(window_db(160.0, &[level(0.0), level(-13.0)]), [-33.0, 93.0]);
+        assert_eq!(window_db(10.0, &[level(0.0)]), [-110.0, 16.0]);
+        assert_eq!(window_db(10.0, &[]), [-110.0, 16.0]);
+    }
 
     #[test]
     fn three_integrators_end_at_minus_270_degrees_without_a_jump() {
