@@ -86,20 +86,7 @@ fn chordal(a: C64, b: C64) -> f64 {
     2.0 * (a - b).norm() / ((1.0 + a.norm_sqr()) * (1.0 + b.norm_sqr())).sqrt()
 }
 
-impl LoopPath {
-    /// Returns the path for a Nyquist chart: real and imaginary part.
-    pub fn nyquist(&self) -> Vec<[f64; 2]> {
-        self.response.iter().map(|L| [L.re, L.im]).collect()
-    }
-
-    /// Returns the path for a Nichols chart: phase in degrees from -360 up to 0, and modulus in dB. Where the phase leaves at one side and comes
-    /// back at the other, a point without numbers breaks the curve.
-    pub fn nichols(&self) -> Vec<[f64; 2]> {
-        nichols(&self.response)
-    }
-}
-
-/// Returns points of the plane of L in a Nichols chart, broken where the phase passes from 0 to -360 degrees.
+/// Returns points of the plane of L in a Nichols chart, phase in degrees from -360 up to 0 and modulus in dB, broken where the phase passes from 0 to -360 degrees.
 pub fn nichols(response: &[C64]) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = Vec::with_capacity(response.len());
     for L in response {
