@@ -6,7 +6,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Output, Stdio};
 
-mod support;
+use crate::support;
 
 use support::{CAMPAIGN, counterpoise, folder_with, skipped};
 

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-mod support;
+use crate::support;
 
 use support::{CAMPAIGN, folder, folder_with, skipped};
 

@@ -1,6 +1,6 @@
 //! The manual's page of JSON results: the keys of stored example results, and that the program still gives these keys.
 //!
-//! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test results_page` runs the commands, stores their shortened results in
+//! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test all results_page` runs the commands, stores their shortened results in
 //! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` anew.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -9,7 +9,7 @@ use counterpoise_host::stages::Progress;
 use counterpoise_pipeline as pipeline;
 use counterpoise_project::Purpose;
 
-mod support;
+use crate::support;
 
 use support::{CAMPAIGN, folder_with};
 

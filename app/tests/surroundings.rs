@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-mod support;
+use crate::support;
 
 use support::counterpoise;
 

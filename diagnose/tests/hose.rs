@@ -2,7 +2,7 @@
 //! is found again from another start.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use common::controller;
 use counterpoise_diagnose::fitting::output_error::{FitSelection, Problem};

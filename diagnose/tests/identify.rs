@@ -1,7 +1,7 @@
 //! Identification held to simulated truth and to the practice recordings.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use common::controller;
 use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, Note, identify, improved};

@@ -1,7 +1,7 @@
 //! Free functions through the simulator: machines with physics that the library does not have are modelled, and the curves are read.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use common::controller;
 use counterpoise_diagnose::fitting::score::assess;

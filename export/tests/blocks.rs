@@ -2,7 +2,7 @@
 //! The generated C answers what the reference answers, to the last bit, in double and in single precision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! Generated C: it compiles without a word and answers what the reference answers, to the last bit.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::path::PathBuf;
 use std::process::Command;

@@ -2,7 +2,7 @@
 //! predicted along the run, and their C never overflows.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::process::Command;
 

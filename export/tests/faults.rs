@@ -2,7 +2,7 @@
 //! and within its limits, and a reset cures everything.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! Fixed point and single precision: never further from the reference than predicted; fixed C equals its reference.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::path::PathBuf;
 use std::process::Command;

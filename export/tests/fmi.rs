@@ -1,7 +1,7 @@
 //! The FMI units compile in silence, describe themselves, and (in `tests/peers/fmi`) run in FMPy.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! Text of a project file stays inside the comments of generated code, whatever it holds.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};

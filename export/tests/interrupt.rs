@@ -2,7 +2,7 @@
 //! converters.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -4,7 +4,7 @@
 //! Each method is run twice, as it is and refined: that shows its own error, and the bound on the difference is made of these two.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 use std::io::Write as _;

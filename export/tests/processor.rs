@@ -2,7 +2,7 @@
 //! to the last bit; instructions, flash, memory and stack of a step are counted.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 #[path = "support/target.rs"]
 mod target;

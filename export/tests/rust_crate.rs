@@ -1,7 +1,7 @@
 //! The generated Rust crate: no warning, its own tests pass, and it answers what the reference answers.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! Sylvester and Lyapunov equations and the exponential: definitions, closed forms, two methods agree.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{

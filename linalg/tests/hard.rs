@@ -1,7 +1,7 @@
 //! Problems at which the solvers once gave wrong answers or false refusals, each with its exact solution.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{Random, solved, solved_discrete, solved_g};
 use counterpoise_linalg::{

@@ -1,7 +1,7 @@
 //! Odd calls never panic: sizes of zero, shapes that do not fit, entries that are not finite, huge and tiny numbers.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -1,7 +1,7 @@
 //! Riccati equations by what they mean: closed forms, stability, agreement, and refusals that name the mode.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{Mat, Outcome, Reason, Riccati, care, care_g, dare, eigenvalues, expm_integral};

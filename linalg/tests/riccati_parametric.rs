@@ -2,7 +2,7 @@
 //! from their formulas and driven towards the limit where they become singular.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{difference, solved, solved_discrete, solved_g, within_data};
 use counterpoise_linalg::{Mat, Outcome, Reason, care, care_g};

@@ -2,7 +2,7 @@
 //! (1999-16) that `riccati_parametric` leaves out, built from their formulas.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{difference, solved, solved_discrete};
 use counterpoise_linalg::{Mat, Riccati, cond, solve};

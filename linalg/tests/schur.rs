@@ -1,7 +1,7 @@
 //! The Schur form passes its definition: similarity, orthogonality, standard blocks, the wanted order.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{Mat, Schur, balance, eigenvalues, schur};

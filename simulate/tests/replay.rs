@@ -2,7 +2,7 @@
 //! every channel fits to within 1.5 times the floor.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use common::{controller, recording};
 use counterpoise_controller::ProportionalIntegral;

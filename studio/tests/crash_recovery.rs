@@ -7,7 +7,7 @@ use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-mod common;
+use crate::common;
 
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_studio::command::Command;

@@ -1,7 +1,7 @@
 //! Files through the window: opened, made, saved under other names, dropped; and disks that are full or may not be written.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 //! (`-- --nocapture`), for a loaded machine tells nothing.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

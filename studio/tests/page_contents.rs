@@ -1,7 +1,7 @@
 //! What the window shows while work runs and after it: names for a screen reader, streamed runs, campaigns, packed units, copies.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeSet;
 use std::path::Path;

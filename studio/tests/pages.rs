@@ -1,7 +1,7 @@
 //! The studio driven through its commands, with every place drawn (without pixels), and its results beside the command line's road.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::sync::Arc;
 

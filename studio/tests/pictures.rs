@@ -2,7 +2,7 @@
 //! `UPDATE_PICTURES=1 cargo test` takes them anew.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 #[path = "common/paint.rs"]
 mod paint;
 

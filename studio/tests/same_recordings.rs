@@ -1,7 +1,7 @@
 //! The studio and the command line answer alike about recordings: the same JSON, to the last byte.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

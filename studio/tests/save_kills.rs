@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
 
-mod common;
+use crate::common;
 
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;

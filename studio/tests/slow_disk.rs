@@ -1,7 +1,7 @@
 //! A disk that takes its time: frames go on while a project is read or saved, and nothing is lost.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::fs::File;
 use std::io;

@@ -1,7 +1,7 @@
 //! What makes the studio safe with work: conflicts on disk, locks, unsaved edits, Esc, limits of plots, settings, and rest.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The window driven as a user drives it: by mouse, keys and names, through every place; and what goes wrong is said in place.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 

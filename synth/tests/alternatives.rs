@@ -1,7 +1,7 @@
 //! LQR, Kalman, LQG/LTR, and the three designs side by side.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{rig, thesis_weights};
 use counterpoise_lti::{Mat, StateSpace, Timebase, h2norm, hinfnorm, poles, response::response_at, series};

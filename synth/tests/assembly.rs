@@ -1,7 +1,7 @@
 //! How the parts are put together, what the limiter does, and the tip's motion.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{rig, weights};
 use counterpoise_controller::{Controller, Readings, SampledController};

@@ -1,7 +1,7 @@
 //! Weights that are chosen for the highest bandwidth: they keep every limit, on plants of many kinds and sizes.
 #![allow(non_snake_case, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use common::{plant as design_plant, rig};
 use counterpoise_lti::{Mat, StateSpace, Timebase, margins};

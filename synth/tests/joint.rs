@@ -1,7 +1,7 @@
 //! The joint optimum of feedback and feedforwards: certificates, and no other assembly is as good.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{rig, weights};
 use counterpoise_synth::{

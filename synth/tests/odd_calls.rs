@@ -2,7 +2,7 @@
 //! fit, with indices beyond the plant and with entries that are not finite.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -1,7 +1,7 @@
 //! Weights that make no solvable problem are refused before solving: with the weight, the frequency, a suggestion.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{rig, weights};
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase};

@@ -1,7 +1,7 @@
 //! The default design of the reference rig: what its weights give, on the sampled loop that runs.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, margins, response::response_at};

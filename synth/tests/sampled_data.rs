@@ -1,7 +1,7 @@
 //! The design in sampled time: costs that are kept, the continuous design as its limit, and what it is good for.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{rig, weights};
 use counterpoise_lti::{StateSpace, response_at};

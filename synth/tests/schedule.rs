@@ -1,7 +1,7 @@
 //! The schedule over out-of-balance: the gain law where theory allows it, a redesign where it does not.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use common::{plant, rig, weights};
 use counterpoise_lti::response::response_at;

@@ -1,7 +1,7 @@
 //! From requirements to weights, on the reference rig.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-mod common;
+use crate::common;
 
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 

@@ -1,7 +1,7 @@
 //! Readers fed what nobody meant: project files, recordings of five formats, texts for comments of generated code. Nothing panics,
 //! nothing hangs, and no text leaves its comment.
 //!
-//! `FUZZ_SECONDS=600 cargo test --release -p counterpoise-tests --test fuzz -- --nocapture` runs each for ten minutes; another
+//! `FUZZ_SECONDS=600 cargo test --release -p counterpoise-tests --test all fuzz -- --nocapture` runs each for ten minutes; another
 //! `FUZZ_SEED` gives other changes. Inputs that once failed are kept in `tests/data/fuzz`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 

@@ -194,3 +194,34 @@ fn crates_that_run_no_unit_tests_have_none() {
         }
     }
 }
+
+#[test]
+fn every_suite_is_in_the_program_of_its_crate() {
+    for folder in members() {
+        let Ok(listed) = fs::read_to_string(root().join(&folder).join("tests/all.rs")) else { continue };
+        let manifest = fs::read_to_string(root().join(&folder).join("Cargo.toml")).unwrap();
+        for entry in fs::read_dir(root().join(&folder).join("tests")).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let is_suite = path.extension().is_some_and(|ending| ending == "rs") || path.join("mod.rs").exists();
+            let is_apart = manifest.contains(&format!("[[test]]\nname = \"{name}\""));
+            assert!(
+                !is_suite || is_apart || listed.contains(&format!("mod {name};")),
+                "{folder}/tests/all.rs does not list {name}: its tests would not run"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_crate_passes_on_the_items_of_another() {
+    for folder in members() {
+        for (file, code) in sources(&folder) {
+            let passed_on = code.lines().find(|line| {
+                let line = line.trim_start();
+                line.starts_with("pub use counterpoise_") || line.starts_with("pub use faer")
+            });
+            assert!(passed_on.is_none(), "{}: {}", file.display(), passed_on.unwrap_or_default());
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Surge on an elevated axis, linear and nonlinear, and the error budget of the line of sight.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use counterpoise_controller::signal::HUB_POSITION;
 use counterpoise_controller::{Controller, Projection};

@@ -1,7 +1,7 @@
 //! The linear loop, by two ways that share nothing but the plant.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use counterpoise_lti::Response;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};

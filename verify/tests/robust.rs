@@ -1,7 +1,7 @@
 //! Robustness: families, campaigns that do not depend on who runs them, and the search for the worst.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod support;
+use crate::support;
 
 use counterpoise_verify::robust::{
     Campaign, Distribution, Layout, Points, Sense, Variation, Varied, configurations, figures_of, merge,

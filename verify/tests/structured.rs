@@ -1,7 +1,7 @@
 //! The structured singular value against what is known: closed forms, a published example, brute force, and the loop itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use counterpoise_lti::{C64, CMat};
 use counterpoise_verify::Procedure;

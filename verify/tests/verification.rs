@@ -1,7 +1,7 @@
 //! Verdicts of a whole verification.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-mod support;
+use crate::support;
 
 use counterpoise_controller::Controller;
 use counterpoise_verify::{

@@ -1,5 +1,5 @@
 //! What the tests of generated code share: controllers, a compiler, a program to talk to.
-#![allow(dead_code)]
+#![allow(dead_code, non_snake_case)]
 
 use std::io::{Read, Write};
 use std::path::{Path as FilePath, PathBuf};

@@ -19,10 +19,10 @@ use counterpoise_pipeline::{procedure, verify};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
-use crate::support::{
+use crate::every_example::support::{
     FixedInLoop, InLoop, STRICT, Target, folder, is_there, provenance, run, server, server_in, write,
 };
-use crate::target;
+use crate::every_example::target;
 
 /// Plant and controller of the shipped example.
 fn reference_rig() -> (Plant, Controller) {
@@ -64,7 +64,7 @@ fn compiled(test: &str, controller: &Controller, precision: Precision) -> PathBu
 #[test]
 fn c_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     if !is_there("cc") {
-        return crate::support::skipped("no C compiler");
+        return crate::every_example::support::skipped("no C compiler");
     }
     let (plant, controller) = reference_rig();
     let double = compiled("rig_double", &controller, Precision::Double);
@@ -78,7 +78,7 @@ fn c_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
 #[test]
 fn a_processor_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     if !is_there("arm-none-eabi-gcc") || !is_there("qemu-system-arm") {
-        return crate::support::skipped("no cross compiler or no emulator");
+        return crate::every_example::support::skipped("no cross compiler or no emulator");
     }
     let (plant, controller) = reference_rig();
     let folder = folder("rig_processor");
@@ -340,10 +340,10 @@ impl Design {
 #[test]
 fn the_code_of_every_example_compiles_in_silence_and_moves_the_plant_alike() {
     if !is_there("cc") {
-        return crate::support::skipped("no C compiler");
+        return crate::every_example::support::skipped("no C compiler");
     }
     for program in ["clang", "cppcheck"].into_iter().filter(|program| !is_there(program)) {
-        crate::support::skipped(&format!("analysis: no {program} (apt install {program})"));
+        crate::every_example::support::skipped(&format!("analysis: no {program} (apt install {program})"));
     }
     let cores = if target::tools_are_there() { &CORES[..] } else { &[] };
     let files = examples::files();
@@ -413,7 +413,7 @@ fn every_language_of_the_example_compiles_without_a_word() {
     let rust = ["--edition=2021", "--crate-type=lib", "-Dwarnings", "axis/src/lib.rs"];
     run(Command::new("rustc").current_dir(&folder).args(rust));
     if !is_there("cc") {
-        return crate::support::skipped("C: no compiler");
+        return crate::every_example::support::skipped("C: no compiler");
     }
     write(&folder, &fixed_c99(Unverified(&controller), &fixed, &provenance(), "fixed").unwrap());
     let sources = ["fixed.c", "fixed_self_test.c", "fixed_test.c", "-o", "fixed_test"];

@@ -17,7 +17,7 @@ use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
-use crate::support::{self, STRICT, folder, is_there, provenance, run, write};
+use crate::every_example::support::{self, STRICT, folder, is_there, provenance, run, write};
 
 /// Two sines that begin without a slope: the unit goes on in the straight line through its last two inputs, and at the
 /// start there is only one.

@@ -13,7 +13,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
-use crate::fault_injection::{EXAMPLES, readings, scenario};
+use crate::every_example::fault_injection::{EXAMPLES, readings, scenario};
 
 /// When the sensor sticks, s.
 const STICKS_S: f64 = 0.5;

@@ -1,0 +1,12 @@
+//! All suites of `counterpoise-diagnose` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-diagnose --test all NAME` runs one.
+
+mod common;
+
+mod friction_laws;
+mod hose;
+mod identify;
+mod intervals;
+mod learning;
+mod reading;
+mod search;

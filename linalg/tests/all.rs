@@ -1,0 +1,13 @@
+//! All suites of `counterpoise-linalg` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-linalg --test all NAME` runs one.
+
+mod common;
+
+mod equations;
+mod hard;
+mod odd_calls;
+mod riccati;
+mod riccati_parametric;
+mod riccati_singular;
+mod schur;
+mod symmetric;

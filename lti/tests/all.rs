@@ -1,0 +1,9 @@
+//! All suites of `counterpoise-lti` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-lti --test all NAME` runs one.
+
+mod descriptor;
+mod hard;
+mod high_order;
+mod margins;
+mod odd_calls;
+mod properties;

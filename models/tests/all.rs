@@ -1,0 +1,9 @@
+//! All suites of `counterpoise-models` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-models --test all NAME` runs one.
+
+mod friction;
+mod kinds;
+mod learned;
+mod learned_table;
+mod plant;
+mod structure;

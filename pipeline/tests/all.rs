@@ -1,0 +1,8 @@
+//! All suites of `counterpoise-pipeline` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-pipeline --test all NAME` runs one.
+
+mod fra;
+mod inertial_unit;
+mod preview;
+mod requirements;
+mod road;

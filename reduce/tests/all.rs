@@ -1,0 +1,8 @@
+//! All suites of `counterpoise-reduce` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-reduce --test all NAME` runs one.
+
+mod large;
+mod meaning;
+mod odd_calls;
+mod properties;
+mod rigid;

@@ -1,0 +1,13 @@
+//! All suites of `counterpoise-simulate` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-simulate --test all NAME` runs one.
+
+mod common;
+
+mod base_motion;
+mod convergence;
+mod fra;
+mod replay;
+mod sampled_world;
+mod second_method;
+mod sticking;
+mod stiff_drive;

@@ -1,0 +1,18 @@
+//! All suites of `counterpoise-studio` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-studio --test all NAME` runs one.
+
+mod common;
+
+mod crash_recovery;
+mod file_commands;
+mod frame_times;
+mod journal_fuzz;
+mod module_cycles;
+mod page_contents;
+mod pages;
+mod pictures;
+mod same_recordings;
+mod save_kills;
+mod slow_disk;
+mod trust;
+mod user_actions;

@@ -1,0 +1,23 @@
+//! All suites of `counterpoise-synth` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-synth --test all NAME` runs one.
+
+mod common;
+
+mod adaptation;
+mod alternatives;
+mod assembly;
+mod cascade;
+mod complaints;
+mod feedback;
+mod feedforward;
+mod first_design;
+mod generalised;
+mod joint;
+mod limits;
+mod odd_calls;
+mod preflight;
+mod ramp;
+mod rig;
+mod sampled_data;
+mod schedule;
+mod search;

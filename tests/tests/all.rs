@@ -1,0 +1,28 @@
+//! All suites of `counterpoise-tests` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-tests --test all NAME` runs one.
+
+mod adaptation_trials;
+mod bench;
+mod certificates;
+mod choices;
+mod contributing;
+mod designs;
+mod every_example;
+mod exported_recordings;
+mod fuzz;
+mod kinds_diagnosed;
+mod large_steps;
+mod machine_kinds;
+mod map;
+mod plants;
+mod practice;
+mod random_machines;
+mod realisations;
+mod recorded_controllers;
+mod recorder_examined;
+mod recorder_faults;
+mod saved_models;
+mod sealed;
+mod supply;
+mod thesis_examples;
+mod tidy;

@@ -1,0 +1,12 @@
+//! All suites of `counterpoise-verify` in one program, so that it is linked once and the suites share the processors. Each is a file beside this one:
+//! `cargo test --release -p counterpoise-verify --test all NAME` runs one.
+
+mod support;
+
+mod base_motion;
+mod linear_loop;
+mod multipliers;
+mod robust;
+mod root_locus;
+mod structured;
+mod verification;
