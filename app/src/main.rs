@@ -53,7 +53,7 @@ fn main() -> ExitCode {
         Command::Studio(options) => commands::studio::run(options),
     };
     let code = done.unwrap_or_else(|error| {
-        output::tell(&output::explained(&error));
+        counterpoise_host::terminal::tell(&output::explained(&error));
         ExitCode::from(if error.is::<Interrupted>() { INTERRUPTED } else { 2 })
     });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.

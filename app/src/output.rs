@@ -12,8 +12,8 @@ use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
-pub use counterpoise_host::terminal::tell;
-use counterpoise_host::terminal::{harmless, harmless_json};
+use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::{escape_controls, harmless_json};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::listed;
 
@@ -24,7 +24,7 @@ const LOST: i32 = 3;
 /// that has gone away, as in `| head`, knows why and is told nothing.
 pub fn put(text: &str) {
     let mut out = std::io::stdout().lock();
-    if let Err(error) = out.write_all(harmless(text).as_bytes()).and_then(|()| out.flush()) {
+    if let Err(error) = out.write_all(escape_controls(text).as_bytes()).and_then(|()| out.flush()) {
         if error.kind() != std::io::ErrorKind::BrokenPipe {
             tell(&format!("error: the result could not be written to the standard output: {error}"));
         }

@@ -1,6 +1,6 @@
 //! Claims on the friction laws: their frequency maps, their cost, and what fitting them to one map gives.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnected, measure};

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_controller::{Readings, Runner, SampledController};
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_plot::Axis;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};

@@ -1,8 +1,9 @@
 //! Claims on the linear loop: margins, step, rejection.
 
+use counterpoise_linalg::C64;
 use counterpoise_verify::linear::Curve as Response;
 use counterpoise_verify::{
-    Arrangement, C64, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
+    Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
 use super::drawing::{Curve, drawing, frequency, hub, hub_panel, paired, panel, time};

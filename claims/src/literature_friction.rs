@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::{LN_10, TAU};
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_plot::{Axis, Figure as Drawing};
 

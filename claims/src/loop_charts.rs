@@ -1,7 +1,7 @@
 //! Claims on how a loop is drawn and measured: Nyquist and Nichols charts, and the open loop measured in closed loop.
 
 use counterpoise_controller::Controller;
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};

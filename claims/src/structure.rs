@@ -61,7 +61,7 @@ fn condensed(bench: &Bench) -> Result<StateSpace, PipelineError> {
 fn condense(fe: &FeModel, masters: &[usize]) -> Result<FeModel, PipelineError> {
     let hub = fe.hub.ok_or(counterpoise_models::Error::NoHubNode)?;
     let n = fe.M.nrows();
-    let none = |rows, columns| counterpoise_lti::Mat::zeros(rows, columns);
+    let none = |rows, columns| counterpoise_linalg::Mat::zeros(rows, columns);
     let whole = SecondOrder {
         M: fe.M.clone(),
         C: none(n, n),

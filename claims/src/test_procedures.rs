@@ -1,11 +1,11 @@
 //! Claims of the thesis' test procedures: triangle, and frequency responses at several amplitudes.
 
 use counterpoise_controller::Controller;
+use counterpoise_linalg::C64;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
-use counterpoise_verify::C64;
 use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, frequency, panel, time};

@@ -1,6 +1,7 @@
 //! Claims on the choice of weights.
 
-use counterpoise_lti::{Mat, StateSpace, feedback, margins, series, step};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, feedback, margins, series, step};
 use counterpoise_synth::{Alternative, Method, Weight, alternative, attempt};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 

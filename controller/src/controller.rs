@@ -1,6 +1,7 @@
 //! A checked controller.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::number::Dual;
 use crate::program::Compiled;

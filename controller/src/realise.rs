@@ -1,7 +1,7 @@
 //! The realisation in which a path runs: chosen so that rounded coefficients move its poles little.
 
-use counterpoise_lti::linalg::{Schur, balance, inverse, schur, sylvester};
-use counterpoise_lti::{C64, Mat, StateSpace};
+use counterpoise_linalg::{C64, Mat, Schur, balance, inverse, schur, sylvester};
+use counterpoise_lti::StateSpace;
 
 use crate::Error;
 use crate::tolerance::{CLUSTERS, INTEGRATOR, MODAL_CONDITION};
@@ -56,7 +56,7 @@ pub fn modal(system: &StateSpace) -> Result<Realisation, Error> {
     best.ok_or_else(|| Error::Realisation("no block structure was tried".into()))
 }
 
-fn failed(error: counterpoise_lti::linalg::Error) -> Error {
+fn failed(error: counterpoise_linalg::Error) -> Error {
     Error::Realisation(error.to_string())
 }
 

@@ -1,7 +1,7 @@
 //! The choice of a realisation: what rounded coefficients do to a path's frequency response, in modal and in balanced form.
 
-use counterpoise_lti::linalg::svd;
-use counterpoise_lti::{C64, CMat, Mat, StateSpace, Timebase, frequency_response, gramian_factors, poles};
+use counterpoise_linalg::{C64, CMat, Mat, svd};
+use counterpoise_lti::{StateSpace, Timebase, frequency_response, gramian_factors, poles};
 
 use crate::Error;
 use crate::realise::{coefficients, modal};
@@ -251,7 +251,7 @@ mod tests {
         let C = Mat::from_rows(&[&[1.0, 0.02, -0.3, 0.1]]);
         let T =
             Mat::from_fn(4, 4, |i, j| f64::from(i == j) + 0.3 * f64::from((i * 5 + j * 3) as u8 % 7) - 0.6);
-        let W = counterpoise_lti::linalg::inverse(&T).unwrap();
+        let W = counterpoise_linalg::inverse(&T).unwrap();
         let D = Mat::from_rows(&[&[0.5]]);
         StateSpace::new(&(&W * &A) * &T, &W * &B, &C * &T, D, PERIOD).unwrap()
     }

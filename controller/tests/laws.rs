@@ -4,7 +4,8 @@
 use counterpoise_controller::{
     Controller, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Scaling, Signal,
 };
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 const COULOMB: f64 = 117.0;
 const STIFFNESS: f64 = 2.4e5;

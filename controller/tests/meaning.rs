@@ -5,7 +5,8 @@ use counterpoise_controller::{
     Controller, Correction, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, READINGS,
     Runner, SampledController, Scaling, Signal,
 };
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 const T: f64 = 1e-3;
 

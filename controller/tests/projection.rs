@@ -6,7 +6,8 @@ use counterpoise_controller::{
     Controller, Correction, Error, Parts, Path, Projection, Readings, SampledController, Scaling, Sensors,
     Signal,
 };
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 const GAIN: f64 = 2.0;
 

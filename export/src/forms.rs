@@ -2,7 +2,8 @@
 
 use counterpoise_controller::sensitivity::{Form, realise};
 use counterpoise_controller::{Controller, Path};
-use counterpoise_lti::{Mat, StateSpace, poles};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, poles};
 
 use crate::{Adjustable, Measured, Ranges};
 
@@ -129,10 +130,10 @@ fn companion(system: &StateSpace) -> Option<StateSpace> {
 
 /// 1, a_1, ..., a_n from the poles; products of complex numbers whose conjugates are among them.
 fn polynomial(system: &StateSpace) -> Option<Vec<f64>> {
-    let mut coefficients = vec![counterpoise_lti::C64::new(1.0, 0.0)];
+    let mut coefficients = vec![counterpoise_linalg::C64::new(1.0, 0.0)];
     for pole in poles(system).ok()? {
         let mut next = coefficients.clone();
-        next.push(counterpoise_lti::C64::new(0.0, 0.0));
+        next.push(counterpoise_linalg::C64::new(0.0, 0.0));
         for (k, value) in coefficients.iter().enumerate() {
             next[k + 1] -= pole * value;
         }

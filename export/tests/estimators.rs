@@ -9,7 +9,8 @@ use std::process::Command;
 use counterpoise_controller::{Controller, Estimator, Learning, Parts, READINGS, Scaling, Signal};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Deviation, FixedRunner, Measured, Ranges, fixed_c99, plan, single_precision};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use support::{Random, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write};
 
 const SAMPLES: usize = 6000;

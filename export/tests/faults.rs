@@ -10,7 +10,8 @@ use counterpoise_controller::guard::{ALONE, REFUSED, REPLACED, RESTARTED, UNCHAN
 use counterpoise_controller::{Controller, Parts, READINGS, SampledController, Sensors, Signal};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{FixedRunner, Options, Ranges, c99, fixed_c99, plan, rust_crate};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use support::{
     Random, Request, STRICT, Target, complete, equal_to_the_last_bit, folder, is_there, path, provenance,
     random_controller, reference, requests, run, server, server_in, typical, write,

@@ -56,7 +56,7 @@ impl Pace {
     }
 
     /// A sample was run.
-    pub fn ran(&self) {
+    pub fn count_run(&self) {
         self.bar.inc(1);
         let Ok(mut state) = self.state.lock() else { return };
         state.ran += 1;
@@ -129,7 +129,7 @@ mod tests {
         let pace = Pace::silent(100);
         pace.kept(100);
         assert_eq!(pace.finish(), None);
-        pace.ran();
+        pace.count_run();
         assert!(pace.finish().is_some_and(|told| told.starts_with("1 sample run in")));
     }
 }

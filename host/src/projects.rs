@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{
-    FirstDesign, Step, TunedProject, World, with_chosen_weights, with_tuned_structure,
-};
+use counterpoise_pipeline::{Step, TunedProject, World, with_chosen_weights, with_tuned_structure};
 use counterpoise_project::diagnostic::listed;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
+use counterpoise_synth::FirstDesign;
 
 use crate::files::{self, Disk, Native, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
 use crate::stages::{Progress, Stages};

@@ -2,7 +2,7 @@
 
 /// Returns the text with every control character but line feed and tab, and every mark of the reading direction, written as an
 /// escape such as `\u{1b}`.
-pub fn harmless(text: &str) -> String {
+pub fn escape_controls(text: &str) -> String {
     escaped(text, |c| c.escape_unicode().to_string())
 }
 
@@ -29,7 +29,7 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> String {
 pub fn tell(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.split('\n').map(cut).collect();
-    let _ = writeln!(std::io::stderr(), "{}", harmless(&lines.join("\n")));
+    let _ = writeln!(std::io::stderr(), "{}", escape_controls(&lines.join("\n")));
 }
 
 /// Longest line of a message, in characters: what a file holds may be quoted in it.
@@ -64,9 +64,9 @@ mod tests {
 
     #[test]
     fn control_characters_are_written_out() {
-        assert_eq!(harmless("a\u{1b}[31mred\u{7}\r\n\tb"), "a\\u{1b}[31mred\\u{7}\\u{d}\n\tb");
-        assert_eq!(harmless("\u{202e}evil \u{9b}2J"), "\\u{202e}evil \\u{9b}2J");
-        assert_eq!(harmless("Höhe 1 °/s"), "Höhe 1 °/s");
+        assert_eq!(escape_controls("a\u{1b}[31mred\u{7}\r\n\tb"), "a\\u{1b}[31mred\\u{7}\\u{d}\n\tb");
+        assert_eq!(escape_controls("\u{202e}evil \u{9b}2J"), "\\u{202e}evil \\u{9b}2J");
+        assert_eq!(escape_controls("Höhe 1 °/s"), "Höhe 1 °/s");
     }
 
     #[test]

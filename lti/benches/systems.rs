@@ -1,7 +1,8 @@
 //! Frequency response, zero-order hold and margins over the order of the system.
 #![allow(missing_docs, non_snake_case, clippy::expect_used)]
 
-use counterpoise_lti::{Discretisation, Mat, StateSpace, Timebase, c2d, frequency_response, margins};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, frequency_response, margins};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 

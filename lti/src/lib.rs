@@ -59,8 +59,7 @@ pub mod transfer;
 pub mod zpk;
 
 pub use connect::{append, feedback, inverse, lft, parallel, series};
-pub use counterpoise_linalg as linalg;
-pub use counterpoise_linalg::{C64, CMat, Mat};
+use counterpoise_linalg::{C64, CMat, Mat};
 pub use delay::{delay_samples, pade};
 pub use delayed_hold::c2d_delayed;
 pub use delayed_margins::{DelayedMargins, margins_with_delay};

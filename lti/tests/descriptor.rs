@@ -1,9 +1,9 @@
 //! Descriptor systems: index reduction against the transfer function C inv(s E - A) B + D itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{
-    C64, CMat, Descriptor, Error, Mat, StateSpace, Timebase, linalg, poles, response_at, zeros,
-};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{C64, CMat, Mat};
+use counterpoise_lti::{Descriptor, Error, StateSpace, Timebase, poles, response_at, zeros};
 
 fn descriptor(E: Mat, A: Mat, B: Mat, C: Mat) -> Descriptor {
     let D = Mat::zeros(C.nrows(), B.ncols());

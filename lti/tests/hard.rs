@@ -1,9 +1,10 @@
 //! Systems for which margins, zeros and norms were once wrong, each with its closed form.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    C64, Descriptor, Discretisation, Mat, StateSpace, Timebase, Zpk, c2d, h2norm, hinfnorm, linfnorm,
-    linfnorm_bounds, margins, margins_with_delay, parallel, response_at, series, zeros,
+    Descriptor, Discretisation, StateSpace, Timebase, Zpk, c2d, h2norm, hinfnorm, linfnorm, linfnorm_bounds,
+    margins, margins_with_delay, parallel, response_at, series, zeros,
 };
 
 fn zpk(zeros: &[f64], poles: &[f64], gain: f64) -> StateSpace {

@@ -1,7 +1,8 @@
 //! High order without expanded polynomials: poles, gains and responses of chains that lose them elsewhere.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{C64, StateSpace, Timebase, Zpk, dcgain, poles, response_at, series};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{StateSpace, Timebase, Zpk, dcgain, poles, response_at, series};
 
 fn chain(roots: &[f64]) -> StateSpace {
     let poles = roots.iter().map(|&p| C64::new(-p, 0.0)).collect();

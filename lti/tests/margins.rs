@@ -1,9 +1,10 @@
 //! Margins: textbook figures, closed forms, and a flexible loop with many crossings against brute force.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    C64, Discretisation, GainChange, Mat, Response, StateSpace, Timebase, Zpk, c2d, feedback, hinfnorm,
-    margins, pade, parallel, poles, series,
+    Discretisation, GainChange, Response, StateSpace, Timebase, Zpk, c2d, feedback, hinfnorm, margins, pade,
+    parallel, poles, series,
 };
 
 fn zpk(zeros: &[C64], poles: &[C64], gain: f64) -> StateSpace {

@@ -1,10 +1,11 @@
 //! Random systems, well and badly scaled, stable and not: answers pass their definitions or are refused, nothing panics.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{C64, CMat, Mat};
 use counterpoise_lti::{
-    C64, CMat, Discretisation, Mat, StateSpace, Timebase, c2d, ctrb_gramian, feedback, frequency_response,
-    h2norm, hankel_values, hinfnorm, is_stable, linalg, margins, obsv_gramian, parallel, poles, series,
-    sigma, zeros,
+    Discretisation, StateSpace, Timebase, c2d, ctrb_gramian, feedback, frequency_response, h2norm,
+    hankel_values, hinfnorm, is_stable, margins, obsv_gramian, parallel, poles, series, sigma, zeros,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;

@@ -12,7 +12,7 @@ const FIRST_GRID: usize = 100;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name the folder")?;
     let fe = Structure::new(&rig(), None)?.fe(&FeOptions::default())?;
-    let market = |A: &counterpoise_lti::Mat| {
+    let market = |A: &counterpoise_linalg::Mat| {
         let n = A.nrows();
         let lower: Vec<(usize, usize)> =
             (0..n).flat_map(|j| (j..n).map(move |i| (i, j))).filter(|&(i, j)| A[(i, j)] != 0.0).collect();

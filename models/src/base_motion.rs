@@ -115,7 +115,7 @@ fn turn(before: Vector3<f64>, after: Vector3<f64>, period_s: f64) -> Vector3<f64
 }
 
 /// Returns what the elevation axis feels of a base's motion; `level` says how the axes that do not turn are chosen at the start.
-pub fn felt(
+pub fn motion_at_elevation_axis(
     base: &[BaseState],
     period_s: f64,
     traverse: Traverse,
@@ -226,7 +226,9 @@ mod tests {
             rate[k] = [0.0, -0.8 * (6.0 * t).cos(), 0.0];
         }
         let base = from_inertial(&acceleration, &rate, 1e-3, G);
-        for (k, at) in felt(&base, 1e-3, Traverse::default(), G, Level::Known).iter().enumerate() {
+        for (k, at) in
+            motion_at_elevation_axis(&base, 1e-3, Traverse::default(), G, Level::Known).iter().enumerate()
+        {
             // the attitude joins the rates by straight lines: it is off by h^2/12 times the change of their slope, 8e-7 rad at most, and gravity with it
             assert!((at.heave_m_s2 - acceleration[k][2]).abs() < 8e-6, "{k}: {at:?}");
             assert!((at.surge_m_s2 - acceleration[k][0]).abs() < 8e-6, "{k}: {at:?}");
@@ -241,7 +243,7 @@ mod tests {
         rate.fill([0.2, 0.0, 0.0]);
         let traverse = Traverse { angle_rad: FRAC_PI_2, rate_rad_s: 0.0 };
         let base = from_inertial(&acceleration, &rate, 1e-4, G);
-        let at = felt(&base, 1e-4, traverse, G, Level::Known)[0];
+        let at = motion_at_elevation_axis(&base, 1e-4, traverse, G, Level::Known)[0];
         assert!((at.pitch_rate_rad_s - 0.2).abs() < 1e-15 && (at.surge_m_s2 - 1.5).abs() < 1e-12, "{at:?}");
     }
 
@@ -250,7 +252,7 @@ mod tests {
         let (acceleration, mut rate) = still(1001);
         rate.fill([0.5, 0.0, 0.0]);
         let base = from_inertial(&acceleration, &rate, 1e-3, G);
-        let at = felt(&base, 1e-3, Traverse::default(), G, Level::Known)[1000];
+        let at = motion_at_elevation_axis(&base, 1e-3, Traverse::default(), G, Level::Known)[1000];
         assert!((at.heave_m_s2 - G * (0.5f64.cos() - 1.0)).abs() < 1e-9, "{at:?}");
     }
 

@@ -68,7 +68,7 @@ pub enum Error {
     },
     /// A matrix operation failed.
     #[error(transparent)]
-    Linalg(#[from] counterpoise_lti::linalg::Error),
+    Linalg(#[from] counterpoise_linalg::Error),
     /// A linear-systems operation failed.
     #[error(transparent)]
     Lti(#[from] counterpoise_lti::Error),

@@ -1,7 +1,8 @@
 //! Kinds of machine: closed forms of the rigid, the direct and the linear ones, and their limits.
 #![allow(clippy::unwrap_used)]
 
-use counterpoise_lti::{C64, Response, poles};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{Response, poles};
 use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{

@@ -131,7 +131,7 @@ fn without_angles_the_plant_has_no_free_integrator() {
     assert_eq!(linear.state_names.len(), 7);
     // static hub rate per volt: all of the torque goes into viscous friction and back-EMF
     let state_matrix = &linear.system.A;
-    let gain = counterpoise_lti::linalg::solve(state_matrix, &linear.system.B).unwrap();
+    let gain = counterpoise_linalg::solve(state_matrix, &linear.system.B).unwrap();
     let hub = -(&linear.system.C * &gain)[(LinearPlant::HUB_RATE, LinearPlant::CONTROL)];
     // volts to hub rate: N K_t 3 / (F_vp + N^2 (F_vm + 3 ... back-EMF))
     let stall = 30.0 / (0.8 + 30.0 * 0.3067);

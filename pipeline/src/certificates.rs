@@ -35,7 +35,8 @@ pub fn certify(made: &Synthesised, verification: Option<&Verification>) -> Vec<C
         design.part(channel).into_iter().for_each(|part| all.extend(of_feedforward(name, part)));
     }
     made.sampled.certified.iter().for_each(|part| all.extend(of_sampled(part)));
-    let largest = |poles: &[counterpoise_lti::C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let largest =
+        |poles: &[counterpoise_linalg::C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     all.push(of_radius("design", largest(&made.sampled.closed_loop)));
     all.extend(verification.map(|found| of_radius("full", largest(&found.evidence.poles))));
     all

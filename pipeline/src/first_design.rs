@@ -6,7 +6,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Angles;
 use counterpoise_project::Project;

@@ -1,6 +1,6 @@
 //! The recording of an inertial measurement unit on the base, prepared to drive the platform of a verification.
 
-use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, felt};
+use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
 use counterpoise_recordings::clock::uniform;
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::from_rest;
@@ -55,7 +55,7 @@ fn felt_by(source: &InertialUnit, base: &[BaseState], period_s: f64) -> Vec<Felt
         UnitReading::Acceleration => Level::Known,
     };
     // gravity is a constant here: it goes with the mean
-    let all = felt(base, period_s, source.traverse, 0.0, level);
+    let all = motion_at_elevation_axis(base, period_s, source.traverse, 0.0, level);
     if source.reading == UnitReading::SpecificForce {
         return all;
     }

@@ -49,7 +49,8 @@ pub mod synth;
 pub mod tuning;
 pub mod verify;
 
-pub use counterpoise_synth::FirstDesign;
+use counterpoise_synth::FirstDesign;
+
 pub use design::{Designed, ProjectIdentity, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_verify::linear::loop_shape::nichols;
 use counterpoise_verify::linear::root_locus::continuous_equivalent;
 use counterpoise_verify::linear::{Disk, LoopShape, RootLocus, largest_sensitivity, loop_shape};

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
-use counterpoise_lti::linalg::sparse::Progress;
+use counterpoise_linalg::sparse::Progress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
     Condensation, FeModel, Fitted, Structure, lumped, pinned, with_derived_lumped,

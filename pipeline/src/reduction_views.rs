@@ -1,6 +1,7 @@
 //! A plant beside its reduction: poles, Hankel singular values and responses; the modes of a beam; friction brought to the hub.
 
-use counterpoise_lti::{C64, CMat, StateSpace, hankel_values, poles, response};
+use counterpoise_linalg::{C64, CMat};
+use counterpoise_lti::{StateSpace, hankel_values, poles, response};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::parameters::Beam;
 use counterpoise_models::plant::LinearPlant;

@@ -499,6 +499,6 @@ fn controller_responses(
     all
 }
 
-fn pairs(values: &[counterpoise_lti::C64]) -> Vec<Pair> {
+fn pairs(values: &[counterpoise_linalg::C64]) -> Vec<Pair> {
     values.iter().map(|v| [v.re, v.im]).collect()
 }

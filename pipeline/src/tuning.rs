@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Plant;
@@ -280,7 +280,7 @@ fn of_sweep(
     let missing = PipelineError::Missing { section: "sweep", needed_by: "synth.tune.plants" };
     let sweep = project.campaign().ok_or(missing)?;
     let count = sweep.samples.min(MECHANISMS);
-    let points = sweep.layout.lay(count, sweep.variations.len(), sweep.seed)?;
+    let points = sweep.layout.sample_points(count, sweep.variations.len(), sweep.seed)?;
     let mut plants = Vec::new();
     for point in points {
         let mut parameters = modelled.parameters.clone();

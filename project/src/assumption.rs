@@ -53,7 +53,7 @@ impl Tolerance {
     }
 
     /// Returns the tolerance as the file spells it.
-    pub(crate) fn spelt(&self) -> String {
+    pub(crate) fn as_written(&self) -> String {
         use crate::file::setting::{number, quoted};
         match self.kind {
             ToleranceKind::Relative => number(self.half_width / self.value.abs()),

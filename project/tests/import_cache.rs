@@ -3,8 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use counterpoise_lti::linalg::Sparse;
-use counterpoise_lti::linalg::sparse::Entry;
+use counterpoise_linalg::{Sparse, sparse::Entry};
 use counterpoise_models::structure::Condensation;
 use counterpoise_models::structure::Fitted;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap};

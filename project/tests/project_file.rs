@@ -189,7 +189,7 @@ fn every_law_of_friction_is_written_and_read() {
 fn every_weight_is_written_and_read() {
     let simple = Weight::Notch { gain: 2.0, centre_rad_s: 110.0, width: 0.1, factor: 0.01 };
     let shelf = Weight::Shelf { low: 10.0, high: 0.1, corner_rad_s: 3.0 };
-    let roots = |re, im| vec![counterpoise_lti::C64::new(re, im), counterpoise_lti::C64::new(re, -im)];
+    let roots = |re, im| vec![counterpoise_linalg::C64::new(re, im), counterpoise_linalg::C64::new(re, -im)];
     let weights = [
         Weight::Constant { gain: 3.0 },
         Weight::Integral { gain: 200.0, time_s: 1.0 },

@@ -1,7 +1,8 @@
 //! Balanced truncation over the order of the system.
 #![allow(missing_docs, non_snake_case, clippy::expect_used)]
 
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_reduce::{Balanced, Method, Order, balred};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

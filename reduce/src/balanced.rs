@@ -5,9 +5,10 @@ use crate::measure::error_norm;
 use crate::reduction::{above_rounding, bound, choose};
 use crate::split::split;
 use crate::{Error, Method, Order, Reduction};
-use counterpoise_lti::linalg;
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::Mat;
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{Mat, StateSpace, Timebase, gramian_factors, parallel};
+use counterpoise_lti::{StateSpace, Timebase, gramian_factors, parallel};
 
 /// A stable system with the factors of its Gramians P = R R', Q = L L' and the decomposition L'R = U S V'.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! What can be wrong with a request to this crate.
 
-use counterpoise_lti::linalg;
+use counterpoise_linalg as linalg;
 
 /// Every way in which a reduction can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,10 +1,11 @@
 //! Balanced truncation of large damped structures with sparse matrices, from low-rank Gramians.
 
-use counterpoise_lti::linalg::sparse::{
-    Accuracy, BalancedDirections, Ports, Progress, QuadraticPencil, Watch, low_rank_gramians,
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{
+    C64, CMat, Mat, Sparse,
+    sparse::{Accuracy, BalancedDirections, Ports, Progress, QuadraticPencil, Watch, low_rank_gramians},
 };
-use counterpoise_lti::linalg::{self, Sparse};
-use counterpoise_lti::{C64, CMat, Mat, StateSpace, Timebase, is_stable, response_at};
+use counterpoise_lti::{StateSpace, Timebase, is_stable, response_at};
 
 use crate::error::During;
 use crate::reduction::{bound, choose};

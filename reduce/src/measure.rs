@@ -3,7 +3,8 @@
 use crate::Error;
 use crate::reduction::Warning;
 use crate::tolerance::{EXACT_NORM, EXACT_ORDER, GRID_BEYOND, GRID_POINTS};
-use counterpoise_lti::{C64, Peak, StateSpace, Timebase, linfnorm, parallel, poles, sigma};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{Peak, StateSpace, Timebase, linfnorm, parallel, poles, sigma};
 
 /// The H-infinity norm of `g - reduced` (poles that both share and that cancel do not count), and where it is taken.
 ///

@@ -3,9 +3,10 @@
 use crate::error::During;
 use crate::tolerance::SAFE_GAP;
 use crate::{Error, Warning};
-use counterpoise_lti::linalg;
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::Mat;
+use counterpoise_lti::StateSpace;
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{Mat, StateSpace};
 
 /// A minimal realisation and the numbers it rests on.
 #[derive(Debug, Clone, PartialEq)]

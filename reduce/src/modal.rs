@@ -25,7 +25,7 @@ pub fn modal_truncation(g: &StateSpace, rate_rad_s: f64, residual: Residual) -> 
     if rate_rad_s.is_nan() || rate_rad_s <= 0.0 {
         return Err(Error::Range { what: "rate_rad_s", value: rate_rad_s, allowed: "positive" });
     }
-    let rate = |pole: counterpoise_lti::C64| match g.timebase {
+    let rate = |pole: counterpoise_linalg::C64| match g.timebase {
         Timebase::Continuous => pole.norm(),
         Timebase::Discrete { period_s } => pole.ln().norm() / period_s,
     };

@@ -3,8 +3,9 @@
 use crate::Error;
 use crate::error::During;
 use crate::tolerance::{COMPARED_FREQUENCIES, RIGID_RATE};
-use counterpoise_lti::linalg;
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 /// A structure
 ///

@@ -3,10 +3,11 @@
 use crate::Error;
 use crate::error::During;
 use crate::tolerance::{BORDER, BORDER_NORM, CLUSTER_REACH, REORDERING_SHIFT, SUSPECT_POLE};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{Boundary, C64, Mat, Schur};
 use counterpoise_lti::components::components;
-use counterpoise_lti::linalg::{self, Boundary, Schur};
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, parallel};
+use counterpoise_lti::{StateSpace, Timebase, parallel};
 
 /// `g = first + second`, no pole in common; the direct path is with the first.
 #[derive(Debug, Clone, PartialEq)]

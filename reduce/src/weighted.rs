@@ -5,10 +5,11 @@ use crate::reduction::choose;
 use crate::split::split;
 use crate::tolerance::EXACT_NORM;
 use crate::{Error, Method, Order, Reduction, Warning};
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{
-    C64, Mat, Peak, StateSpace, Timebase, ctrb_factor, feedback, is_stable_pole, linfnorm, obsv_factor,
-    parallel, poles, series,
+    Peak, StateSpace, Timebase, ctrb_factor, feedback, is_stable_pole, linfnorm, obsv_factor, parallel,
+    poles, series,
 };
 
 /// The error that counts is `output (g - reduced) input`.

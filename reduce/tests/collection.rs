@@ -7,9 +7,9 @@ mod mat;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use counterpoise_lti::{
-    C64, Descriptor, Mat, StateSpace, Timebase, frequency_response, is_stable, linalg, response_at,
-};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{Descriptor, StateSpace, Timebase, frequency_response, is_stable, response_at};
 use counterpoise_reduce::{Balanced, Method, Order, balred};
 
 fn folder() -> PathBuf {

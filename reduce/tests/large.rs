@@ -3,9 +3,12 @@
 
 use std::ops::ControlFlow;
 
-use counterpoise_lti::linalg::sparse::{Entry, Progress};
-use counterpoise_lti::linalg::{self, Sparse};
-use counterpoise_lti::{Mat, StateSpace, Timebase, response_at};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{
+    Mat, Sparse,
+    sparse::{Entry, Progress},
+};
+use counterpoise_lti::{StateSpace, Timebase, response_at};
 use counterpoise_reduce::{
     Error, LargeReduction, LargeStructure, Method, Order, Warning, balred, balred_large, error_at,
 };

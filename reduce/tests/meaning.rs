@@ -1,9 +1,10 @@
 //! What each reduction promises: what is kept is kept, bounds hold, known orders are found, structures keep their modes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    C64, Discretisation, Mat, StateSpace, Timebase, Zpk, c2d, dcgain, feedback, frequency_response,
-    is_stable, parallel, poles, response_at, series,
+    Discretisation, StateSpace, Timebase, Zpk, c2d, dcgain, feedback, frequency_response, is_stable,
+    parallel, poles, response_at, series,
 };
 use counterpoise_reduce::{
     Balanced, Error, Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal, modal_basis,

@@ -5,8 +5,8 @@
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use counterpoise_lti::linalg::sparse::Sparse;
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat, sparse::Sparse};
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_reduce::*;
 
 /// A small generator (SplitMix64): uniform in [0, 1).

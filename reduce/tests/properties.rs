@@ -2,9 +2,10 @@
 //! kept or said to be lost; nothing panics.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    C64, Mat, StateSpace, Timebase, append, feedback, hankel_values, hinfnorm, is_stable, parallel, poles,
-    response_at, series,
+    StateSpace, Timebase, append, feedback, hankel_values, hinfnorm, is_stable, parallel, poles, response_at,
+    series,
 };
 use counterpoise_reduce::{Method, Order, Warning, balred, minimal, reduce_controller};
 use proptest::prelude::*;

@@ -1,7 +1,9 @@
 //! Free mechanisms in physical coordinates: the rigid body is split off whole and the flexible modes keep their values.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, frequency_response, hinfnorm, linalg, parallel};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, frequency_response, hinfnorm, parallel};
 use counterpoise_reduce::{Method, Order, balred, split};
 
 /// A free chain of masses, damped in proportion to its stiffness, turned into coordinates in which nothing is zero.

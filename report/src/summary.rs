@@ -242,7 +242,7 @@ fn tone_of(verdict: &Verdict) -> Tone {
 }
 
 /// The two pictures beside the verdicts: the step, and the liveliest disturbance.
-pub fn glance(found: &Verification) -> Vec<counterpoise_plot::Figure> {
+pub fn summary_figures(found: &Verification) -> Vec<counterpoise_plot::Figure> {
     let model = nonlinear_if_run(found);
     let source = if found
         .value(Figure::Disturbance(model, Source::Road, Arrangement::Feedback, Quantity::HubRms))

@@ -58,7 +58,7 @@ fn statistics(found: &CampaignResult) -> Vec<Section> {
 fn outside_samples(found: &CampaignResult) -> String {
     let both = found.requirements.iter().zip(&found.worst);
     let fails = both.filter(|(requirement, worst)| {
-        worst.as_ref().is_some_and(|worst| requirement.limit.room(worst.value) < 0.0)
+        worst.as_ref().is_some_and(|worst| requirement.limit.distance_to_limit(worst.value) < 0.0)
     });
     let fails = fails.count();
     let searched = match fails {
@@ -93,7 +93,7 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
     for (k, worst) in found.worst.iter().enumerate() {
         let Some(worst) = worst else { continue };
         let limit = found.requirements[k].limit;
-        let verdict = match limit.room(worst.value) {
+        let verdict = match limit.distance_to_limit(worst.value) {
             room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
             room => Cell::Verdict(Tone::Bad, format!("fails by {}", short(-room))),
         };
@@ -251,7 +251,7 @@ fn bound(limit: Limit) -> String {
 /// A figure and its room; NaN where it could not be measured.
 fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
     match value {
-        Value::Is(number) => (*number, requirement.limit.room(*number)),
+        Value::Is(number) => (*number, requirement.limit.distance_to_limit(*number)),
         Value::Absent { .. } => (f64::NAN, f64::NAN),
     }
 }

@@ -43,7 +43,7 @@ pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Cont
         headline,
         tiles: summary::tiles(found),
         verdicts: summary::verdict_table(found),
-        glance: summary::glance(found),
+        glance: summary::summary_figures(found),
         sections,
         provenance: context.provenance,
     }

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_lti::{C64, Mat, StateSpace};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::StateSpace;
 use counterpoise_models::{
     Angles, FrictionLaw, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
 };
@@ -40,7 +41,7 @@ fn measured(rig: &Parameters, test: Test, frequency: f64, amplitude: f64) -> Mea
 fn response(g: &StateSpace, output: usize, input: usize, frequency: f64) -> C64 {
     let n = g.order();
     let at = Mat::eye(n).to_complex().scale(C64::new(0.0, frequency));
-    let resolvent = counterpoise_lti::linalg::csolve(&(&at - &g.A.to_complex()), &g.B.to_complex()).unwrap();
+    let resolvent = counterpoise_linalg::csolve(&(&at - &g.A.to_complex()), &g.B.to_complex()).unwrap();
     (&g.C.to_complex() * &resolvent)[(output, input)] + g.D[(output, input)]
 }
 

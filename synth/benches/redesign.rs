@@ -5,7 +5,8 @@
 mod common;
 
 use common::{rig, weights};
-use counterpoise_lti::{Mat, StateSpace, append};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, append};
 use counterpoise_synth::{
     DesignPlant, Sampling, SamplingMethod, design, discretise, figures, stabilisation_error,
 };

@@ -3,7 +3,8 @@
 //! Each answer is a controller from (demand, measured rate) to the control that sees the error alone, so that the same
 //! figures can be drawn from all three.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, append, series};
 
 use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
@@ -116,11 +117,11 @@ pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Gen
 /// The error weight with its poles on the axis moved off it, and strictly proper.
 fn textbook(weight: &Weight) -> Weight {
     let rational = weight.rational().mirrored();
-    let moved = |pole: &counterpoise_lti::C64| if pole.re == 0.0 { pole - SLOWEST_RAD_S } else { *pole };
+    let moved = |pole: &counterpoise_linalg::C64| if pole.re == 0.0 { pole - SLOWEST_RAD_S } else { *pole };
     let mut poles: Vec<_> = rational.poles.iter().map(moved).collect();
     let mut gain = rational.gain;
     if rational.zeros.len() == poles.len() {
-        poles.push(counterpoise_lti::C64::new(-FAST_RAD_S, 0.0));
+        poles.push(counterpoise_linalg::C64::new(-FAST_RAD_S, 0.0));
         gain *= FAST_RAD_S;
     }
     Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain }

@@ -1,8 +1,9 @@
 //! How a controller's states follow the limited control.
 
-use counterpoise_lti::linalg::{self, dare};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{Mat, dare};
+use counterpoise_lti::StateSpace;
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{Mat, StateSpace};
 
 use crate::Error;
 

@@ -1,6 +1,7 @@
 //! A plant with the states of its weights: the full-information problem that feedback and feedforward share.
 
-use counterpoise_lti::{Mat, StateSpace};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::StateSpace;
 
 /// A single-control plant between an error weight and an inverse control weight
 ///

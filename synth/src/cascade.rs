@@ -11,7 +11,8 @@
 //! two readings over the sample period. Both loops together are one linear controller from (demand, position), so everything that
 //! is stated of the sampled loop (margins at the plant's input, stability, rounding, code) holds for the cascade as a whole.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, series};
 
 use crate::{DesignPlant, Error};
 

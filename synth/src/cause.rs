@@ -1,6 +1,6 @@
 //! What can be wrong with a design's problem, and what helps: the two texts of every finding.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use crate::bandwidth::Limit;
 

@@ -1,7 +1,8 @@
 //! What proves a design: residuals, spectra, and the cost that the assembled loop really has.
 
-use counterpoise_lti::linalg;
-use counterpoise_lti::{C64, StateSpace, h2norm};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::C64;
+use counterpoise_lti::{StateSpace, h2norm};
 
 use crate::Error;
 use crate::cause::Cause;

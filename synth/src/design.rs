@@ -1,6 +1,7 @@
 //! The three-part design: feedback, heave feedforward and pitch feedforward, put together.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, append, series};
 
 use crate::cascade::with_position_loop;
 use crate::cause::Cause;

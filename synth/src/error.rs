@@ -16,7 +16,7 @@ pub enum Error {
     Lti(#[from] counterpoise_lti::Error),
     /// A matrix equation was put wrongly.
     #[error(transparent)]
-    Linalg(#[from] counterpoise_lti::linalg::Error),
+    Linalg(#[from] counterpoise_linalg::Error),
     /// The discrete controller could not be built.
     #[error(transparent)]
     Controller(#[from] counterpoise_controller::Error),

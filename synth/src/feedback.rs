@@ -11,8 +11,8 @@
 //! the controller: they carry no estimation error, so an integrating error weight needs no far pole, no epsilon, and the
 //! filter's Riccati equation is that of the plant alone.
 
-use counterpoise_lti::linalg::{Riccati, care, eigenvalues};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat, Riccati, care, eigenvalues};
+use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};

@@ -1,8 +1,9 @@
 //! The figures of a sampled feedback loop that a search needs: margins, overshoot, rejection, effort.
 
 use counterpoise_controller::Signal;
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, h2norm, margins};
+use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, margins};
 
 use crate::{DesignPlant, Error, Sampled, Sampling};
 

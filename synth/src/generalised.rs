@@ -1,8 +1,8 @@
 //! The generalised plant of the textbooks, and what can be wrong with one.
 
-use counterpoise_lti::linalg::{Svd, svd};
+use counterpoise_linalg::{Mat, Svd, svd};
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{Mat, Named, StateSpace, Timebase, connect, lft};
+use counterpoise_lti::{Named, StateSpace, Timebase, connect, lft};
 
 use crate::Error;
 use crate::cause::Cause;

@@ -1,7 +1,7 @@
 //! H2 control of a generalised plant by two Riccati equations.
 
-use counterpoise_lti::linalg::care;
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, h2norm};
+use counterpoise_linalg::{C64, Mat, care};
+use counterpoise_lti::{StateSpace, Timebase, h2norm};
 
 use crate::Error;
 use crate::cause::Cause;

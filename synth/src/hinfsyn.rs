@@ -1,7 +1,7 @@
 //! H-infinity control of a generalised plant by two Riccati equations and a search for the smallest bound.
 
-use counterpoise_lti::linalg::{csingular_values, csolve};
-use counterpoise_lti::{C64, CMat, Mat, Peak, StateSpace, frequency_response, linfnorm, poles};
+use counterpoise_linalg::{C64, CMat, Mat, csingular_values, csolve};
+use counterpoise_lti::{Peak, StateSpace, frequency_response, linfnorm, poles};
 
 use crate::Error;
 use crate::cause::Cause;

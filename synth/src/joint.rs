@@ -11,8 +11,8 @@
 //! that of the feedback; the disturbances' share follows from a Sylvester equation; one filter estimates plant and
 //! disturbances from all sensors together, so each of them informs every part.
 
-use counterpoise_lti::linalg::{care, eigenvalues, sylvester};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat, care, eigenvalues, sylvester};
+use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};

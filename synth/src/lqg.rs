@@ -1,7 +1,7 @@
 //! LQR, the Kalman filter, and LQG with loop transfer recovery.
 
-use counterpoise_lti::linalg::{Riccati, care, dare};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, series};
+use counterpoise_linalg::{C64, Mat, Riccati, care, dare};
+use counterpoise_lti::{StateSpace, Timebase, series};
 
 use crate::Error;
 use crate::certificate::{Equation, riccati};
@@ -52,7 +52,7 @@ pub fn kalman(g: &StateSpace, W: &Mat, V: &Mat) -> Result<Gain, Error> {
 
 fn named(
     what: &'static str,
-    solved: counterpoise_lti::linalg::Outcome<Riccati>,
+    solved: counterpoise_linalg::Outcome<Riccati>,
     shape: impl Fn(Mat) -> Mat,
 ) -> Result<Gain, Error> {
     let solution = riccati(what, Part::Generalised, solved)?;

@@ -1,9 +1,9 @@
 //! The generalised plant in the normal form of H-infinity control: its two equations at a bound, and the central controller.
 
-use counterpoise_lti::linalg::{
-    Outcome as Solution, Reason, care_g, inverse, singular_values, svd, sym_eigen, sym_eigenvalues,
+use counterpoise_linalg::{
+    Mat, Outcome as Solution, Reason, care_g, inverse, singular_values, svd, sym_eigen, sym_eigenvalues,
 };
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::Error;
 use crate::generalised::{Blocks, Generalised, around_direct_path};
@@ -253,6 +253,6 @@ fn full_basis(U: &Mat, rows: usize) -> Result<Mat, Error> {
 }
 
 fn spectral_radius(M: &Mat) -> Result<f64, Error> {
-    let values = counterpoise_lti::linalg::eigenvalues(M)?;
+    let values = counterpoise_linalg::eigenvalues(M)?;
     Ok(values.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }

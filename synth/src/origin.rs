@@ -1,7 +1,7 @@
 //! Where in a generalised plant the mode lives that leaves a Riccati equation without a solution.
 
-use counterpoise_lti::linalg::{self, Reason, csvd};
-use counterpoise_lti::{C64, CMat, Mat};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 
 use crate::Error;
 use crate::cause::{Cause, Hidden};

@@ -1,6 +1,7 @@
 //! The plant as a design sees it: a linear system, its sensors, and the delay of the loop.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, append, delay::pade, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 
 use crate::Error;
 

@@ -1,6 +1,7 @@
 //! A rational function of s by its gain, zeros and poles, and its realisation as a cascade of low-order sections.
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, series};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, series};
 
 use crate::Error;
 use crate::tolerance::REAL_ROOT;

@@ -1,6 +1,7 @@
 //! The rate that an expected disturbance leaves under a design.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, append, h2norm, lft, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, append, h2norm, lft, series};
 
 use crate::feedforward::with_derivatives;
 use crate::{Assembly, Channel, Design, DesignPlant, Error};

@@ -2,7 +2,8 @@
 
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_controller::{Controller, Signal};
-use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, delay_samples, poles, series};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{Discretisation, StateSpace, c2d, delay_samples, poles, series};
 
 use crate::cause::Cause;
 use crate::certificate::Certified;

@@ -4,8 +4,9 @@
 //! heave columns alone, in proportion. Then feedback and pitch feedforward do not change, and the heave feedforward is
 //! M times a fixed module. Here these conditions are *checked* on the plants, not believed.
 
+use counterpoise_linalg::Mat;
+use counterpoise_lti::StateSpace;
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{Mat, StateSpace};
 
 use crate::residual::stabilisation_error;
 use crate::tolerance::{EQUAL, GAIN_LAW};

@@ -1,6 +1,6 @@
 //! What the designer asks for: the weights of the three parts and how the parts are put together.
 
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 
 use crate::{Channel, Weight};
 

@@ -1,7 +1,8 @@
 //! A sampled plant with the exact cost of one period: what a discrete regulator and its proof are computed from.
 
-use counterpoise_lti::linalg::{self, Riccati, dare, dlyap, eigenvalues};
-use counterpoise_lti::{Mat, StateSpace};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{Mat, Riccati, dare, dlyap, eigenvalues};
+use counterpoise_lti::StateSpace;
 
 use crate::Error;
 use crate::certificate::riccati;

@@ -1,7 +1,6 @@
 //! A weight from a table: the stable function of minimum phase whose modulus comes nearest to drawn points.
 
-use counterpoise_lti::linalg::{Cone, ConeProgram, Unsolved, eigenvalues};
-use counterpoise_lti::{C64, Mat};
+use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, Unsolved, eigenvalues};
 
 use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION, TABLE_LEAST_DB, TABLE_MOST_DB};
 use crate::{Error, Weight};

@@ -12,8 +12,9 @@
 //! by the trapezoidal rule on a logarithmic grid that is refined at every pole of the loop; no realisation of a weighted
 //! control is needed, so weights that rise without bound are taken as they are.
 
+use counterpoise_linalg::{C64, CMat};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, CMat, StateSpace, poles};
+use counterpoise_lti::{StateSpace, poles};
 
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;

@@ -4,7 +4,8 @@
 use counterpoise_controller::{
     Controller, Estimator, Learning, Parts, Path, Readings, Runner, SampledController, Scaling, Signal,
 };
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::adaptation::{Curve, Recursive, RecursiveSettings, Scale, WindowedMean};
 
 const VOLTS: f64 = 1.0 / 516.0;

@@ -4,7 +4,8 @@
 use crate::common;
 
 use common::{rig, thesis_weights};
-use counterpoise_lti::{Mat, StateSpace, Timebase, h2norm, hinfnorm, poles, response::response_at, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, h2norm, hinfnorm, poles, response::response_at, series};
 use counterpoise_synth::{
     Alternative, Gain, Method, alternative, alternatives::generalised, kalman, lqg_ltr, lqr,
 };

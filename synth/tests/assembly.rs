@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{rig, weights};
 use counterpoise_controller::{Controller, Readings, SampledController};
-use counterpoise_lti::linalg::eigenvalues;
-use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, h2norm, lft, response::response_at};
+use counterpoise_linalg::{C64, Mat, eigenvalues};
+use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, lft, response::response_at};
 use counterpoise_models::LinearPlant;
 use counterpoise_synth::{
     Assembly, Basis, Cause, Channel, Design, DesignPlant, Knowledge, Sampled, Sampling, SamplingMethod,

@@ -2,7 +2,8 @@
 #![allow(non_snake_case, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::{Readings, SampledController};
-use counterpoise_lti::{Discretisation, Mat, StateSpace, Timebase, c2d, margins};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, margins};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{
     Assembly, Circumstances, DesignPlant, FeedbackWeights, RateLoop, Reference, RequiredMargins, Sampling,
@@ -38,8 +39,8 @@ fn specification() -> Specification {
     Specification {
         feedback: FeedbackWeights {
             error: Weight::ZeroPoleGain {
-                zeros: vec![counterpoise_lti::C64::new(-8.0, 0.0)],
-                poles: vec![counterpoise_lti::C64::ZERO],
+                zeros: vec![counterpoise_linalg::C64::new(-8.0, 0.0)],
+                poles: vec![counterpoise_linalg::C64::ZERO],
                 gain: 15.0,
             },
             control: Weight::Lead { gain: 1.0, time_s: 0.004 },

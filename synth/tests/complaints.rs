@@ -2,7 +2,8 @@
 //! reason, searches that hang where nothing is feasible.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{Mat, Named, StateSpace, Timebase, poles, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{Named, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{Error, Generalised, Ports, h2syn, hinfsyn};
 
 const CONTINUOUS: Timebase = Timebase::Continuous;

@@ -1,7 +1,8 @@
 //! The feedback part against closed forms, printed figures, and a cost found in the frequency domain.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, poles, response::response_at};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, poles, response::response_at};
 use counterpoise_synth::{DesignPlant, Feedback, FeedbackWeights, Reference, Weight, feedback};
 
 fn system(A: &[&[f64]], B: &[&[f64]], C: &[&[f64]]) -> StateSpace {

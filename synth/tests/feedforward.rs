@@ -1,7 +1,8 @@
 //! The feedforward part against a Wiener-Hopf solution of its own, its limits, and its linearity.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, poles, response::response_at};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, poles, response::response_at};
 use counterpoise_synth::{Basis, Channel, DesignPlant, FeedforwardWeights, Knowledge, Weight, feedforward};
 use rustfft::num_complex::Complex;
 

@@ -4,7 +4,8 @@
 use crate::common;
 
 use common::{plant as design_plant, rig};
-use counterpoise_lti::{Mat, StateSpace, Timebase, margins};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, margins};
 use counterpoise_models::reference;
 use counterpoise_synth::{
     Circumstances, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins, Sampling, Unknown, design,

@@ -1,7 +1,8 @@
 //! H2 and H-infinity synthesis against closed forms, printed figures and each other.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, append, h2norm, hinfnorm, series};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, append, h2norm, hinfnorm, series};
 use counterpoise_synth::{Cause, Generalised, H2, HInfinity, Weight, h2syn, hinfsyn};
 
 fn rows(rows: &[&[f64]]) -> Mat {

@@ -3,7 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
     Bandwidth, Circumstances, DesignPlant, LimitKind, RequiredMargins, Sampling, first_design,
 };

@@ -6,7 +6,8 @@ use crate::common;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::*;
 
 /// A small generator (SplitMix64): uniform in [0, 1).

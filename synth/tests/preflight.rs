@@ -4,7 +4,8 @@
 use crate::common;
 
 use common::{rig, weights};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
     Cause, DesignPlant, Finding, Knowledge, Part, Reference, Severity, Specification, Weight, design,
     preflight,

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, missing_docs, non_snake_case)]
 
 use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{DesignPlant, Sampling, control_of_ramp};
 
 /// An integrator with a proportional loop needs the rate itself as control, once it follows: 1 - exp(-K t) of it.

@@ -4,7 +4,8 @@
 use crate::common;
 
 use common::{rig, thesis_weights, weights};
-use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, margins, response::response_at};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{Discretisation, StateSpace, c2d, margins, response::response_at};
 use counterpoise_synth::{
     Channel, Design, DesignPlant, Sampled, Sampling, Specification, design, discretise, preflight,
 };

@@ -3,7 +3,8 @@
 
 use crate::common;
 
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use counterpoise_models::structure::{FeModel, Support, modes};
 use counterpoise_pipeline::{
     Synthesised, World, finite_elements, model, procedure, reduce, synthesise, verify_on,

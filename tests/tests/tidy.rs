@@ -203,7 +203,8 @@ fn every_suite_is_in_the_program_of_its_crate() {
         for entry in fs::read_dir(root().join(&folder).join("tests")).unwrap() {
             let path = entry.unwrap().path();
             let name = path.file_stem().unwrap().to_str().unwrap();
-            let is_suite = path.extension().is_some_and(|ending| ending == "rs") || path.join("mod.rs").exists();
+            let is_suite =
+                path.extension().is_some_and(|ending| ending == "rs") || path.join("mod.rs").exists();
             let is_apart = manifest.contains(&format!("[[test]]\nname = \"{name}\""));
             assert!(
                 !is_suite || is_apart || listed.contains(&format!("mod {name};")),

@@ -39,7 +39,6 @@ pub mod structured;
 pub mod tolerance;
 pub mod verification;
 
-pub use counterpoise_lti::{C64, Margins};
 pub use error::Error;
 pub use error_budget::{Contribution, ErrorBudget, ErrorSource, error_budget};
 pub use figure::{

@@ -61,7 +61,7 @@ impl Limit {
     }
 
     /// Room left between `value` and the limit: negative where the limit is broken, NaN for a NaN.
-    pub fn room(self, value: f64) -> f64 {
+    pub fn distance_to_limit(self, value: f64) -> f64 {
         match self {
             Limit::AtLeast(limit) => value - limit,
             Limit::AtMost(limit) => limit - value,
@@ -101,7 +101,7 @@ impl Requirement {
 
     /// Holds `value` against the limit. A value exactly at the limit holds; a value that is not a number cannot be judged.
     pub fn judge(&self, value: f64) -> Verdict {
-        let room = self.limit.room(value);
+        let room = self.limit.distance_to_limit(value);
         if room.is_nan() {
             Verdict::NotApplicable { why: format!("{} could not be measured", self.figure.name()) }
         } else if room >= 0.0 {

@@ -1,7 +1,8 @@
 //! The verification of one controller on one mechanism.
 
 use counterpoise_controller::Controller;
-use counterpoise_lti::{C64, Margins, StateSpace, margins};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 

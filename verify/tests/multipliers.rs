@@ -1,7 +1,8 @@
 //! Multipliers against absolute stability limits that are known, and against simulation of the worst nonlinearities.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_verify::certificate::Criterion;
 use counterpoise_verify::certificate::multiplier::{Knowledge, Multiplier, Proof, search};
 use counterpoise_verify::structured::taylor::{Interval, Taylor, response_over};

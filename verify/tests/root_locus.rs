@@ -1,7 +1,8 @@
 //! Root loci of loops whose poles are known in closed form, and the path of a resonance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_verify::linear::loop_shape::loop_path;
 use counterpoise_verify::linear::root_locus::continuous_equivalent;
 use counterpoise_verify::linear::{LoopPath, RootLocus, root_locus};

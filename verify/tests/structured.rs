@@ -3,7 +3,7 @@
 
 use crate::support;
 
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat};
 use counterpoise_verify::Procedure;
 use counterpoise_verify::robust::{Distribution, Variation, Varied};
 use counterpoise_verify::structured::{

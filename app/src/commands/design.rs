@@ -67,10 +67,10 @@ pub fn run(options: &DesignOptions) -> Done {
         first_design::print(&loaded);
         print(options, &designed.stages);
     }
-    compiled.said.iter().for_each(|line| output::tell(line));
+    compiled.said.iter().for_each(|line| counterpoise_host::terminal::tell(line));
     let made = &designed.stages;
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
-    refused.clone().for_each(|why| output::tell(&refusal(why)));
+    refused.clone().for_each(|why| counterpoise_host::terminal::tell(&refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     Ok(verdict_code([holds, compiled.differing == 0]))
 }

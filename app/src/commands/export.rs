@@ -32,7 +32,7 @@ pub fn run(options: &ExportOptions) -> Done {
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    made.left_out.iter().for_each(|code| output::tell(&format!("left out  {code}")));
+    made.left_out.iter().for_each(|code| counterpoise_host::terminal::tell(&format!("left out  {code}")));
     Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
 }
 

@@ -71,7 +71,7 @@ fn replay_in_parts(
 ) -> anyhow::Result<Vec<RecordingResult>> {
     if options.outputs.report.is_some() {
         let shown = path.display();
-        output::tell(&format!(
+        counterpoise_host::terminal::tell(&format!(
             "note: {shown} is replayed in parts: its figures are printed, and not drawn in the report"
         ));
     }
@@ -99,7 +99,7 @@ fn replay_in_parts(
 /// Says so if the controller of the recordings was exported from another state of the project.
 pub(super) fn tell_other_export(loaded: &Loaded) {
     if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
-        output::tell(&format!("note: {}", describe_other_export(&other)));
+        counterpoise_host::terminal::tell(&format!("note: {}", describe_other_export(&other)));
     }
 }
 
@@ -107,7 +107,7 @@ pub(super) fn tell_other_export(loaded: &Loaded) {
 fn closed_loop(project: &Project, controller: Option<&RecordedController>, read: &[ReadRecording]) -> Loop {
     let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     if let Some(remark) = describe_missing_demand(&missing) {
-        output::tell(&format!("note: {remark}"));
+        counterpoise_host::terminal::tell(&format!("note: {remark}"));
     }
     control_for(controller, read.iter().map(|item| &item.recording))
 }

@@ -90,7 +90,7 @@ fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
 /// Prints what a large campaign would cost on the error stream, apart from the results.
 fn print_cost(options: &SweepOptions, cost: Option<String>) {
     if let Some(cost) = cost.filter(|_| !options.results.quiet) {
-        output::tell(&cost);
+        counterpoise_host::terminal::tell(&cost);
     }
 }
 
@@ -142,7 +142,7 @@ fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &P
     }
     let one = |index: usize| {
         let sample = named.campaign.run(index);
-        pace.ran();
+        pace.count_run();
         sample
     };
     let samples = range.into_par_iter().map(one).collect::<Result<Vec<Sample>, _>>()?;
@@ -259,7 +259,7 @@ fn worst_row(found: &CampaignResult, requirement: usize, worst: &Worst) -> Worst
     let keys = found.variations.iter().map(|variation| variation.parameter.key());
     WorstRow {
         value: worst.value,
-        meets: found.requirements[requirement].limit.room(worst.value) >= 0.0,
+        meets: found.requirements[requirement].limit.distance_to_limit(worst.value) >= 0.0,
         sample: worst.sample,
         factors: keys.zip(worst.factors.iter().copied()).collect(),
         options: sweep::again(found, worst),

@@ -249,8 +249,8 @@ fn new_states(
 
 /// Row i of [X U] applied to (x, u).
 fn row(
-    X: &counterpoise_lti::Mat,
-    U: &counterpoise_lti::Mat,
+    X: &counterpoise_linalg::Mat,
+    U: &counterpoise_linalg::Mat,
     i: usize,
     x: &[Slot],
     u: &[Slot],

@@ -34,22 +34,22 @@ pub struct FitSelection {
 impl FitSelection {
     /// Selects every recording, whole, for a fit until it settles.
     pub fn all(count: usize) -> Self {
-        Self { span: Span::Whole, ..Self::heads((0..count).collect()) }
+        Self { span: Span::Whole, ..Self::first_parts((0..count).collect()) }
     }
 
     /// Selects the first part of some recordings, for a fit until it settles.
-    pub fn heads(recordings: Vec<usize>) -> Self {
+    pub fn first_parts(recordings: Vec<usize>) -> Self {
         Self { recordings, span: Span::Head, iterations: FIT_ITERATIONS, restarts: RESTARTS }
     }
 
     /// Selects the first part of some recordings, for a comparison of candidates.
     pub fn searching(recordings: Vec<usize>) -> Self {
-        Self { iterations: SEARCH_ITERATIONS, ..Self::heads(recordings) }
+        Self { iterations: SEARCH_ITERATIONS, ..Self::first_parts(recordings) }
     }
 
     /// Selects the first part of some recordings, for a first ranking.
-    pub fn trying(recordings: Vec<usize>) -> Self {
-        Self { iterations: TRIAL_ITERATIONS, restarts: TRIAL_RESTARTS, ..Self::heads(recordings) }
+    pub fn first_parts_for_ranking(recordings: Vec<usize>) -> Self {
+        Self { iterations: TRIAL_ITERATIONS, restarts: TRIAL_RESTARTS, ..Self::first_parts(recordings) }
     }
 }
 

@@ -52,7 +52,7 @@ fn left(
         .iter()
         .map(|&recording| RecordingPart { recording, from: FITTED_SHARE, to: 1.0 })
         .collect();
-    let selection = FitSelection::heads(recordings);
+    let selection = FitSelection::first_parts(recordings);
     let parameters = if structure.effects.is_empty() {
         base.clone()
     } else {

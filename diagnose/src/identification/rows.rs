@@ -189,7 +189,7 @@ impl Maker<'_> {
         let p = self.p;
         let gain = p.gearbox.ratio * p.motor.torque_constant_nm_a;
         let one = |index: usize| {
-            let of = |u: &f64| -gain * u.signum() * hat(self.knots_v, index, u.abs());
+            let of = |u: &f64| -gain * u.signum() * hat_function(self.knots_v, index, u.abs());
             let shape: Vec<f64> = control.iter().map(of).collect();
             kernel.smooth(&chain.current_of_drive(&shape))
         };
@@ -233,7 +233,7 @@ impl Maker<'_> {
 }
 
 /// The hat function of a knot: 1 there, 0 at its neighbours and beyond.
-pub fn hat(knots: &[f64], index: usize, at: f64) -> f64 {
+pub fn hat_function(knots: &[f64], index: usize, at: f64) -> f64 {
     let (low, here, high) = (knots[index - 1], knots[index], knots[index + 1]);
     let up = (at - low) / (here - low);
     let down = (high - at) / (high - here);

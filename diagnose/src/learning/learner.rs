@@ -334,7 +334,7 @@ impl LearningTask<'_> {
             iterations: COMPARED_ITERATIONS,
             restarts: 0,
             span,
-            ..FitSelection::heads(recordings)
+            ..FitSelection::first_parts(recordings)
         };
         if elements.iter().any(|e| e.variable == RegimeVariable::Time) {
             let selection = compared((0..count).step_by(2).collect(), Span::Whole);

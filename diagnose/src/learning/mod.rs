@@ -13,7 +13,6 @@ pub mod reading;
 mod templates;
 pub mod visited;
 
-pub use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub(crate) use templates::is_at;
 
 pub use learner::{LearnedModel, LearnedPart, LearningTask, learn};

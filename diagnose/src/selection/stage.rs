@@ -197,7 +197,7 @@ impl Searcher<'_> {
         recordings.extend(present.iter().flat_map(|c| &c.needed));
         recordings.sort_unstable();
         recordings.dedup();
-        let selection = FitSelection::trying(recordings);
+        let selection = FitSelection::first_parts_for_ranking(recordings);
         // a start that is known from elsewhere may be far from the present model
         let near = if signatures.iter().any(EffectSignature::is_seeded) { &[] } else { before };
         let fit = match (present, free) {

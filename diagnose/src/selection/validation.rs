@@ -83,7 +83,7 @@ impl Searcher<'_> {
         if candidate.fit.values.len() > JOINT_PARAMETERS {
             return Some(candidate.fit.clone());
         }
-        let selection = FitSelection::trying(recordings);
+        let selection = FitSelection::first_parts_for_ranking(recordings);
         self.fit(candidate.fit.effects.clone(), &candidate.fit.values, &selection, &candidate.assessments)
     }
 }

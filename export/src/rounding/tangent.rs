@@ -211,7 +211,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use counterpoise_controller::{Controller, Estimator, Learning, Parts, Path, READINGS, Scaling, Signal};
-    use counterpoise_lti::{Mat, StateSpace, Timebase};
+    use counterpoise_linalg::Mat;
+    use counterpoise_lti::{StateSpace, Timebase};
 
     /// A path on an estimator: products, quotients, limits and states that are written before they are read again.
     fn adaptive() -> Controller {

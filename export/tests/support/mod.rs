@@ -11,7 +11,8 @@ use counterpoise_controller::{
     Parts, Path, Projection, READINGS, Readings, SampledController, Scaling, Signal,
 };
 use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 /// A folder for one test, emptied.
 pub fn folder(name: &str) -> PathBuf {
@@ -176,7 +177,7 @@ pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSp
     let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(8.0 * random.signed())).collect();
     let T = &mixed * &Mat::diag(&unit);
     let one_over: Vec<f64> = unit.iter().map(|unit| 1.0 / unit).collect();
-    let W = &Mat::diag(&one_over) * &counterpoise_lti::linalg::inverse(&mixed).unwrap();
+    let W = &Mat::diag(&one_over) * &counterpoise_linalg::inverse(&mixed).unwrap();
     let A = &(&W * &base.A) * &T;
     StateSpace::new(A, &W * &base.B, &base.C * &T, base.D, base.timebase).unwrap()
 }

@@ -43,7 +43,7 @@ impl Dahl {
     }
 
     /// Returns the torque after a displacement with the level of rest: the rate-independent form of [`Dahl::advance`].
-    pub fn displaced(&self, displacement_rad: f64, level: f64, torque_nm: f64) -> f64 {
+    pub fn torque_after(&self, displacement_rad: f64, level: f64, torque_nm: f64) -> f64 {
         let constant = Self { level: self.level.frozen(), ..*self };
         constant.advance(displacement_rad, 1.0, level, torque_nm)
     }
@@ -109,7 +109,7 @@ mod tests {
         let law = dahl(1.0);
         let from = -0.7;
         let expected = 2.0 - (2.0 - from) * (-1e3 * 1.5e-3 / 2.0_f64).exp();
-        assert!((law.displaced(1.5e-3, 1.0, from) - expected).abs() < 1e-14);
+        assert!((law.torque_after(1.5e-3, 1.0, from) - expected).abs() < 1e-14);
     }
 
     #[test]

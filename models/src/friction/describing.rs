@@ -2,7 +2,7 @@
 
 use super::model::FrictionModel;
 use crate::tolerance::{CLOSED, LOOP_STEPS, MOST_PERIODS};
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use std::f64::consts::TAU;
 
 /// One period of the torque under a sinusoidal motion.

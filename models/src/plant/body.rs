@@ -14,8 +14,7 @@
 
 use crate::Error;
 use crate::parameters::Lumped;
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::sym_gen_eigen;
+use counterpoise_linalg::{Mat, sym_gen_eigen};
 
 /// The structure in pinned-free modal coordinates; the module's documentation has the equations.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::Plant;
 use crate::parameters::{AmplifierDynamics, IDEAL_LAG_S};
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 
 /// Index of each state of the core, the same for every machine (see [`Plant::has_state`]); the modes follow from [`state::MODES`] on as pairs (q, q').
 pub mod state {
@@ -83,7 +83,8 @@ impl Plant {
     /// w_m = N (w_h - w_p). A lag or an inductance of 0 leaves its state out: see [`Plant::current_row`].
     pub fn core(&self, mesh: Mesh) -> Core {
         let n = self.core_order();
-        let mut core = Core { A: Mat::zeros(n, n), B: Mat::zeros(n, input::COUNT), carried: self.carried() };
+        let mut core =
+            Core { A: Mat::zeros(n, n), B: Mat::zeros(n, input::COUNT), carried: self.carried_moments() };
         self.electrical_rows(&mut core);
         self.mechanical_rows(&mut core, mesh);
         core

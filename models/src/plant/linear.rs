@@ -6,7 +6,8 @@ use crate::Error;
 use crate::friction::FrictionModel;
 use crate::friction::describing::describing_function;
 use crate::parameters::{Axis, Friction};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 /// What takes the place of dry friction.
 #[derive(Debug, Clone, Copy, PartialEq)]

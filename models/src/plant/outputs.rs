@@ -65,7 +65,7 @@ impl Plant {
     /// Returns the current over the states that are kept and the inputs.
     pub(super) fn linear_current(&self, kept: &[usize], slope: f64) -> OutputRow {
         let (n, row) = (self.core_order(), self.current_row());
-        let moved: f64 = row.iter().zip(self.carried()).map(|(entry, c)| entry * c).sum();
+        let moved: f64 = row.iter().zip(self.carried_moments()).map(|(entry, c)| entry * c).sum();
         let mut inputs = [0.0; 3];
         inputs[LinearPlant::CONTROL] = slope * row[n + input::DRIVE];
         inputs[LinearPlant::PITCH_RATE] = row[n + input::PLATFORM_RATE] + moved;

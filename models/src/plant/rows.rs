@@ -91,7 +91,7 @@ impl Plant {
 
     /// Returns the change of the state per change of the platform's rate: the rotor of a rigid transmission turns against the
     /// platform, and its inertia then acts on the hub by ratio (ratio - coupling) J_m x the platform's acceleration.
-    pub(super) fn carried(&self) -> Vec<f64> {
+    pub(super) fn carried_moments(&self) -> Vec<f64> {
         let mut carried = vec![0.0; self.core_order()];
         let (ratio, motor) = (self.parameters.gearbox.ratio, &self.parameters.motor);
         let torque = ratio * (ratio - motor.platform_coupling) * motor.inertia_kg_m2;

@@ -2,7 +2,8 @@
 
 use crate::Error;
 use crate::parameters::Sensor;
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 impl Sensor {
     /// Returns the sensor's dynamics with its gain: gain w^2 / (s^2 + 2 z w s + w^2), with the states [reading / gain, its

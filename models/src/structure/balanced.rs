@@ -4,11 +4,11 @@
 //! The Hankel values of the structure rank its motions, whatever their frequency, and a structure with many local modes needs far fewer of them
 //! than there are modes below the last one that matters. Method of the Gramians: [`low_rank_gramians`].
 
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::sparse::{
-    Accuracy, Ports, QuadraticPencil, Wanted, Watch, low_rank_gramians, lowest_modes,
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{
+    Mat, Sparse,
+    sparse::{Accuracy, Ports, QuadraticPencil, Wanted, Watch, low_rank_gramians, lowest_modes},
 };
-use counterpoise_lti::linalg::{self, Sparse};
 
 use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
 use super::large::{Clamped, SparseStructure, orthonormal};

@@ -3,8 +3,7 @@
 use super::fe::FeModel;
 use super::modes::Modes;
 use crate::Error;
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::solve;
+use counterpoise_linalg::{Mat, solve};
 
 /// A frequency and the damping ratio there.
 #[derive(Debug, Clone, Copy, PartialEq)]

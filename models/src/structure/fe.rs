@@ -7,7 +7,7 @@ use super::profile::Profile;
 use crate::Error;
 use crate::parameters::{Beam, PointMass};
 use crate::tolerance::AT_PIVOT;
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use nalgebra::Matrix4;
 
 /// M q'' + C q' + K q = p, q the deflections (upward, perpendicular to the axis) and rotations (nose-up) of the nodes.
@@ -117,7 +117,7 @@ impl FeModel {
 
     /// M heave: the mass and first moment that each unknown carries, kg and kg m. Weight and heave load the structure with
     /// -(g + a_p) cos theta of it.
-    pub fn carried(&self) -> Vec<f64> {
+    pub fn carried_moments(&self) -> Vec<f64> {
         (&self.M * &Mat::col(&self.heave)).as_slice().to_vec()
     }
 

@@ -4,9 +4,11 @@
 //! clamped structure in place of those that are held at every kept node. One Cholesky factorisation of the stiffness with the
 //! hub clamped serves all of them: a load that is in equilibrium with the rigid motions needs no reaction at the hub.
 
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::sparse::{Analysis, Progress, Watch};
-use counterpoise_lti::linalg::{self, Sparse, SparseCholesky};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{
+    Mat, Sparse, SparseCholesky,
+    sparse::{Analysis, Progress, Watch},
+};
 
 use super::balanced::BalancedShapes;
 use super::fe::{FeModel, NodeRows};

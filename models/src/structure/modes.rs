@@ -3,8 +3,7 @@
 use super::fe::FeModel;
 use crate::Error;
 use crate::tolerance::FREE;
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::sym_gen_eigen;
+use counterpoise_linalg::{Mat, sym_gen_eigen};
 
 /// How the structure is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

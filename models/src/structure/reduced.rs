@@ -5,7 +5,7 @@ use super::modes::{Direction, Modes, Support, modes};
 use crate::Error;
 use crate::parameters::Lumped;
 use crate::plant::{Body, BodyMode};
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 
 /// The structure pinned at the hub, as the plant takes it, with what the plant does not need.
 ///

@@ -3,10 +3,10 @@
 //! A Lanczos iteration finds the modes, the signs of the pivots of the shifted stiffness count them: one factorisation in which the hub is
 //! eliminated last counts those of all three supports.
 
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg;
-use counterpoise_lti::linalg::sparse::{
-    Cut, LowestModes, ModeCounter, Progress, Wanted, Watch, highest_cut, lowest_modes,
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{
+    Mat,
+    sparse::{Cut, LowestModes, ModeCounter, Progress, Wanted, Watch, highest_cut, lowest_modes},
 };
 
 use super::large::{Clamped, SparseStructure, orthonormal};

@@ -1,6 +1,5 @@
 use super::{assert_close, options, uniform};
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::eigenvalues;
+use counterpoise_linalg::{Mat, eigenvalues};
 use counterpoise_models::structure::damping::{
     modal, modal_with_stiffness, rayleigh, rayleigh_coefficients, state_matrix,
 };

@@ -1,6 +1,5 @@
 use super::{assert_all, assert_close, options, uniform};
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::Sparse;
+use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, dmig, matrix_market, op4};
 use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Support, lumped, modes};
@@ -305,11 +304,10 @@ fn rotations_without_mass_follow_statically() {
     let rotations: Vec<usize> = (0..n).filter(|i| i % 2 == 1 && *i != 7).collect();
     let part = |a: &[usize], b: &[usize]| sparse.K.select(a, b);
     let follow =
-        counterpoise_lti::linalg::solve(&part(&rotations, &rotations), &part(&rotations, &translations))
-            .unwrap();
+        counterpoise_linalg::solve(&part(&rotations, &rotations), &part(&rotations, &translations)).unwrap();
     let condensed = &part(&translations, &translations) - &(&part(&translations, &rotations) * &follow);
     let mass = sparse.M.select(&translations, &translations);
-    let (values, _) = counterpoise_lti::linalg::sym_gen_eigen(&condensed.symmetric_part(), &mass).unwrap();
+    let (values, _) = counterpoise_linalg::sym_gen_eigen(&condensed.symmetric_part(), &mass).unwrap();
     let expected: Vec<f64> = values.iter().map(|v| v.sqrt()).collect();
     assert_all(&found.frequencies_rad_s, &expected, 1e-9);
     assert_eq!(modes(&sparse, Support::Pinned).unwrap().rigid, 1);

@@ -1,6 +1,5 @@
 use super::{assert_all, assert_close, options, uniform};
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::Sparse;
+use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::structure::{
     Condensation, Direction, FeModel, Fitted, Integration, Mesh, NodeRows, Shapes, SparseStructure, Support,
     modes, pinned,

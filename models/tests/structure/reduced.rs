@@ -1,6 +1,5 @@
 use super::{assert_close, options, uniform};
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::{solve, sym_gen_eigen};
+use counterpoise_linalg::{Mat, solve, sym_gen_eigen};
 use counterpoise_models::plant::Body;
 use counterpoise_models::structure::{
     FeModel, Fitted, Integration, Mesh, Support, locked, lumped, modes, pinned,

@@ -1,5 +1,5 @@
 use super::{assert_close, frequencies, uniform, unit_beam};
-use counterpoise_lti::linalg::sym_gen_eigen;
+use counterpoise_linalg::sym_gen_eigen;
 use counterpoise_models::SectionShape;
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory};
 

@@ -1,6 +1,7 @@
 //! Linear systems, transfer functions and frequency responses as plain data.
 
-use counterpoise_lti::{C64, Mat, Response, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{Response, StateSpace, Timebase};
 use counterpoise_synth::Weight;
 use serde::Serialize;
 

@@ -129,12 +129,12 @@ impl Bench<'_> {
         let mut best: Option<Change> = None;
         for (knob, factor, _) in candidates.into_iter().take(TRIED) {
             let Some(after) = self.measured(&figures, Some((knob, factor)))? else { continue };
-            let holds = requirement.limit.room(after[0]) >= 0.0;
+            let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
             let gain_margin_db = after[1] - before[1];
             let change = Change { key: knob.0, factor, value: after[0], gain_margin_db, holds };
             let better = |old: &Change| {
-                (change.holds, requirement.limit.room(after[0]).min(0.0))
-                    > (old.holds, requirement.limit.room(old.value).min(0.0))
+                (change.holds, requirement.limit.distance_to_limit(after[0]).min(0.0))
+                    > (old.holds, requirement.limit.distance_to_limit(old.value).min(0.0))
             };
             if best.as_ref().is_none_or(better) {
                 best = Some(change);

@@ -1,7 +1,8 @@
 //! A design compared: other methods with the same figures, what a lower order costs, the tip beside the hub, other states of
 //! balance, and a plant with modes that the design neglects.
 
-use counterpoise_lti::{C64, StateSpace};
+use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
     Alternative, Channel, Design, DesignPlant, Figures, JointOptimum, Method, Reference, Refusal, Sampled,

@@ -6,11 +6,12 @@
 
 use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
 use counterpoise_diagnose::simulator_access::{Pool, map};
-use counterpoise_lti::{C64, StateSpace, response_at};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{FrictionLaw, OperatingPoint};
 use counterpoise_recordings::{Channel, Recording};
-pub use counterpoise_simulate::fra::Measurement;
+use counterpoise_simulate::fra::Measurement;
 use counterpoise_simulate::fra::{self, Response, Settings, Test, TestSine};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed::resolver_use;
@@ -443,7 +444,7 @@ fn excited(found: &Response, period_s: f64) -> bool {
     found.input.harmonics[0].norm() > ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
 }
 
-fn column(all: &counterpoise_lti::CMat, input: usize) -> Vec<C64> {
+fn column(all: &counterpoise_linalg::CMat, input: usize) -> Vec<C64> {
     (0..all.nrows()).map(|i| all[(i, input)]).collect()
 }
 

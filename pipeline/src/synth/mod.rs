@@ -6,7 +6,8 @@ mod design_plant;
 pub mod friction_observers;
 pub mod schedule;
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, series};
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
     Alternative, Channel, Design, Entry, Finding, Method, Reference, Sampled, Sampling, alternative, design,

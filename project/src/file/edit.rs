@@ -85,7 +85,7 @@ pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, E
     let mut document = open(text)?;
     let value = setting
         .to_toml()
-        .map_err(|_| EditError::BadValue { path: path.to_owned(), value: setting.spelt() })?;
+        .map_err(|_| EditError::BadValue { path: path.to_owned(), value: setting.as_written() })?;
     let steps = steps(path)?;
     let Some((last, way)) = steps.split_last() else {
         return Err(EditError::BadPath { path: path.to_owned() });
@@ -104,7 +104,7 @@ pub(crate) fn set_first(text: &str, key: &str, setting: &Setting) -> Result<Stri
     if document.contains_key(key) {
         return set(text, key, setting);
     }
-    let line = format!("{key} = {}\n", setting.spelt());
+    let line = format!("{key} = {}\n", setting.as_written());
     // Comments at the top belong to the whole file: the key follows them, before an empty line or the first key.
     let top = text.lines().take_while(|line| line.trim_start().starts_with('#')).count();
     let at: usize = text.split_inclusive('\n').take(top).map(str::len).sum();

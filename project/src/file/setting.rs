@@ -44,7 +44,7 @@ fn list<T>(items: &[T], spell: impl Fn(&T) -> String) -> String {
 
 impl Setting {
     /// The value as the file spells it.
-    pub fn spelt(&self) -> String {
+    pub fn as_written(&self) -> String {
         match self {
             Self::Number(value) => number(*value),
             Self::Whole(value) => value.to_string(),
@@ -52,7 +52,7 @@ impl Setting {
             Self::Numbers(values) => list(values, |v| number(*v)),
             Self::Texts(texts) => list(texts, |t| quoted(t)),
             Self::Pairs(pairs) => list(pairs, |[a, b]| format!("[{}, {}]", number(*a), number(*b))),
-            Self::List(items) => list(items, Self::spelt),
+            Self::List(items) => list(items, Self::as_written),
         }
     }
 
@@ -62,6 +62,6 @@ impl Setting {
     }
 
     pub(crate) fn to_toml(&self) -> Result<toml_edit::Value, toml_edit::TomlError> {
-        self.spelt().parse()
+        self.as_written().parse()
     }
 }

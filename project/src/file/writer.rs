@@ -24,7 +24,7 @@ pub(crate) fn canonical(lines: &[Line]) -> String {
             }
             Line::Value { key, setting, unit, meaning, usual: false, tolerance, .. } => {
                 let meaning = if key.replace('_', " ") == *meaning { "" } else { meaning };
-                commented(&format!("{key} = {}", spelt(setting, tolerance)), unit, meaning, &mut text);
+                commented(&format!("{key} = {}", as_written(setting, tolerance)), unit, meaning, &mut text);
                 at + 1
             }
             Line::Value { .. } | Line::Close => at + 1,
@@ -34,10 +34,10 @@ pub(crate) fn canonical(lines: &[Line]) -> String {
 }
 
 /// Returns a value as the file spells it, with its tolerance.
-pub(crate) fn spelt(setting: &Setting, tolerance: &Option<String>) -> String {
+pub(crate) fn as_written(setting: &Setting, tolerance: &Option<String>) -> String {
     match tolerance {
-        None => setting.spelt(),
-        Some(tolerance) => format!("{{ value = {}, tolerance = {tolerance} }}", setting.spelt()),
+        None => setting.as_written(),
+        Some(tolerance) => format!("{{ value = {}, tolerance = {tolerance} }}", setting.as_written()),
     }
 }
 
@@ -103,7 +103,7 @@ fn inline(lines: &[Line], open: usize, text: &mut String) -> usize {
     let end = close(lines, open);
     let values = lines[open + 1..end].iter().filter_map(|line| match line {
         Line::Value { key, setting, usual: false, tolerance, .. } => {
-            Some(format!("{key} = {}", spelt(setting, tolerance)))
+            Some(format!("{key} = {}", as_written(setting, tolerance)))
         }
         _ => None,
     });

@@ -4,7 +4,8 @@ use counterpoise_controller::{
     COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Parts, Path,
     Projection, READINGS, Scaling, Signal,
 };
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use serde::Deserialize;
 
 /// An exported controller as its file has it.

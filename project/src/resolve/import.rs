@@ -2,8 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use counterpoise_lti::linalg::Sparse;
-use counterpoise_lti::linalg::sparse::Watch;
+use counterpoise_linalg::{Sparse, sparse::Watch};
 use counterpoise_models::PointMass;
 use counterpoise_models::structure::fe::Fitted;
 use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};

@@ -206,7 +206,7 @@ impl Project {
             if let Line::Value { path, tolerance, usual, .. } = line
                 && let Some(found) = self.tolerances.iter().find(|t| t.key == *path)
             {
-                (*tolerance, *usual) = (Some(found.spelt()), false);
+                (*tolerance, *usual) = (Some(found.as_written()), false);
             }
         }
         lister.lines

@@ -47,7 +47,7 @@ impl Project {
                     open.pop();
                 }
                 Line::Value { key, setting, unit, meaning, usual: false, tolerance, .. } => {
-                    let value = ValueStatement { key, value: setting.spelt(), unit, meaning, tolerance };
+                    let value = ValueStatement { key, value: setting.as_written(), unit, meaning, tolerance };
                     if let Some(section) = open.last().and_then(|at| sections.get_mut(*at)) {
                         section.values.push(value);
                     }
@@ -64,7 +64,7 @@ impl Project {
     pub fn meaning(&self) -> String {
         let line = |line: &Line| match line {
             Line::Value { path, setting, usual: false, tolerance, .. } if path != "format" => {
-                Some(format!("{path} = {}\n", writer::spelt(setting, tolerance)))
+                Some(format!("{path} = {}\n", writer::as_written(setting, tolerance)))
             }
             _ => None,
         };

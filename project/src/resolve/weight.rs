@@ -1,6 +1,6 @@
 //! Weights by the name of their form, then the keys of that form.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_synth::Weight;
 
 use super::model::count;

@@ -2,7 +2,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 
 /// All numeric matrices of a file by name.
 pub fn read(path: &Path) -> HashMap<String, Mat> {

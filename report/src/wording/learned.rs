@@ -3,9 +3,8 @@
 use counterpoise_diagnose::findings::answer::Channels;
 use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
 use counterpoise_diagnose::learning::visited::RangeExceedance;
-use counterpoise_diagnose::learning::{
-    LearnedElement, LearnedModel, LearnedPart, LearnedPlace, LearnedQuantity, RegimeVariable,
-};
+use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
+use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 use counterpoise_plot::number::short;
 use serde::Serialize;
 

@@ -295,7 +295,7 @@ impl Attempt {
     }
 
     /// Returns the angles of motor and pivot to which friction has travelled at the end, rad.
-    pub fn travelled(&self) -> [f64; 2] {
+    pub fn friction_angles(&self) -> [f64; 2] {
         self.travelled
     }
 

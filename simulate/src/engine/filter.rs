@@ -2,7 +2,7 @@
 
 use super::moments::{Moments, cardinal_weights};
 use super::tables::DEEPEST;
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use counterpoise_models::Sensor;
 use nalgebra::{Matrix2, Matrix2x4, Vector2, Vector4};
 

@@ -5,7 +5,7 @@ use super::modal::modal;
 use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable, step_table};
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use counterpoise_models::plant::Core;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::{Mesh, Plant};

@@ -8,8 +8,7 @@
 use crate::tolerance::{
     FEWEST_MODAL_STATES, LARGEST_HEAD, MODAL_ROUNDING, MODAL_ROUNDING_OF_RATES, OSCILLATES, SKEWEST,
 };
-use counterpoise_lti::linalg::{balance, inverse, schur, solve};
-use counterpoise_lti::{C64, Mat};
+use counterpoise_linalg::{C64, Mat, balance, inverse, schur, solve};
 
 /// x = V z, z = W x, W A V = blocks: one of `head` states, then pairs.
 pub(crate) struct Modal {

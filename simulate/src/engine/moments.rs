@@ -1,7 +1,7 @@
 //! How a linear core moves over a time, exactly: its exponential, and the answer to polynomial inputs.
 
 use crate::tolerance::{SERIES_NORM, SERIES_TERMS};
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 
 /// Nodes of a step, as fractions of it: the four points of Lobatto's rule. A polynomial through them integrates with
 /// order six at the end of the step.

@@ -252,7 +252,7 @@ impl Present {
         self.friction = attempt.friction();
         self.bonds.copy(attempt.bonds());
         self.seen = *ahead;
-        self.travelled = Some(attempt.travelled());
+        self.travelled = Some(attempt.friction_angles());
         let bus = self.bus_voltage_v();
         let voltage = self.seen[VOLTAGE];
         let wanted = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };

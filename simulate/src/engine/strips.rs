@@ -1,6 +1,6 @@
 //! Matrices stored for one product after another with vectors.
 
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 
 /// Rows that are worked on at a time: eight independent chains of two lanes keep a plain SSE2 core busy.
 const WIDE: usize = 16;

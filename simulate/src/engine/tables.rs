@@ -4,7 +4,7 @@
 use super::linear::{Linear, Span};
 use super::moments::{MIDDLE, NODES, cardinal_weights};
 use super::strips::{Strips, padded};
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::input;
 use nalgebra::Matrix2;
 

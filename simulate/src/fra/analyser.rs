@@ -1,9 +1,8 @@
 //! The analyser itself: mean, fundamental and harmonics of sampled signals over whole cycles.
 
 use crate::Error;
-use counterpoise_lti::C64;
-use counterpoise_lti::Mat;
-use counterpoise_lti::linalg;
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{C64, Mat};
 use std::f64::consts::TAU;
 
 /// Harmonics that are fitted beside the mean, the fundamental included.

@@ -2,7 +2,7 @@
 
 use crate::engine::moments::Moments;
 use crate::tolerance::{IDEAL_FREQUENCY, LEAST_NOISE, PRIOR_DEVIATION, ROUGHNESS_DECADES, SETTLED_VARIANCE};
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use counterpoise_models::Sensor;
 use nalgebra::{SMatrix, SVector};
 

@@ -11,7 +11,7 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 
 use counterpoise_host::files::Disk;
-pub use counterpoise_host::journals::journal_path;
+use counterpoise_host::journals::journal_path;
 use counterpoise_host::worker::Wake;
 use serde::{Deserialize, Serialize};
 

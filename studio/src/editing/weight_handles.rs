@@ -196,7 +196,7 @@ pub fn round_to_three_digits(value: f64) -> f64 {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use counterpoise_lti::C64;
+    use counterpoise_linalg::C64;
 
     fn all() -> Vec<Weight> {
         let pole = C64::new(-14.0, 14.282_856_857_085_7);

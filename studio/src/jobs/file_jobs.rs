@@ -270,7 +270,7 @@ impl ProjectStore {
 
     /// Returns the edits in a project's journal as one command, or `None` if they lead to the text on disk.
     fn unsaved_edits(&self, path: &Path, text: &str) -> Option<RestoredEdits> {
-        let found = journal::recover(&journal::journal_path(&self.state, path))?;
+        let found = journal::recover(&counterpoise_host::journals::journal_path(&self.state, path))?;
         let mut before = Session::new(&found.header.text, &file_name(path), Attachments::none());
         let applies = found.commands.iter().all(|command| before.apply(command).is_ok());
         (applies && before.text() != text).then(|| RestoredEdits {

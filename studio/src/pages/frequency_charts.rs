@@ -22,7 +22,7 @@ pub fn frequency_chart(view: &View, title: &str, label: &str) -> Chart {
 
 /// Returns the moduli of a response in the chosen units.
 pub fn magnitude_points(view: &View, frequencies_hz: &[f64], response: &Response) -> Vec<[f64; 2]> {
-    let point = |(f, h): (&f64, &counterpoise_lti::C64)| {
+    let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
         [view.units.display_frequency(f * TAU), view.units.display_gain(h.norm())]
     };
     frequencies_hz.iter().zip(&response.response).map(point).collect()

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_report::bode::BodeCurve;
 use counterpoise_verify::linear::loop_shape::nichols;

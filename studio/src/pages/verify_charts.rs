@@ -166,7 +166,7 @@ fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
             Arrangement::Feedback => ("feedback", 1, Dash::Dashed),
             Arrangement::Compensated => ("with feedforward", 0, Dash::Solid),
         };
-        let point = |(f, h): (&f64, &counterpoise_lti::C64)| {
+        let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
             let rate = view.units.display_frequency(f * std::f64::consts::TAU);
             [rate, view.units.display_gain(h.norm())]
         };

@@ -12,7 +12,9 @@ use counterpoise_project::starters::Kind;
 use super::{OpenProject, Studio, WindowClosing};
 use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Command};
-use crate::editing::journal::{JournalHeader, journal_path};
+use counterpoise_host::journals::journal_path;
+
+use crate::editing::journal::JournalHeader;
 use crate::editing::journal_writer::JournalEnding;
 use crate::editing::project_lock::ProjectLock;
 use crate::editing::recent_files::RecentList;

@@ -1,7 +1,7 @@
 //! The functions that a Youla parameter is made of, orthonormal on the grid.
 
-use counterpoise_lti::linalg::svd;
-use counterpoise_lti::{C64, Mat, zeros};
+use counterpoise_linalg::{C64, Mat, svd};
+use counterpoise_lti::zeros;
 
 use super::Ground;
 use crate::Error;

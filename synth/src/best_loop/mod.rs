@@ -13,8 +13,9 @@ mod program;
 #[cfg(test)]
 mod tests;
 
+use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, StateSpace, is_stable};
+use counterpoise_lti::{StateSpace, is_stable};
 
 use crate::sampling::sampled_plant;
 use crate::tuning::{Clock, Density, Disturbance, LoopGrid, LoopLimits, bilinear_factor};

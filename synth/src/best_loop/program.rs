@@ -5,8 +5,7 @@
 //!                       |1 - P Q_k| <= Ms,  |P Q_k| <= Mt,  |Q_k| <= KS  at the used frequencies,   P(0) Q(0) = 1
 //! ```
 
-use counterpoise_lti::linalg::{Cone, ConeProgram, Unsolved, qr_r};
-use counterpoise_lti::{C64, Mat};
+use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, Unsolved, qr_r};
 
 use super::Ground;
 use super::basis::Basis;

@@ -1,7 +1,7 @@
 //! A feedforward from a noisy sensor: the optimal filter in front, and what is not known after it.
 
-use counterpoise_lti::linalg::{care, sylvester};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::{Mat, care, sylvester};
+use counterpoise_lti::{StateSpace, Timebase};
 
 use super::{Problem, Regulator};
 use crate::Error;

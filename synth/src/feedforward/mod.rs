@@ -12,8 +12,8 @@
 
 mod measured;
 
-use counterpoise_lti::linalg::{Riccati, care, inverse, lyap, sylvester};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::{Mat, Riccati, care, inverse, lyap, sylvester};
+use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};

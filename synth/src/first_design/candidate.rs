@@ -2,7 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
 
 use super::Circumstances;

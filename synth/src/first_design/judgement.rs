@@ -1,8 +1,8 @@
 //! What a sampled loop does, against what it must keep.
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    C64, Discretisation, Margins, Mat, StateSpace, c2d, candidate_margins, feedback as closed, h2norm, poles,
-    series,
+    Discretisation, Margins, StateSpace, c2d, candidate_margins, feedback as closed, h2norm, poles, series,
 };
 
 use super::Circumstances;

@@ -1,7 +1,7 @@
 //! Plants beside the plant: every lightly damped mode a little off, and less damped.
 
-use counterpoise_lti::linalg::{CSvd, csvd};
-use counterpoise_lti::{C64, CMat, Mat, poles};
+use counterpoise_linalg::{C64, CMat, CSvd, Mat, csvd};
+use counterpoise_lti::poles;
 
 use crate::tolerance::{DEFECTIVE_MODE, LIGHTLY_DAMPED, MODE_SHIFT};
 use crate::{DesignPlant, Error};

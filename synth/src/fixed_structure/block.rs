@@ -1,6 +1,6 @@
 //! One block of a feedback of fixed structure: its transfer function, its roots, and its slopes in its parameters.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use crate::rational::Rational;
 use crate::weight::quadratic_roots;

@@ -9,7 +9,8 @@
 
 mod block;
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase, series};
 
 pub use block::{Block, BlockKind, Parameter, ParameterName};
 
@@ -75,7 +76,8 @@ impl FixedStructure {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_lti::{C64, response_at};
+    use counterpoise_linalg::C64;
+    use counterpoise_lti::response_at;
 
     /// Values at which no two roots of a block coincide.
     fn example(kind: BlockKind) -> Vec<f64> {

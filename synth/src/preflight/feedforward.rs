@@ -1,6 +1,7 @@
 //! Whether a feedforward's weights and generator make a solvable problem.
 
-use counterpoise_lti::{C64, StateSpace, poles};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{StateSpace, poles};
 
 use super::gain::Gain;
 use super::{against_plant, axis_roots, not_stable, weight_forms, well_formed};

@@ -1,7 +1,8 @@
 //! The gain of a plant over frequency, as the checks before solving need it.
 
+use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, StateSpace};
 
 use crate::{Error, Rational, Weight};
 

@@ -6,9 +6,9 @@ pub(crate) mod gain;
 use feedforward::check_feedforward;
 use gain::Gain;
 
-use counterpoise_lti::linalg::csingular_values;
+use counterpoise_linalg::{C64, CMat, Mat, csingular_values};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, CMat, Mat, StateSpace, poles, zeros};
+use counterpoise_lti::{StateSpace, poles, zeros};
 
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};

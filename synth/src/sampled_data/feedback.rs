@@ -1,6 +1,7 @@
 //! The feedback on the sampled problem.
 
-use counterpoise_lti::{Mat, StateSpace, delay_samples};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
 use super::held::{Problem, bilinear, undelayed, under_hold};

@@ -1,7 +1,7 @@
 //! A feedforward on the sampled problem.
 
-use counterpoise_lti::linalg::dsylvester;
-use counterpoise_lti::{Mat, StateSpace, delay_samples};
+use counterpoise_linalg::{Mat, dsylvester};
+use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
 use super::held::{Problem, bilinear, undelayed, under_hold, widened};

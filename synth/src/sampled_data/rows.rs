@@ -1,6 +1,7 @@
 //! A system that is built from its signals.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::Error;
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::LN_2;
 
-use counterpoise_lti::{C64, StateSpace};
+use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
 
 use super::family::{Family, GridResponse};
 use super::grid::LoopGrid;

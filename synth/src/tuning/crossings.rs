@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use super::LoopLimits;
 use super::evaluation::{LoopResponse, Row};

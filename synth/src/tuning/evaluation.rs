@@ -1,6 +1,6 @@
 //! Objective and limits of a loop at a point, each with its slopes.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use super::crossings::crossings;
 use super::family::GridResponse;

@@ -1,6 +1,7 @@
 //! What a tuning moves: a family of sampled feedbacks over the logarithms of its parameters.
 
-use counterpoise_lti::{C64, StateSpace};
+use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
 
 use super::TunedFeedback;
 use super::grid::LoopGrid;

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use counterpoise_lti::{C64, StateSpace, poles, zeros};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{StateSpace, poles, zeros};
 
 use super::Disturbance;
 use crate::Error;

@@ -1,8 +1,9 @@
 //! The limits of a tuned loop, and the figures of any sampled loop, computed from state-space systems.
 
 use counterpoise_controller::{Controller, Signal};
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, feedback, h2norm, linfnorm, margins, poles, series};
+use counterpoise_lti::{StateSpace, Timebase, feedback, h2norm, linfnorm, margins, poles, series};
 
 use super::Disturbance;
 use crate::figures::reached;

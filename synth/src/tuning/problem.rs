@@ -1,7 +1,8 @@
 //! The problem of the tuning as numbers: which parameters move, between what, and on which plants.
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, Mat, StateSpace, feedback, poles, series};
+use counterpoise_lti::{StateSpace, feedback, poles, series};
 
 use super::blocks::Blocks;
 use super::family::Family;

@@ -1,6 +1,6 @@
 //! A weight as what moves in a tuning: its modulus far above its roots, and the roots off the origin.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use crate::Weight;
 

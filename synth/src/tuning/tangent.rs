@@ -5,7 +5,7 @@
 //!     under   f_p + g_p' h <= t,    v_i + g_i' h <= s,    s >= 0,    low <= h <= high
 //! ```
 
-use counterpoise_lti::linalg::{Cone, ConeProgram, Unsolved};
+use counterpoise_linalg::{Cone, ConeProgram, Unsolved};
 
 use super::evaluation::{Evaluation, Row};
 use crate::Error;

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use super::problem::Problem;
 use super::*;

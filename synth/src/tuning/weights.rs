@@ -13,8 +13,9 @@ use std::cell::RefCell;
 use std::f64::consts::PI;
 
 use counterpoise_controller::Signal;
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d};
+use counterpoise_lti::{Discretisation, StateSpace, c2d};
 
 use super::TunedFeedback;
 use super::evaluation::POLE_STEP;

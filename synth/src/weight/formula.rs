@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use crate::weight::Weight;
 

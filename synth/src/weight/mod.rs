@@ -8,7 +8,8 @@ mod meaning;
 #[cfg(test)]
 mod tests;
 
-use counterpoise_lti::{C64, StateSpace};
+use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
 
 use crate::Error;
 use crate::rational::Rational;

@@ -1,7 +1,7 @@
 //! The reference rig as a design plant, for tests.
 #![allow(clippy::unwrap_used, dead_code)]
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::{
     Angles, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
 };

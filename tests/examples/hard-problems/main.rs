@@ -4,9 +4,12 @@
 
 use std::io::BufRead;
 
-use counterpoise_lti::linalg::sparse::{Entry, Sparse};
-use counterpoise_lti::linalg::{self, Mat, Outcome, Riccati};
-use counterpoise_lti::{C64, Descriptor, Discretisation, StateSpace, Timebase};
+use counterpoise_linalg as linalg;
+use counterpoise_linalg::{
+    C64, Mat, Outcome, Riccati,
+    sparse::{Entry, Sparse},
+};
+use counterpoise_lti::{Descriptor, Discretisation, StateSpace, Timebase};
 use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at, minimal};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};

@@ -8,7 +8,8 @@ use counterpoise_controller::{Controller, Parts, ProportionalIntegral, Signal as
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, pack, plant_unit};
 use counterpoise_export::{File, Options};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
 use counterpoise_project::resolve::controller::RecordingController;

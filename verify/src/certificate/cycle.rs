@@ -5,7 +5,8 @@
 //! growth turns into fading is a stable limit cycle, one at which fading turns into growth an unstable one: a disturbance beyond it
 //! leads to the next stable one. (A. Gelb and W. Vander Velde, *Multiple-Input Describing Functions*, 1968, ch. 3.)
 
-use counterpoise_lti::{C64, Response};
+use counterpoise_linalg::C64;
+use counterpoise_lti::Response;
 
 use super::Subject;
 use super::elements::{Elements, Learning, Linear, Sinusoid};
@@ -97,7 +98,7 @@ impl<'a> Balance<'a> {
         let point = &subject.procedure.operating_point;
         let rest = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
         let period_s = rest.plant.sample_period_s;
-        let start_rad_s = rest.liveliest().map_or(1.0, |pole| rate_of(pole, period_s));
+        let start_rad_s = rest.least_stable_pole().map_or(1.0, |pole| rate_of(pole, period_s));
         Ok(Self {
             subject,
             teeth: teeth(subject.case, point)?,
@@ -126,7 +127,7 @@ impl<'a> Balance<'a> {
             let mut elements = Elements::harmonic(self.subject, &motion)?;
             elements.mesh_share = self.mesh_share(&motion);
             let linear = Linear::close(self.subject, &elements, Learning::Still)?;
-            let Some(pole) = linear.liveliest() else { return Ok(None) };
+            let Some(pole) = linear.least_stable_pole() else { return Ok(None) };
             let frequency = rate_of(pole, linear.plant.sample_period_s);
             motion.frequency_rad_s = frequency;
             motion.motor_over_hub = motor_over_hub(&linear, frequency)?.unwrap_or(ratio);

@@ -2,7 +2,8 @@
 //! linear path for each friction observer.
 
 use counterpoise_controller::{Controller, FrictionObserver, Parts, Path, Scaling, Signal};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, lft, poles, series};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, lft, poles, series};
 use counterpoise_models::Parameters;
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant, impedance};
@@ -223,14 +224,14 @@ impl Linear {
     }
 
     /// Returns the pole of largest modulus; 0 without poles.
-    pub fn outermost(&self) -> C64 {
+    pub fn largest_pole(&self) -> C64 {
         let zero = C64::new(0.0, 0.0);
         self.poles.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or(zero)
     }
 
     /// Returns the pole that a harmonic balance looks at: the oscillating pole of largest modulus, or a real one that grows faster, as a
     /// negative stiffness gives; `None` if there is neither.
-    pub fn liveliest(&self) -> Option<C64> {
+    pub fn least_stable_pole(&self) -> Option<C64> {
         let lively = |pole: &C64| pole.im > 0.0 || (pole.im == 0.0 && pole.re > 1.0);
         let all = self.poles.iter().copied().filter(lively);
         all.max_by(|a, b| a.norm().total_cmp(&b.norm()))

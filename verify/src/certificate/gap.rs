@@ -62,7 +62,7 @@ impl Balance<'_> {
             let mut elements = Elements::harmonic(self.subject, &motion)?;
             elements.mesh_share = share;
             let linear = Linear::close(self.subject, &elements, Learning::Still)?;
-            let Some(pole) = linear.liveliest() else { return Ok(None) };
+            let Some(pole) = linear.least_stable_pole() else { return Ok(None) };
             let period_s = linear.plant.sample_period_s;
             let frequency = rate_of(pole, period_s);
             let over = motor_over_hub(&linear, frequency)?.unwrap_or(gearbox.ratio);

@@ -19,8 +19,7 @@
 //! The search is a second-order cone program at the points of a grid. It is heuristic: what it finds is shown to hold between the
 //! points by [`Multiplier::proves`].
 
-use counterpoise_lti::linalg::{Cone, ConeProgram};
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat, Cone, ConeProgram};
 
 use crate::structured::taylor::{Interval, Taylor};
 use crate::tolerance::{KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};

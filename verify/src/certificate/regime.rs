@@ -1,6 +1,7 @@
 //! The linear loop in each regime of friction, gear teeth and estimator.
 
-use counterpoise_lti::{C64, Response, StateSpace};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::friction::FrictionModel;
 
 use super::elements::{Elements, Learning, Linear};
@@ -128,7 +129,7 @@ fn loop_in(subject: &Subject<'_>, regime: Regime, elements: &Elements) -> Result
         _ => Learning::Still,
     };
     let linear = Linear::close(subject, elements, learning)?;
-    let (pole, period_s) = (linear.outermost(), linear.plant.sample_period_s);
+    let (pole, period_s) = (linear.largest_pole(), linear.plant.sample_period_s);
     let pole_radius = pole.norm();
     let stable = pole_radius < 1.0;
     let loop_gain = on_grid(&linear)?;

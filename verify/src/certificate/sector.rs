@@ -14,8 +14,7 @@
 //!
 //! The argument does not apply to friction observers in the loop, which give energy, nor to teeth that friction can hold apart.
 
-use counterpoise_lti::linalg::csolve;
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat, csolve};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::{Friction, FrictionLaw};
 

@@ -1,7 +1,8 @@
 //! The closed loop, and the loop broken at the plant's input.
 
 use counterpoise_controller::{Controller, Path, Signal};
-use counterpoise_lti::{C64, Mat, StateSpace, lft, poles, series};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, lft, poles, series};
 
 use super::SampledPlant;
 use super::plant::{Resolver, port};

@@ -1,6 +1,7 @@
 //! Frequency responses of plant, controller, loop and platform to hub.
 
-use counterpoise_lti::{C64, CMat, Response, StateSpace};
+use counterpoise_linalg::{C64, CMat};
+use counterpoise_lti::{Response, StateSpace};
 
 use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;

@@ -1,6 +1,6 @@
 //! The responses of the closed loop to its demand, to a disturbance of the control, and to the noise of its sensors.
 
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat};
 
 use super::SampledPlant;
 use super::frequency::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse, hold};

@@ -1,6 +1,7 @@
 //! The loop as a path in the complex plane: for Nyquist and Nichols charts, with the regions that it must avoid.
 
-use counterpoise_lti::{C64, Response, StateSpace};
+use counterpoise_linalg::C64;
+use counterpoise_lti::{Response, StateSpace};
 
 use super::RootLocus;
 use super::frequency::grid_hz;

@@ -1,6 +1,7 @@
 //! The plant with its sensors, as the sampled controller sees it.
 
-use counterpoise_lti::{Discretisation, Mat, StateSpace, Timebase, append, c2d, delay_samples, series};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{Discretisation, StateSpace, Timebase, append, c2d, delay_samples, series};
 use counterpoise_models::AccelerometerAxis;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::LinearPlant;

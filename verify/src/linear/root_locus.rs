@@ -1,6 +1,7 @@
 //! Where the poles of the closed loop go while its gain varies.
 
-use counterpoise_lti::{C64, Mat, StateSpace, poles, zeros};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, poles, zeros};
 
 use crate::Error;
 use crate::tolerance::{LOCUS_GAINS_PER_DECADE, LOCUS_STEP, MOST_LOCUS_GAINS, NEAREST_POLE};

@@ -1,6 +1,7 @@
 //! Time histories of the linear loop, exact at the samples.
 
-use counterpoise_lti::{Mat, lsim};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::lsim;
 
 use super::plant::port;
 use super::{Closed, SampledPlant};

@@ -76,7 +76,7 @@ impl Campaign {
             }
         }
         variations.iter().try_for_each(|variation| variation.distribution.check())?;
-        let points = layout.points.lay(layout.samples, variations.len(), layout.seed)?;
+        let points = layout.points.sample_points(layout.samples, variations.len(), layout.seed)?;
         Ok(Self { nominal, controller, procedure, variations, requirements, points })
     }
 
@@ -206,7 +206,9 @@ impl Campaign {
     /// Whether a sample meets every requirement that could be judged.
     pub fn passes(&self, sample: &Sample) -> bool {
         let judged = self.requirements.iter().zip(&sample.values);
-        judged.into_iter().all(|(requirement, value)| value.is_nan() || requirement.limit.room(*value) >= 0.0)
+        judged
+            .into_iter()
+            .all(|(requirement, value)| value.is_nan() || requirement.limit.distance_to_limit(*value) >= 0.0)
     }
 }
 

@@ -45,7 +45,7 @@ impl Points {
     ///
     /// # Errors
     /// As [`super::sobol()`].
-    pub fn lay(self, samples: usize, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
+    pub fn sample_points(self, samples: usize, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
         match self {
             Points::LatinHypercube => Ok(latin_hypercube(samples, dimensions, seed)),
             Points::Sobol => super::sobol(samples, dimensions, seed),

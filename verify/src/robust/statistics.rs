@@ -56,8 +56,9 @@ pub fn summary(campaign: &Campaign, samples: &[Sample], requirement: usize) -> S
         .collect();
     let mut sorted: Vec<f64> = judged.iter().map(|(_, value)| *value).collect();
     sorted.sort_by(f64::total_cmp);
-    let good = sorted.iter().filter(|value| limit.room(**value) >= 0.0).count();
-    let worst = judged.iter().min_by(|a, b| limit.room(a.1).total_cmp(&limit.room(b.1)));
+    let good = sorted.iter().filter(|value| limit.distance_to_limit(**value) >= 0.0).count();
+    let worst =
+        judged.iter().min_by(|a, b| limit.distance_to_limit(a.1).total_cmp(&limit.distance_to_limit(b.1)));
     Summary {
         lowest: quantile(&sorted, 0.0),
         q05: quantile(&sorted, 0.05),

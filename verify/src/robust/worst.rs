@@ -35,8 +35,11 @@ pub fn worst_case(
 ) -> Result<Worst, Error> {
     let limit = campaign.requirements()[requirement].limit;
     let judged = samples.iter().filter(|sample| !sample.values[requirement].is_nan());
-    let first =
-        judged.min_by(|a, b| limit.room(a.values[requirement]).total_cmp(&limit.room(b.values[requirement])));
+    let first = judged.min_by(|a, b| {
+        limit
+            .distance_to_limit(a.values[requirement])
+            .total_cmp(&limit.distance_to_limit(b.values[requirement]))
+    });
     let first = first.ok_or(Error::Length { what: "samples to search from", found: 0, needed: 1 })?;
     let mut search = Search { campaign, requirement, sample: first.index, tried: 0 };
     let mut at = search.quantiles(first)?;
@@ -104,7 +107,7 @@ impl Search<'_> {
                     continue;
                 }
                 let found = self.value(&point)?;
-                if limit.room(found) < limit.room(value) {
+                if limit.distance_to_limit(found) < limit.distance_to_limit(value) {
                     return Ok(Some((point, found)));
                 }
             }

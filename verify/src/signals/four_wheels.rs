@@ -10,7 +10,8 @@
 //! Vibration 57, 1978). Their mean has the density G (1 + g)/2, half of their difference G (1 - g)/2, and the two are uncorrelated.
 //! In a vehicle with equal sides the mean moves heave and pitch alone, and the difference roll alone.
 
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 
 use super::iso_road::Vehicle;
 use crate::Error;
@@ -105,7 +106,7 @@ mod tests {
         // slowly: roll rate over the rate of the ground's tilt, both axles together
         let slow = 0.01;
         let at = Response::of(&g).unwrap().at(slow).unwrap();
-        let roll = (at[(0, 0)] + at[(0, 1)]) / (counterpoise_lti::C64::new(0.0, slow));
+        let roll = (at[(0, 0)] + at[(0, 1)]) / (counterpoise_linalg::C64::new(0.0, slow));
         assert!((roll.re - 2.0 / sides.track_m).abs() < 1e-3, "{roll}");
     }
 }

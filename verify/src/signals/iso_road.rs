@@ -5,7 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_lti::{C64, Mat, Response, StateSpace, Timebase};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{Response, StateSpace, Timebase};
 use counterpoise_models::base_motion::Traverse;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

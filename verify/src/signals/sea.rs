@@ -14,7 +14,7 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::base_motion::Traverse;
 
 use super::six_axes::{BaseSeries, felt_road, phases};

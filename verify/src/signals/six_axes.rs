@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_models::base_motion::{Level, Traverse, felt, from_inertial};
+use counterpoise_models::base_motion::{Level, Traverse, from_inertial, motion_at_elevation_axis};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -62,7 +62,7 @@ pub(super) fn felt_road(name: String, series: &BaseSeries, traverse: Traverse, g
     // nose-up is the negative sense about the axis to the left
     let rates: Vec<[f64; 3]> = series.rows.iter().map(|row| [row[3], -row[4], row[5]]).collect();
     let base = from_inertial(&accelerations, &rates, series.period_s, gravity_m_s2);
-    let felt = felt(&base, series.period_s, traverse, gravity_m_s2, Level::Known);
+    let felt = motion_at_elevation_axis(&base, series.period_s, traverse, gravity_m_s2, Level::Known);
     Road {
         name,
         sample_period_s: series.period_s,

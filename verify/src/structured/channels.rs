@@ -1,6 +1,6 @@
 //! What a deviation of each place adds to the plant.
 
-use counterpoise_lti::Mat;
+use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{Core, Mesh, Plant};
 use counterpoise_models::{Lumped, Measured};

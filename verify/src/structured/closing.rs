@@ -1,7 +1,8 @@
 //! The loop closed with a perturbation, exactly as it is sampled: the judge of what the bounds say.
 
 use counterpoise_controller::{COMMON_READINGS, Controller};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, append, lft, poles, series};
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, append, lft, poles, series};
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::{
     Angles, FrictionLinearisation, Impedance, LinearPlant, OperatingPoint, Plant,

@@ -1,6 +1,6 @@
 //! Cholesky's factorisation of small Hermitian matrices: the test whether one is positive definite, and its inverse.
 
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat};
 
 /// A lower triangular L with F = L L*.
 #[derive(Debug, Clone, PartialEq)]

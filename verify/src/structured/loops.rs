@@ -13,8 +13,9 @@
 use std::collections::HashMap;
 
 use counterpoise_controller::{COMMON_READINGS, Controller};
+use counterpoise_linalg::{C64, CMat, Mat};
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{C64, CMat, Mat, Response, StateSpace, Timebase, feedback};
+use counterpoise_lti::{Response, StateSpace, Timebase, feedback};
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{LinearPlant, OperatingPoint, Plant};
@@ -290,7 +291,7 @@ mod tests {
         let rows: Vec<usize> = (0..m).collect();
         let d = C64::new(delta, 0.0);
         let loop_matrix = &CMat::eye(m) - &G.select(&rows, &rows).scale(d);
-        let z = counterpoise_lti::linalg::csolve(&loop_matrix, &G.select(&rows, &[m])).unwrap();
+        let z = counterpoise_linalg::csolve(&loop_matrix, &G.select(&rows, &[m])).unwrap();
         G[(m, m)] + (&G.select(&[m], &rows) * &z)[(0, 0)] * d
     }
 

@@ -1,6 +1,6 @@
 //! The lower bound of the structured singular value, by the power iteration of Young and Doyle (1990) for mixed structures.
 
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat};
 
 use super::Structure;
 use super::blocks::Block;

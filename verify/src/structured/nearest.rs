@@ -1,6 +1,6 @@
 //! The mechanism nearest to the nominal one that was found to be at the limit of stability.
 
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 
 use super::Perturbation;
 use super::factor::Factor;

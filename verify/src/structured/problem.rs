@@ -1,7 +1,7 @@
 //! A loop with what is uncertain about it, and its bounds over frequency.
 
 use counterpoise_controller::Controller;
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat};
 use counterpoise_models::parameters::Parameters;
 
 use super::closing::{GainErrors, outermost_pole};

@@ -1,7 +1,7 @@
 //! How far the stated ranges of all parameters together may be widened before the loop can become unstable.
 
 use counterpoise_controller::Controller;
-use counterpoise_lti::C64;
+use counterpoise_linalg::C64;
 use counterpoise_models::parameters::Parameters;
 
 use super::nearest::nearest;

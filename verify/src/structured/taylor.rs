@@ -10,8 +10,8 @@
 
 use std::ops::{Add, Mul};
 
-use counterpoise_lti::linalg::csolve;
-use counterpoise_lti::{C64, CMat, StateSpace, Timebase};
+use counterpoise_linalg::{C64, CMat, csolve};
+use counterpoise_lti::{StateSpace, Timebase};
 
 /// A function of the rate over an interval: its tangent in the middle, and what that leaves out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,7 +168,8 @@ pub fn response_over(system: &StateSpace, over: Interval) -> Option<Vec<Vec<Tayl
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_lti::{Mat, response_at};
+    use counterpoise_linalg::Mat;
+    use counterpoise_lti::response_at;
 
     fn inside(found: Taylor, exact: C64, x: f64) -> bool {
         (exact - found.value - found.slope * x).norm() <= found.rest * (1.0 + 1e-9) + 1e-12

@@ -9,7 +9,7 @@
 //! method of centres (Boyd and El Ghaoui 1993): Newton's method finds the analytic centre of the pairs that prove the present bound,
 //! which proves a smaller one.
 
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat};
 
 use super::Structure;
 use super::blocks::Block;

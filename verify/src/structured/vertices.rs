@@ -9,8 +9,7 @@
 //! and for one or two complex numbers mu of that is known: the largest spectral radius over their phases. The search raises it, one
 //! parameter at a time, and shrinks x until x mu(M_c(x q)) = 1: a perturbation of size x, whatever the power iteration did.
 
-use counterpoise_lti::linalg::csolve;
-use counterpoise_lti::{C64, CMat};
+use counterpoise_linalg::{C64, CMat, csolve};
 
 use super::blocks::Block;
 use super::{Perturbation, Structure};

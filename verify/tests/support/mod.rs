@@ -2,7 +2,8 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_linalg::Mat;
+use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 

@@ -3,8 +3,7 @@
 use super::node_map::Dof;
 use super::text::{columns, integer, real, refused};
 use crate::Error;
-use counterpoise_lti::linalg::Sparse;
-use counterpoise_lti::linalg::sparse::Entry;
+use counterpoise_linalg::{Sparse, sparse::Entry};
 
 /// A matrix of DMIG entries.
 #[derive(Debug, Clone, PartialEq)]

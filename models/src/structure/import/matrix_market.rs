@@ -2,8 +2,7 @@
 
 use super::text::{check_size, integer, real, refused};
 use crate::Error;
-use counterpoise_lti::linalg::Sparse;
-use counterpoise_lti::linalg::sparse::Entry;
+use counterpoise_linalg::{Sparse, sparse::Entry};
 
 /// Returns the matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
 /// given twice add up.

@@ -19,8 +19,10 @@ use super::fe::{FeModel, Fitted, NodeRows};
 use super::large::{Condensation, Shapes, SparseStructure};
 use crate::Error;
 use crate::tolerance::{ASYMMETRY_OF_IMPORT, LARGE_STRUCTURE};
-use counterpoise_lti::linalg::Sparse;
-use counterpoise_lti::linalg::sparse::{Entry, Watch};
+use counterpoise_linalg::{
+    Sparse,
+    sparse::{Entry, Watch},
+};
 use std::collections::BTreeMap;
 
 /// Matrices of a structure and the unknown that each row belongs to; SI units.

@@ -2,8 +2,7 @@
 
 use super::text::{check_size, columns, integer, real, refused};
 use crate::Error;
-use counterpoise_lti::linalg::Sparse;
-use counterpoise_lti::linalg::sparse::Entry;
+use counterpoise_linalg::{Sparse, sparse::Entry};
 
 /// A matrix of an OP4 text.
 #[derive(Debug, Clone, PartialEq)]
