@@ -153,6 +153,23 @@ fn very_many_errors_are_counted_and_cut_short() {
 }
 
 #[test]
+fn very_many_masses_are_counted_and_cut_short() {
+    let folder = support::folder("hostile_masses");
+    let mass = |k: usize| format!("[[plant.beam.mass]]\nname = \"{k}\"\nposition = 0.1\nmass = 1e-4\n");
+    let project = format!(
+        "[plant]\nname = \"beam\"\n[plant.beam]\nyoungs_modulus = 2e11\ndensity = 7850.0\npivot = 0.0\nmodal_damping = [0.01]\n\
+         [[plant.beam.section]]\nname = \"tube\"\nfrom = -1.0\nto = 1.0\nouter_diameter = [0.1, 0.1]\ninner_diameter = [0.05, 0.05]\n\
+         {}[plant.motor]\ninertia = 1e-3\n[plant.drive]\nkind = \"torque\"\nlimit = 200.0\n[plant.interface]\nsample_period = 1e-3\n",
+        (0..20_000).map(mass).collect::<String>()
+    );
+    fs::write(folder.join("project.toml"), project).unwrap();
+    let output = soon(counterpoise().arg("check").arg(&folder));
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("and 19980 more") && said.lines().count() < 200, "{} lines", said.lines().count());
+}
+
+#[test]
 fn arguments_need_not_be_utf8() {
     let folder = support::folder("hostile_arguments");
     let name = OsStr::from_bytes(b"rig-\xff\xfe.toml");

@@ -166,7 +166,7 @@ fn an_experiment_separates_what_a_diagnosis_leaves() {
     let text = r#"{ "findings": [{ "effect": "stribeck", "component": "pivot", "probability": 0.5,
         "parameters": [{ "name": "static_ratio", "value": 1.5 }, { "name": "stribeck_rate", "value": 0.012 }],
         "alternatives": [{ "effect": "coulomb", "component": "pivot" }] }],
-        "hypotheses": [{ "effect": "coulomb", "component": "pivot", "gain_nats": 10.0,
+        "hypotheses": [{ "effect": "coulomb", "component": "pivot", "log_likelihood_gain": 10.0,
         "values": [{ "name": "coulomb", "value": 140.0 }] }] }"#;
     fs::write(&findings, text).unwrap();
     let planned = |more: &[&str]| {
@@ -181,7 +181,7 @@ fn an_experiment_separates_what_a_diagnosis_leaves() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let plan: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     assert_eq!(plan["machines"].as_array().unwrap().len(), 2, "{plan}");
-    assert!(plan["separations"][0]["nats"].as_f64().unwrap() > 18.0, "{plan}");
+    assert!(plan["separations"][0]["log_likelihood_ratio"].as_f64().unwrap() > 18.0, "{plan}");
     assert!(plan["reached_angle_rad"].as_f64().unwrap() <= 0.11, "{plan}");
     let written = fs::read_to_string(&demand).unwrap();
     assert_eq!((written.lines().count(), written.lines().next()), (2001, Some("time [s],demand")));

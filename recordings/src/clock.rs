@@ -17,7 +17,7 @@ const FEWEST_ROWS: usize = 3;
 const MEANT: f64 = 1e-6;
 
 /// Signals on a uniform clock may take so many bytes in all.
-const LARGEST: u64 = 4 << 30;
+const LARGEST: u64 = 1 << 30;
 
 /// Signals on one uniform clock.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,10 +158,12 @@ fn rounded(period_s: f64, wanted_s: Option<f64>, median_s: f64) -> f64 {
     wanted_s.filter(|w| is_near(*w)).unwrap_or(if is_near(micro) { micro } else { period_s })
 }
 
+/// Returns the median, the lower one of an even number: of two steps the longer one may be a leap.
 fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+    let middle = sorted.len().saturating_sub(1) / 2;
+    sorted.get(middle).copied().unwrap_or(f64::NAN)
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -13,7 +13,7 @@ const SAME_PERIOD: f64 = 1e-3;
 const MOST_REMARKS: usize = 30;
 
 /// Names of a column that is the time without being mapped; the last one is what PlotJuggler writes.
-const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
+pub(crate) const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
 
 /// The column that holds a channel, and how its numbers become the channel's: value in SI = unit x (scale x (column + plus) +
 /// offset), of which the channel may be the slope over time.

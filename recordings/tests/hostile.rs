@@ -49,6 +49,25 @@ fn hdf5_says_what_it_does_not_read() {
 }
 
 #[test]
+fn a_link_in_a_group_of_the_older_format_hides_only_what_has_no_channel_s_name() {
+    let table = read("link_old_group.h5").unwrap();
+    assert_eq!(columns(&table), ["hub_rate", "time"]);
+    let said = said(&table.remarks);
+    assert!(
+        said[0].starts_with("column \"*\" was not read") && said[0].contains("holds a link"),
+        "{said:#?}"
+    );
+    assert!(said[1].starts_with("column \"control\" was not read"), "{said:#?}");
+    assert_eq!(said.len(), 2, "{said:#?}");
+}
+
+#[test]
+fn a_leap_of_one_of_two_steps_is_refused() {
+    let said = recorded("time [s],hub_rate\n0,0\n0.001,1\n343868,2\n", Some(1e-3)).unwrap_err();
+    assert!(matches!(said, Error::TimeLeaps { row: 3, .. }), "{said}");
+}
+
+#[test]
 fn matrices_are_read_as_columns_beside_vectors() {
     let table = read("matrix.h5").unwrap();
     assert_eq!(columns(&table), ["time", "w_1", "w_2", "w_3", "wide_1", "wide_2"]);

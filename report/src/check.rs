@@ -14,11 +14,11 @@ pub fn lines(found: &CheckResult) -> Vec<String> {
     lines.extend(found.plant.iter().flat_map(plant));
     lines.push(String::new());
     lines.push("Understood:".to_owned());
-    lines.extend(found.sections.iter().map(section));
+    lines.extend(understood(&found.sections));
     if !found.tolerances.is_empty() {
         lines.push(String::new());
         lines.push("Known within a tolerance:".to_owned());
-        lines.extend(found.tolerances.iter().map(tolerance));
+        lines.extend(capped(&found.tolerances, MOST_LISTED, tolerance));
     }
     lines.push(String::new());
     lines.extend(assumed(&found.assumptions));
@@ -31,7 +31,7 @@ pub fn lines(found: &CheckResult) -> Vec<String> {
     if found.warnings.len() > MOST_SHOWN {
         lines.push(format!("and {} more", found.warnings.len() - MOST_SHOWN));
     }
-    lines.extend(found.problems.iter().cloned());
+    lines.extend(capped(&found.problems, MOST_SHOWN, Clone::clone));
     lines.push(format!("Commands that can run on this file: {}.", found.commands.join(", ")));
     lines
 }
@@ -78,6 +78,22 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
     sentences
 }
 
+/// Returns the first lines of a list, and how many it has beside them.
+fn capped<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<String> {
+    let mut lines: Vec<String> = items.iter().take(most).map(line).collect();
+    if let Some(more) = items.len().checked_sub(most).filter(|more| *more > 0) {
+        lines.push(format!("  and {more} more (--json lists all)"));
+    }
+    lines
+}
+
+/// Returns the sections, one a line: of sections of one kind, masses for example, only the first ones.
+fn understood(sections: &[SectionStatement]) -> Vec<String> {
+    let kind = |section: &SectionStatement| section.path.split('[').next().unwrap_or_default().to_owned();
+    let is_alike = |a: &SectionStatement, b: &SectionStatement| kind(a) == kind(b);
+    sections.chunk_by(is_alike).flat_map(|alike| capped(alike, MOST_ALIKE, section)).collect()
+}
+
 /// Returns a section on one line: its meaning, then its values.
 fn section(section: &SectionStatement) -> String {
     let value = |value: &ValueStatement| {
@@ -93,8 +109,10 @@ fn tolerance(tolerance: &Tolerance) -> String {
     format!("  {}: {} to {}", tolerance.key, short(low), with_unit(high, tolerance.unit))
 }
 
-/// Most assumptions without a usual range that are listed one by one.
+/// Most assumptions, and most tolerances, that are listed one by one.
 const MOST_LISTED: usize = 60;
+/// Most sections of one kind that are listed one by one.
+const MOST_ALIKE: usize = 20;
 
 /// Returns what is assumed, one value a line.
 fn assumed(assumptions: &[Assumption]) -> Vec<String> {
@@ -104,10 +122,7 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     let line =
         |a: &Assumption| format!("  {} = {} ({}; {})", a.key, with_unit(a.value, a.unit), a.rule, a.source);
     let mut lines = vec!["Assumed, because the file does not state it:".to_owned()];
-    lines.extend(assumptions.iter().take(MOST_LISTED).map(line));
-    if let Some(more) = assumptions.len().checked_sub(MOST_LISTED).filter(|more| *more > 0) {
-        lines.push(format!("  and {more} more (--json lists all)"));
-    }
+    lines.extend(capped(assumptions, MOST_LISTED, line));
     lines
 }
 

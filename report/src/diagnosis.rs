@@ -169,7 +169,7 @@ fn tried_section(answer: &AnswerText) -> Section {
             Cell::text(h.component.name()),
             Cell::text(words(h.effect.name())),
             Cell::text(beside.join(", ")),
-            Cell::number(h.gain_nats),
+            Cell::number(h.log_likelihood_gain),
             Cell::text(format!("{:.3}", h.distance)),
             Cell::text(format!("{:.2}", h.worst)),
             verdict,

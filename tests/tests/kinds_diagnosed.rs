@@ -299,7 +299,10 @@ fn check_finite(name: &str, answer: &Answer) {
         let numbers = [parameter.value, parameter.before, parameter.ci95[0], parameter.ci95[1]];
         assert!(numbers.iter().all(|x| x.is_finite()), "{name}: {parameter:?}");
     }
-    assert!(answer.map.iter().all(|cell| cell.explained.is_finite() && cell.gain_nats.is_finite()), "{name}");
+    assert!(
+        answer.map.iter().all(|cell| cell.explained.is_finite() && cell.log_likelihood_gain.is_finite()),
+        "{name}"
+    );
 }
 
 fn found(answer: &Answer) -> String {

@@ -67,10 +67,14 @@ fn print(text: &ExperimentPlanText, options: &ExperimentOptions) {
     say!("  {:<12} {:>29} {:>24}", "machines", "expected log-likelihood ratio", "probability of deciding");
     for pair in &text.separations {
         let machines = format!("{} and {}", pair.first + 1, pair.second + 1);
-        say!("  {machines:<12} {:>29.1} {:>22.1} %", pair.nats, 100.0 * pair.probability);
+        say!("  {machines:<12} {:>29.1} {:>22.1} %", pair.log_likelihood_ratio, 100.0 * pair.probability);
     }
     text.others.iter().for_each(|other| {
-        say!("  instead: {} (ratio {:.1} for the two machines hardest to separate)", other.what, other.nats)
+        say!(
+            "  instead: {} (ratio {:.1} for the two machines hardest to separate)",
+            other.what,
+            other.log_likelihood_ratio
+        )
     });
     say!("the demand is written to {}", options.output.display());
 }

@@ -67,7 +67,7 @@ pub struct PlannedExperiment {
 impl PlannedExperiment {
     /// Returns the separation of the two machines that are hardest to tell apart.
     pub fn weakest(&self) -> Option<&Separation> {
-        self.separations.iter().min_by(|a, b| a.nats.total_cmp(&b.nats))
+        self.separations.iter().min_by(|a, b| a.log_likelihood_ratio.total_cmp(&b.log_likelihood_ratio))
     }
 }
 
@@ -95,7 +95,7 @@ pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> Plan {
         request.tried(&demands[k])
     });
     let mut experiments: Vec<PlannedExperiment> = tried.into_iter().flatten().collect();
-    let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.nats);
+    let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.log_likelihood_ratio);
     experiments.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
     Plan { machines, experiments }
 }

@@ -26,8 +26,8 @@ pub struct Separation {
     pub first: usize,
     /// Index of the other.
     pub second: usize,
-    /// Expected log-likelihood ratio of the true one against the other, fitted anew, nats: the smaller of both directions.
-    pub nats: f64,
+    /// Expected log-likelihood ratio of the true one against the other, fitted anew: the smaller of both directions.
+    pub log_likelihood_ratio: f64,
     /// Probability that the ratio exceeds what a decision needs.
     pub probability: f64,
 }
@@ -41,8 +41,13 @@ pub(super) struct Expected {
 /// Returns how well two machines are separated: half the squared distance of what they record, over the noise, after the one that is not
 /// true was fitted to the other (Hunter, Reiner 1965; Atkinson, Fedorov 1975: T-optimality, linearised).
 pub(super) fn separation(indices: [usize; 2], first: &Expected, second: &Expected) -> Separation {
-    let nats = left(first, second).min(left(second, first));
-    Separation { first: indices[0], second: indices[1], nats, probability: probability(nats) }
+    let log_likelihood_ratio = left(first, second).min(left(second, first));
+    Separation {
+        first: indices[0],
+        second: indices[1],
+        log_likelihood_ratio,
+        probability: probability(log_likelihood_ratio),
+    }
 }
 
 /// Returns the expected log-likelihood ratio if one machine is true and the rival is fitted to it.
@@ -66,11 +71,11 @@ fn left(truth: &Expected, rival: &Expected) -> f64 {
 }
 
 /// Returns the probability that a log-likelihood ratio of this mean, and of twice the mean as its variance, exceeds what a decision needs.
-fn probability(nats: f64) -> f64 {
-    if nats <= 0.0 {
+fn probability(log_likelihood_ratio: f64) -> f64 {
+    if log_likelihood_ratio <= 0.0 {
         return 0.0;
     }
-    normal_share((nats - AMBIGUOUS) / (2.0 * nats).sqrt())
+    normal_share((log_likelihood_ratio - AMBIGUOUS) / (2.0 * log_likelihood_ratio).sqrt())
 }
 
 /// Returns the share of the standard normal distribution below a value (Abramowitz, Stegun 1964, 26.2.17; error below 1e-7).

@@ -231,8 +231,8 @@ pub struct Hypothesis {
     pub values: Vec<HypothesisValue>,
     /// Share of the power of the residual that it leaves on held-out data, mean over recordings and channels.
     pub power_left: f64,
-    /// Log-likelihood gained on held-out data, in nats.
-    pub gain_nats: f64,
+    /// Log-likelihood gained on held-out data.
+    pub log_likelihood_gain: f64,
     /// Mean ln(RMS / floor) left over all channels: 0 is perfect.
     pub distance: f64,
     /// Largest RMS / floor left.

@@ -65,7 +65,10 @@ pub fn build_chart(
             .filter_map(|finding| regime_of_finding(map, finding))
             .collect(),
     };
-    let best = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).filter(|c| c.explained > 0.0);
+    let best = map
+        .iter()
+        .max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain))
+        .filter(|c| c.explained > 0.0);
     LocalisationChart {
         rows: COMPONENTS.iter().map(|component| row(*component)).collect(),
         best: best.cloned(),
@@ -78,7 +81,7 @@ pub fn build_chart(
 fn regime_of_finding(map: &[MapCell], finding: &Finding) -> Option<Regime> {
     let gain = |regime: Regime| {
         let cell = map.iter().find(|c| c.component == finding.component && c.regime == regime);
-        cell.filter(|c| c.explained > 0.0).map_or(0.0, |c| c.gain_nats)
+        cell.filter(|c| c.explained > 0.0).map_or(0.0, |c| c.log_likelihood_gain)
     };
     // `max_by` takes the last of equals, and the plainest regime, which comes first, is to be preferred
     let regimes = regimes_of(finding.component, finding.effect).iter().rev().copied();
@@ -171,7 +174,7 @@ mod tests {
     }
 
     fn best(map: &[MapCell]) -> (Component, Regime) {
-        let cell = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).unwrap();
+        let cell = map.iter().max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain)).unwrap();
         (cell.component, cell.regime)
     }
 

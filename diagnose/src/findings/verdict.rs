@@ -252,7 +252,7 @@ impl Evidence<'_> {
     fn place_probability(&self, component: Component) -> f64 {
         let gain = |of: Component| {
             let cells = self.map.iter().filter(|cell| cell.component == of);
-            cells.map(|cell| cell.gain_nats).fold(0.0, f64::max)
+            cells.map(|cell| cell.log_likelihood_gain).fold(0.0, f64::max)
         };
         let own = gain(component);
         let weight = |other: &Component| (RIVAL_DECAY * (gain(*other) - own).min(0.0)).exp();
@@ -263,7 +263,7 @@ impl Evidence<'_> {
     /// Returns what the mismatch depends on, as an error at a component.
     fn pattern(&self, component: Component) -> Option<Pattern> {
         let here = self.map.iter().filter(|cell| cell.component == component);
-        let cell = here.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))?;
+        let cell = here.max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain))?;
         Some(Pattern { regime: cell.regime, explained: cell.explained, trend: cell.trend })
     }
 
@@ -301,7 +301,7 @@ impl Evidence<'_> {
                     beside: beside(c),
                     values: newest_values(c),
                     power_left: c.held_out_power_left(),
-                    gain_nats: c.held_out.gain_over(&c.held_out_before),
+                    log_likelihood_gain: c.held_out.gain_over(&c.held_out_before),
                     distance: c.whole.distance(),
                     worst: c.whole.worst(),
                     accepted: c.fit.effects.iter().all(|e| named(e)),

@@ -20,7 +20,7 @@ struct NoiseProjection {
     right: Vec<Vec<f64>>,
 }
 
-/// Returns the mean log-likelihood, in nats, that the newest effect of a fit would gain on other realisations of the noise; 0 if
+/// Returns the mean log-likelihood, that the newest effect of a fit would gain on other realisations of the noise; 0 if
 /// the simulator has no noise.
 pub(crate) fn mean_null_gain(
     simulator: &dyn SimulatorAccess,

@@ -87,7 +87,7 @@ pub fn score(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
 }
 
 impl Score {
-    /// Returns the log-likelihood gained over another mechanism on the same parts, in nats.
+    /// Returns the log-likelihood gained over another mechanism on the same parts.
     ///
     /// Each cell adds `worth x ln(before / after)`, the log-likelihood ratio of Gaussian residuals of unknown size; the worth is
     /// that of the better of the two, whose residual is closer to white.
@@ -102,7 +102,7 @@ impl Score {
             .sum()
     }
 
-    /// Returns the log-likelihood gained over another mechanism, in nats, if every residual were white and of the size of the noise
+    /// Returns the log-likelihood gained over another mechanism, if every residual were white and of the size of the noise
     /// floor, or of the residual if that is larger.
     pub fn energy_over(&self, before: &Score) -> f64 {
         let size = |cell: &ScoreCell| cell.rms_error / cell.floor;
@@ -121,7 +121,7 @@ impl Score {
         of(self).gain_over(&of(before))
     }
 
-    /// Returns the log-likelihood by which this mechanism is behind another on the same parts, in nats, every cell weighted by its
+    /// Returns the log-likelihood by which this mechanism is behind another on the same parts, every cell weighted by its
     /// worth to the other.
     pub fn loss_against(&self, other: &Score) -> f64 {
         let cells = self.cells.iter().zip(&other.cells);

@@ -18,7 +18,7 @@ use crate::tolerance::{AMBIGUOUS, SEARCH_ITERATIONS};
 /// What a comparison on held-out data says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
-    /// Log-likelihood by which the free function predicts held-out data better than the effects of the library, in nats.
+    /// Log-likelihood by which the free function predicts held-out data better than the effects of the library.
     pub ahead_nats: f64,
     /// Effective number of parameters of the free function.
     pub function_parameters: f64,

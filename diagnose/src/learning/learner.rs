@@ -67,8 +67,8 @@ pub struct LearnedModel {
 pub struct LearnedPart {
     /// The function, with its band and the recordings' coverage.
     pub element: LearnedElement,
-    /// Log-likelihood that it gains on held-out data, in nats.
-    pub gain_nats: f64,
+    /// Log-likelihood that it gains on held-out data.
+    pub log_likelihood_gain: f64,
     /// What its curve says; `None` if no simple form does.
     pub reading: Option<Reading>,
 }
@@ -87,8 +87,8 @@ pub(crate) struct Learned {
 #[derive(Debug, Clone, Copy)]
 struct TriedPlace {
     place: LearnedPlace,
-    /// Log-likelihood that the best function there gains on held-out data, in nats.
-    gain_nats: f64,
+    /// Log-likelihood that the best function there gains on held-out data.
+    log_likelihood_gain: f64,
 }
 
 /// Free functions that were fitted, with what each gains.
@@ -132,7 +132,7 @@ impl FittedFunctions {
         };
         let best = |place: LearnedPlace| {
             let here = self.learned.tried.iter().filter(|tried| tried.place == place);
-            here.map(|tried| tried.gain_nats).fold(f64::NEG_INFINITY, f64::max)
+            here.map(|tried| tried.log_likelihood_gain).fold(f64::NEG_INFINITY, f64::max)
         };
         let others = [LearnedPlace::Pivot, LearnedPlace::Motor, LearnedPlace::Gearbox];
         let weight = |place: LearnedPlace| (RIVAL_DECAY * (best(place) - best(own)).min(0.0)).exp();
@@ -199,7 +199,7 @@ impl LearningTask<'_> {
         let mut places = Vec::new();
         for (template, _) in ranked {
             let Some(tried) = self.tried(&context, template, present, &assessed) else { continue };
-            places.push(TriedPlace { place: template.place, gain_nats: tried.candidate.gain() });
+            places.push(TriedPlace { place: template.place, log_likelihood_gain: tried.candidate.gain() });
             if best.as_ref().is_none_or(|(_, b)| self.is_better(&tried, b, template)) {
                 best = Some((template, tried));
             }
@@ -490,7 +490,11 @@ impl LearningTask<'_> {
                 ..known.clone()
             };
             let reading = read(&element);
-            parts.push(LearnedPart { element, reading, gain_nats: gains.get(k).copied().unwrap_or(0.0) });
+            parts.push(LearnedPart {
+                element,
+                reading,
+                log_likelihood_gain: gains.get(k).copied().unwrap_or(0.0),
+            });
             first += count;
         }
         Some(LearnedModel {

@@ -29,8 +29,8 @@ pub struct MapCell {
     pub regime: Regime,
     /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 if it gains no more than noise may.
     pub explained: f64,
-    /// Log-likelihood gained on held-out data, in nats.
-    pub gain_nats: f64,
+    /// Log-likelihood gained on held-out data.
+    pub log_likelihood_gain: f64,
     /// What that function looks like; `None` if the variable explains little or the function has no simple form.
     pub trend: Option<Trend>,
 }
@@ -72,7 +72,13 @@ fn cell(
     let share = gain / regression.possible().max(GAIN_NEEDED);
     let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
     let trend = if explained > CLASSIFIED_GAIN_SHARE { tried.trend(regression, hypothesis) } else { None };
-    MapCell { component: hypothesis.component, regime: hypothesis.regime, explained, gain_nats: gain, trend }
+    MapCell {
+        component: hypothesis.component,
+        regime: hypothesis.regime,
+        explained,
+        log_likelihood_gain: gain,
+        trend,
+    }
 }
 
 /// An error hypothesis as columns of the regression.
@@ -156,7 +162,7 @@ impl FittedHypothesis {
 /// and those that these recordings cannot tell from it. Returns none if no component explains enough.
 pub fn rank_components(map: &[MapCell]) -> Vec<Component> {
     let best = |component: Component| {
-        map.iter().filter(|c| c.component == component).map(|c| c.gain_nats).fold(0.0, f64::max)
+        map.iter().filter(|c| c.component == component).map(|c| c.log_likelihood_gain).fold(0.0, f64::max)
     };
     let all: Vec<(Component, f64)> =
         COMPONENTS.iter().map(|c| (*c, best(*c))).filter(|(_, gain)| *gain > GAIN_NEEDED).collect();

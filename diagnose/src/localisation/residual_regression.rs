@@ -215,18 +215,18 @@ impl<'a> ResidualRegression<'a> {
         1.96 * deviation / (frequency_hz * frequency_hz)
     }
 
-    /// Returns the log-likelihood that columns gain on held-out stretches, in nats; `None` if they cannot be fitted.
+    /// Returns the log-likelihood that columns gain on held-out stretches; `None` if they cannot be fitted.
     pub fn gain(&self, columns: &[Vec<f64>]) -> Option<f64> {
         let after = self.held_out(columns)?;
         Some((0..after.len()).map(|b| self.log_likelihood_gain(b, after[b])).sum())
     }
 
-    /// Returns the log-likelihood that a perfect explanation would gain, in nats.
+    /// Returns the log-likelihood that a perfect explanation would gain.
     pub fn possible(&self) -> f64 {
         (0..self.before.len()).map(|b| self.log_likelihood_gain(b, EXPLAINED_VARIANCE).max(0.0)).sum()
     }
 
-    /// Returns the log-likelihood gained if a balance's variance becomes another, in nats.
+    /// Returns the log-likelihood gained if a balance's variance becomes another.
     fn log_likelihood_gain(&self, balance: usize, after: f64) -> f64 {
         0.5 * self.count(balance) as f64
             * (self.before[balance].max(EXPLAINED_VARIANCE) / after.max(EXPLAINED_VARIANCE)).ln()

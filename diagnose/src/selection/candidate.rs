@@ -25,7 +25,7 @@ pub struct Candidate {
     pub assessments: Vec<Assessment>,
     /// The recordings without which the size of one of its effects could not be determined.
     pub needed: Vec<usize>,
-    /// Log-likelihood that an effect must gain, in nats.
+    /// Log-likelihood that an effect must gain.
     pub least_gain: f64,
 }
 
@@ -35,18 +35,18 @@ impl Candidate {
         self.fit.effects.last().copied()
     }
 
-    /// Returns the log-likelihood gained on held-out data, in nats.
+    /// Returns the log-likelihood gained on held-out data.
     pub fn gain(&self) -> f64 {
         self.held_out.gain_over(&self.held_out_before)
     }
 
-    /// Returns the log-likelihood by which the candidate is behind another on all data, in nats, with each effect and each
+    /// Returns the log-likelihood by which the candidate is behind another on all data, with each effect and each
     /// parameter at its price.
     pub fn behind(&self, other: &Self) -> f64 {
         self.whole.loss_against(&other.whole) + self.price() - other.price()
     }
 
-    /// Returns what its effects and parameters must be worth, in nats.
+    /// Returns what its effects and parameters must be worth.
     fn price(&self) -> f64 {
         EFFECT_PRICE * self.fit.effects.len() as f64 + PARAMETER_PRICE * self.fit.values.len() as f64
     }

@@ -265,7 +265,7 @@ impl Slopes {
         }
     }
 
-    /// Returns the log-likelihood that a lower cost is worth, in nats.
+    /// Returns the log-likelihood that a lower cost is worth.
     fn gain(&self, before: f64, after: f64) -> f64 {
         0.5 * self.samples / self.samples_of_one.max(1.0) * (before / after).ln()
     }

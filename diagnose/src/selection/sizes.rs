@@ -15,7 +15,7 @@ impl Sizes {
     /// The sizes of a machine like the reference rig.
     pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0 };
 
-    /// Returns the log-likelihood that an effect must gain on held-out data, in nats.
+    /// Returns the log-likelihood that an effect must gain on held-out data.
     pub fn gain_needed(&self) -> f64 {
         if self.typical { GAIN_NEEDED } else { TEXTBOOK_GAIN_NEEDED }
     }

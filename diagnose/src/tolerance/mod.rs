@@ -2,7 +2,7 @@
 //!
 //! General limits of fitting, screening and selection stand here; those of one part of the story in its module.
 //!
-//! Log-likelihoods are in nats. Values without a derivation were set on the machines that were used during development: the practice
+//! Log-likelihoods are natural logarithms. Values without a derivation were set on the machines that were used during development: the practice
 //! machines, the closed-form machines of this crate's tests, and seeds 1 to 56 and 81 to 140 of the sealed machines. After a change, run
 //! those again: the false alarm rate must not rise, and the parameters' intervals must hold as often as they say.
 

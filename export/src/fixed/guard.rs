@@ -1,7 +1,11 @@
 //! The guard of a fixed-point controller: the integers' form of what the controller's own guard does.
 //!
-//! Integers know neither numbers that are none nor subnormal ones, and states saturate. What remains is to replace readings
-//! beyond their limits, and to hand over to feedback alone.
+//! Integers know no subnormal numbers, and states saturate. One integer, the lowest of 32 bits, stands for a reading that is no
+//! number. What remains is to replace that one and readings beyond their limits, and to hand over to feedback alone.
+//!
+//! A format may be narrower than the limit of its reading, because it was made for the motion that was simulated. A reading
+//! beyond such a format saturates and is used: it has the right sign, so that the control still brakes a machine that a lost
+//! reading has left faster than any simulated one. The last good reading would let it run for ever.
 
 use counterpoise_controller::guard::{ALONE, STICKY};
 use counterpoise_controller::signal::{DEMAND, HUB_RATE};
@@ -18,7 +22,7 @@ const UNMOVED_BITS: i32 = 60;
 /// The numbers of a guard, as integers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FixedSettings {
-    /// Largest magnitude of each reading in its format. A saturated reading is beyond it.
+    /// Largest magnitude of each reading in its format, or the end of the format where that is smaller.
     pub limits: [i64; READINGS],
     /// Number of readings that the controller takes.
     pub readings: usize,
@@ -35,7 +39,7 @@ impl FixedSettings {
         let bits = &fixed.step.inputs;
         let limit = |i: usize| match bits.get(i).copied().unwrap_or(UNMOVED_BITS) {
             unmoved if unmoved >= UNMOVED_BITS => FULL,
-            bits => to_integer(settings.limits[i], bits).min(FULL - 1),
+            bits => to_integer(settings.limits[i], bits),
         };
         let whole = f64::from(SHARE_BITS).exp2();
         Self {

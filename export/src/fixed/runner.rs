@@ -1,7 +1,7 @@
 //! Runs a fixed-point controller, integer by integer as the target does.
 
 use counterpoise_controller::program::Slot;
-use counterpoise_controller::{READINGS, Readings, SampledController, Sensors, Status};
+use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledController, Sensors, Status};
 
 use crate::Adjustable;
 use crate::fixed::format::{to_integer, unit};
@@ -17,7 +17,7 @@ pub struct FixedRunner {
     guard: FixedGuard,
 }
 
-/// What a reading that is no finite number becomes: an integer beyond every limit.
+/// What a reading that is no number, or beyond its limit, becomes: an integer beyond every format.
 const BEYOND: i64 = -(1 << 31);
 
 impl FixedRunner {
@@ -36,11 +36,16 @@ impl FixedRunner {
         output.map_or(0, |slot| self.read(slot, &taken))
     }
 
-    /// One sample: readings are rounded to their formats first. One that is no finite number lies beyond every limit.
+    /// One sample: readings are rounded to their formats first. One that is no number, or beyond its limit, is replaced by the
+    /// last good one; one beyond its format alone saturates.
     pub fn step_array(&mut self, readings: &[f64; READINGS]) -> f64 {
         let mut integers = self.fixed.step.integers(readings);
-        let pairs = integers.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_finite());
-        pairs.for_each(|(integer, _)| *integer = BEYOND);
+        let limits = GuardSettings::of(self.fixed.controller.parts()).limits;
+        for ((integer, reading), limit) in integers.iter_mut().zip(readings).zip(limits) {
+            if !(-limit..=limit).contains(reading) {
+                *integer = BEYOND;
+            }
+        }
         self.step_integers(&integers) as f64 * unit(self.fixed.control_bits())
     }
 

@@ -69,8 +69,8 @@ pub struct TriedEffect {
     pub beside: Vec<NamedEffect>,
     /// Its fitted parameters.
     pub values: Vec<NamedValue>,
-    /// Log-likelihood that it gains on held-out data, nats.
-    pub gain_nats: f64,
+    /// Log-likelihood that it gains on held-out data.
+    pub log_likelihood_gain: f64,
 }
 
 /// Effects of the library that stand for what is left if no finding says it.
@@ -206,14 +206,14 @@ impl Findings {
     /// Returns the effect of a name with the values of the trial that gained most.
     fn best(&self, component: &str, effect: &str) -> Option<(&'static Effect, Vec<f64>)> {
         let same = self.hypotheses.iter().filter(|h| h.component == component && h.effect == effect);
-        let best = same.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))?;
+        let best = same.max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain))?;
         effect_of(component, effect, &best.values)
     }
 
     /// Returns the machines with the effects that explain most alone, beside what was found.
     fn candidates(&self, plant: &Parameters, found: &[(&'static Effect, Vec<f64>)]) -> Vec<PossibleMachine> {
         let mut alone: Vec<&TriedEffect> = self.hypotheses.iter().filter(|h| h.beside.is_empty()).collect();
-        alone.sort_by(|a, b| b.gain_nats.total_cmp(&a.gain_nats));
+        alone.sort_by(|a, b| b.log_likelihood_gain.total_cmp(&a.log_likelihood_gain));
         let is_new = |effect: &Effect| !found.iter().any(|(known, _)| std::ptr::eq(*known, effect));
         let effects = alone.iter().filter_map(|h| effect_of(&h.component, &h.effect, &h.values));
         let of = |own: (&'static Effect, Vec<f64>)| machine(plant, &[found, &[own]].concat());

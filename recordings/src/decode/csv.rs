@@ -7,7 +7,7 @@ use crate::remark::Unread;
 use crate::{Column, Error, Remark, Table};
 
 /// The cells of one column.
-#[derive(Default, Clone)]
+#[derive(Debug, Default, Clone)]
 struct Cells {
     values: Vec<f64>,
     /// How many of them hold a number.
@@ -17,7 +17,7 @@ struct Cells {
 }
 
 /// A cell that is no number.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 struct Text {
     line: u64,
     value: String,
@@ -60,19 +60,43 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
 fn decoded(headings: &[String], columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
     let mut found = Decoded::default();
     for (heading, cells) in headings.iter().zip(columns) {
+        let holds_texts = cells.holds_texts(heading, file)?;
         let column = Column::headed(heading, cells.values);
-        match cells.text {
-            None => found.columns.push(column),
-            Some(_) if cells.numbers == 0 => {
-                let why = Unread::Type { holds: "texts".to_owned() };
-                found.remarks.push(Remark::Unread { column: column.name, why });
-            }
-            Some(Text { line, value }) => {
-                return Err(Error::Cell { file: file.to_owned(), line, column: column.name, value });
-            }
+        if holds_texts {
+            found.remarks.push(texts(column.name));
+        } else {
+            found.columns.push(column);
         }
     }
     Ok(found)
+}
+
+/// Returns the remark on a column of texts.
+fn texts(column: String) -> Remark {
+    Remark::Unread { column, why: Unread::Type { holds: "texts".to_owned() } }
+}
+
+impl Cells {
+    /// Returns whether the column holds texts alone.
+    ///
+    /// # Errors
+    /// [`Error::Cell`] if it holds numbers and a text.
+    fn holds_texts(&self, heading: &str, file: &str) -> Result<bool, Error> {
+        match &self.text {
+            None => Ok(false),
+            Some(_) if self.numbers == 0 => Ok(true),
+            Some(Text { line, value }) => {
+                let column = Column::headed(heading, Vec::new()).name;
+                Err(Error::Cell { file: file.to_owned(), line: *line, column, value: value.clone() })
+            }
+        }
+    }
+
+    /// Takes over what the cells of an earlier part hold.
+    fn follow(&mut self, earlier: &Self) {
+        self.numbers += earlier.numbers;
+        self.text = earlier.text.clone().or(self.text.take());
+    }
 }
 
 /// Returns the error of a file that cannot be taken apart, with what to do about text in another encoding.
@@ -165,6 +189,10 @@ pub struct CsvParts<R> {
     rows: usize,
     read: usize,
     record: csv::StringRecord,
+    /// What the columns held so far, without their values.
+    held: Vec<Cells>,
+    /// Which columns the first part has, and so all others.
+    kept: Vec<bool>,
 }
 
 impl<R: std::io::BufRead> CsvParts<R> {
@@ -190,7 +218,8 @@ impl<R: std::io::BufRead> CsvParts<R> {
         refuse_numbers(&headings, delimiter, name)?;
         let rows = rows.min(VALUES_OF_A_PART / headings.len().max(1)).max(1);
         let record = csv::StringRecord::new();
-        Ok(Self { reader, delimiter, headings, name: name.to_owned(), rows, read: 0, record })
+        let (name, held) = (name.to_owned(), vec![Cells::default(); headings.len()]);
+        Ok(Self { reader, delimiter, headings, name, rows, read: 0, record, held, kept: Vec::new() })
     }
 
     fn part(&mut self) -> Result<Option<Table>, Error> {
@@ -210,8 +239,33 @@ impl<R: std::io::BufRead> CsvParts<R> {
         }
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
-        let Decoded { columns, remarks } = decoded(&self.headings, columns, &self.name)?;
+        let Decoded { columns, remarks } = self.decoded(columns)?;
         Table { name, columns, remarks }.checked().map(Some)
+    }
+
+    /// Returns the columns of a part: those that the first part has. A column of texts is left out of all parts; one that is all missing in
+    /// the first part, and holds texts later, stays all missing.
+    ///
+    /// # Errors
+    /// [`Error::Cell`] if a column of numbers has a cell that is none, in this part or an earlier one.
+    fn decoded(&mut self, columns: Vec<Cells>) -> Result<Decoded, Error> {
+        let mut found = Decoded::default();
+        for (k, mut cells) in columns.into_iter().enumerate() {
+            cells.follow(&self.held[k]);
+            let holds_texts = cells.holds_texts(&self.headings[k], &self.name)?;
+            self.held[k] = Cells { values: Vec::new(), numbers: cells.numbers, text: cells.text.clone() };
+            if self.kept.len() == k {
+                self.kept.push(!holds_texts);
+            }
+            let column = Column::headed(&self.headings[k], cells.values);
+            if holds_texts {
+                found.remarks.push(texts(column.name.clone()));
+            }
+            if self.kept[k] {
+                found.columns.push(column);
+            }
+        }
+        Ok(found)
     }
 }
 

@@ -10,6 +10,7 @@ use ndarray::{Array2, ShapeBuilder};
 use super::Decoded;
 use super::arrays::{Array, Found};
 use super::budget::Budget;
+use crate::mapping::TIME_NAMES;
 use crate::remark::Unread;
 use crate::table::name_and_unit;
 use crate::{Channel, Error};
@@ -78,7 +79,11 @@ pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<Decoded, Er
 impl Reader<'_> {
     /// Reads the data sets of a group and of the groups in it, in order of name. MATLAB's own groups begin with `#`.
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), Stop> {
-        let mut sets: Vec<(String, Dataset)> = group.iter_datasets()?.collect();
+        let listed = group.iter_datasets().map(Iterator::collect);
+        if listed.as_ref().is_err_and(is_link) {
+            return self.named(group, path);
+        }
+        let mut sets: Vec<(String, Dataset)> = listed?;
         let mut inner: Vec<(String, Group)> = group.iter_groups()?.collect();
         self.count(sets.len() + inner.len())?;
         sets.sort_by(|a, b| a.0.cmp(&b.0));
@@ -96,6 +101,20 @@ impl Reader<'_> {
                 self.found.holds(&full, "groups that lie too deep");
             }
         }
+        Ok(())
+    }
+
+    /// Reads the data sets that have the name of a channel or of the time. The library lists no group in the older format that
+    /// holds a symbolic link.
+    fn named(&mut self, group: &Group, path: &str) -> Result<(), Stop> {
+        let names = Channel::ALL.into_iter().map(Channel::name).chain(TIME_NAMES);
+        for name in names {
+            if let Ok(set) = group.dataset(name) {
+                self.data_set(&set, format!("{path}{name}"))?;
+            }
+        }
+        let why = "it holds a link, and links are not followed; of its data sets only those with the name of a channel are read";
+        self.found.unread(&format!("{path}*"), Unread::Undecodable { why: why.to_owned() });
         Ok(())
     }
 
@@ -224,11 +243,15 @@ fn is_unsupported(error: &Hdf5Error) -> bool {
     )
 }
 
+/// Returns whether a group cannot be listed because of a link: its address is that of no place in the file.
+fn is_link(error: &Hdf5Error) -> bool {
+    matches!(error, Hdf5Error::Format(FormatError::UnexpectedEof { expected: usize::MAX, .. }))
+}
+
 /// Returns what is said of a file that the library cannot take apart.
 fn described(error: &Hdf5Error) -> String {
     match error {
-        // the address of a link that leads to no place in the file
-        Hdf5Error::Format(FormatError::UnexpectedEof { expected: usize::MAX, .. }) => {
+        error if is_link(error) => {
             "it holds a link to another place or file, and links are not followed: save the data sets themselves".to_owned()
         }
         _ => format!("{error}: copy the file again from where it was recorded, or save it anew"),

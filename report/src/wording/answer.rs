@@ -94,7 +94,7 @@ pub struct CellText {
     /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 if it gains no more than noise may.
     pub explained: f64,
     /// Gain in the natural logarithm of the likelihood of held-out data.
-    pub gain_nats: f64,
+    pub log_likelihood_gain: f64,
     /// Shape of that function; empty if the variable explains little or the function has no simple form.
     pub shape: String,
 }
@@ -129,7 +129,7 @@ pub fn describe_answer(answer: &Answer, chart: &LocalisationChart) -> AnswerText
         component: cell.component,
         regime: cell.regime,
         explained: cell.explained,
-        gain_nats: cell.gain_nats,
+        log_likelihood_gain: cell.log_likelihood_gain,
         shape: cell.trend.map_or_else(String::new, describe_trend),
     };
     AnswerText {

@@ -30,8 +30,8 @@ pub struct SeparationText {
     pub first: usize,
     /// Index of the other.
     pub second: usize,
-    /// Expected log-likelihood ratio, nats.
-    pub nats: f64,
+    /// Expected log-likelihood ratio.
+    pub log_likelihood_ratio: f64,
     /// Probability that the new recording decides between them.
     pub probability: f64,
 }
@@ -41,8 +41,8 @@ pub struct SeparationText {
 pub struct OtherExperiment {
     /// Its demand.
     pub what: String,
-    /// Expected log-likelihood ratio of the two machines that are hardest to separate, nats.
-    pub nats: f64,
+    /// Expected log-likelihood ratio of the two machines that are hardest to separate.
+    pub log_likelihood_ratio: f64,
 }
 
 /// Experiments that are listed beside the best one.
@@ -54,12 +54,12 @@ pub fn describe_plan(plan: &Plan) -> ExperimentPlanText {
     let separations = best.iter().flat_map(|e| &e.separations).map(|s| SeparationText {
         first: s.first,
         second: s.second,
-        nats: s.nats,
+        log_likelihood_ratio: s.log_likelihood_ratio,
         probability: s.probability,
     });
     let other = |e: &PlannedExperiment| OtherExperiment {
         what: describe_demand(e),
-        nats: e.weakest().map_or(0.0, |s| s.nats),
+        log_likelihood_ratio: e.weakest().map_or(0.0, |s| s.log_likelihood_ratio),
     };
     let reached = best.map(|e| e.reached).unwrap_or_default();
     ExperimentPlanText {

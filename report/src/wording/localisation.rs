@@ -87,10 +87,10 @@ fn describe_best_cell(chart: &LocalisationChart) -> String {
         }
         _ => "An error at any other component explains clearly less.".to_owned(),
     };
-    let MapCell { component, regime, explained, gain_nats, trend } = best;
+    let MapCell { component, regime, explained, log_likelihood_gain, trend } = best;
     let trend = trend.map_or_else(String::new, |trend| format!(" ({})", describe_trend(trend)));
     format!(
-        "The best cell, {} along {regime}{trend}, raises the log-likelihood of held-out data by {gain_nats:.0}: {:.0} % of what a perfect \
+        "The best cell, {} along {regime}{trend}, raises the log-likelihood of held-out data by {log_likelihood_gain:.0}: {:.0} % of what a perfect \
          explanation would. {alike}",
         words(component.name()),
         100.0 * explained

@@ -215,7 +215,7 @@ pub fn show_hypotheses(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
                 ui.label(one.stage.to_string());
                 let name = format!("{} {}", one.component, one.effect).replace('_', " ");
                 ui.label(RichText::new(name).color(colour));
-                ui.label(format_short(one.gain_nats));
+                ui.label(format_short(one.log_likelihood_gain));
                 ui.label(format_short(one.worst));
                 ui.label(RichText::new(if one.accepted { "accepted" } else { "" }).color(colour));
                 ui.end_row();

@@ -24,6 +24,14 @@ CONTROL = 2.0 + RATE
 GOOD = {"time": TIME, "hub_rate": RATE, "control": CONTROL}
 
 
+def link(folder):
+    """A symbolic link in a group of the older format: one named as a channel, beside three data sets."""
+    time = np.arange(50) * 1e-3
+    with h5py.File(folder / "link_old_group.h5", "w") as f:
+        f["time"], f["hub_rate"], f["stored"] = time, np.sin(time), np.cos(time)
+        f["control"] = h5py.SoftLink("/stored")
+
+
 def hdf5(folder):
     """Data sets that are no columns of numbers beside three good ones."""
     with h5py.File(folder / "types.h5", "w") as f:
@@ -125,6 +133,7 @@ def main():
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     hdf5(folder)
+    link(folder)
     matlab(folder)
     parquet(folder)
     if len(sys.argv) > 2:

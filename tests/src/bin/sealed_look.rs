@@ -70,7 +70,7 @@ fn print(seed: u64, (nominal, case): (&Parameters, &Case), answer: &Answer, seco
             "  {mark} stage {} {:<40} gain {:9.1} distance {:.4} worst {:.3} beside {}",
             h.stage,
             format!("{} {}", h.component, h.effect),
-            h.gain_nats,
+            h.log_likelihood_gain,
             h.distance,
             h.worst,
             beside.join(", ")

@@ -75,7 +75,7 @@ fn tried(answer: &Answer) -> Vec<Tried> {
                 stage: h.stage,
                 name: format!("{} {}", h.component, h.effect),
                 beside: h.beside.len(),
-                gain: h.gain_nats,
+                gain: h.log_likelihood_gain,
                 distance: h.distance,
                 worst: h.worst,
                 accepted: h.accepted,
