@@ -206,7 +206,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         false => studies::adaptation_trials::own_trials(project, &on, &made, &procedure)?,
     };
     let kept = if options.histories { Kept::Histories } else { Kept::Systems };
-    let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, (&found, kept))?;
+    let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, &found, kept)?;
     Ok(VerificationStudy {
         measured_on,
         identity,

@@ -91,7 +91,7 @@ const BEYOND: f64 = 1.15;
 /// Weights whose changes are tried: those that promise to meet the requirement with the smallest change.
 const TRIED: usize = 3;
 
-/// Returns what to change for each requirement that fails with a finite figure.
+/// Returns what to change for each requirement that fails with a finite figure; `kept` says what the designs that are tried carry.
 ///
 /// # Errors
 /// Those of the plant and the verification; a change that admits no controller is left out.
@@ -100,7 +100,8 @@ pub fn advice(
     modelled: &Modelled,
     reduced: &Reduced,
     procedure: &Procedure,
-    (found, kept): (&Verification, Kept),
+    found: &Verification,
+    kept: Kept,
 ) -> Result<Vec<Advice>, PipelineError> {
     let Some(asked) = project.synth.as_ref() else { return Ok(Vec::new()) };
     let bench = Bench { project, modelled, reduced, procedure, kept };
