@@ -7,6 +7,7 @@ use counterpoise_project::{
 };
 use serde::Serialize;
 
+use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, assumption_effects, with_those_of_design};
 use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
@@ -88,7 +89,7 @@ pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
         Ok(modelled) => {
             let ranked = rank_assumptions(project, &modelled, &parsed.assumptions).unwrap_or_else(|error| {
                 problems.push(format!("assumptions are not ranked, because there is no design: {error}"));
-                RankedAssumptions { assumptions: parsed.assumptions.clone(), effects: Vec::new() }
+                RankedAssumptions { assumptions: parsed.assumptions.clone(), ..RankedAssumptions::default() }
             });
             (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))
         }
@@ -117,6 +118,8 @@ pub struct RankedAssumptions {
     pub assumptions: Vec<Assumption>,
     /// How much those of the plant matter that have a usual range, the largest effect first: what is first is worth measuring next.
     pub effects: Vec<AssumptionEffect>,
+    /// The loop at the assumed values, from which effects are counted; `None` without effects.
+    pub assumed_loop: Option<VerifiedLoop>,
 }
 
 /// Returns all assumptions, those of the design included, and how much those of the plant matter. The design is the project's, or the
@@ -131,7 +134,7 @@ pub fn rank_assumptions(
 ) -> Result<RankedAssumptions, PipelineError> {
     let has_usual = assumptions.iter().any(|assumption| assumption.usual.is_some());
     if !has_usual && !modelled.parameters.sensors.measured.is_position() {
-        return Ok(RankedAssumptions { assumptions: assumptions.to_vec(), effects: Vec::new() });
+        return Ok(RankedAssumptions { assumptions: assumptions.to_vec(), ..RankedAssumptions::default() });
     }
     let reduced = reduce(project, modelled)?;
     let usual = project.clone().with_usual_verification();
@@ -141,8 +144,9 @@ pub fn rank_assumptions(
     };
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
-    let effects = assumption_effects(project, modelled, &synthesised, assumptions)?;
-    Ok(RankedAssumptions { assumptions: with_those_of_design(assumptions, &synthesised), effects })
+    let found = assumption_effects(project, modelled, &synthesised, assumptions)?;
+    let assumptions = with_those_of_design(assumptions, &synthesised);
+    Ok(RankedAssumptions { assumptions, effects: found.effects, assumed_loop: found.assumed_loop })
 }
 
 fn overview(modelled: &Modelled) -> PlantOverview {

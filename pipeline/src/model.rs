@@ -183,7 +183,7 @@ fn fitted(
     Ok(out)
 }
 
-fn configured(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
+pub(crate) fn configured(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
     project.model.configuration.as_deref().map(|name| configuration(project, name)).transpose()
 }
 

@@ -19,7 +19,7 @@ use crate::exchange::error_budget::ErrorBudgetResult;
 use crate::exchange::systems::stored_frequencies_hz;
 use crate::exchange::verified::{histories, responses};
 use crate::exchange::{
-    HistoryResult, ResponseResult, SCHEMA, SystemResult, TransferFunctionResult, VerifiedLoop,
+    BalanceResult, HistoryResult, ResponseResult, SCHEMA, SystemResult, TransferFunctionResult, VerifiedLoop,
 };
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
@@ -50,6 +50,8 @@ pub struct ModelResult {
     pub holding_v: f64,
     /// First moment of mass about the pivot, kg m.
     pub out_of_balance_kg_m: f64,
+    /// How the holding control is found.
+    pub balance: BalanceResult,
     /// The linear plant.
     pub plant: SystemResult,
     /// Hub rate for each input.
@@ -58,6 +60,9 @@ pub struct ModelResult {
     pub assumptions: Vec<Assumption>,
     /// What the loop loses or gains if an assumption is wrong by its usual range, the largest effect first; empty if there is no design.
     pub assumption_effects: Vec<AssumptionEffect>,
+    /// The loop at the assumed values, from which effects are counted; absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assumed_loop: Option<VerifiedLoop>,
 }
 
 /// The reduction.
@@ -286,6 +291,8 @@ impl From<&Modelled> for ModelResult {
             out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
             assumptions: Vec::new(),
             assumption_effects: Vec::new(),
+            assumed_loop: None,
+            balance: BalanceResult::of(&modelled.plant, linear),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What to change where a requirement fails, in words.
 
-use counterpoise_pipeline::studies::advice::{Advice, Change};
+use counterpoise_pipeline::studies::advice::{Advice, Change, Sensitivity};
 use counterpoise_plot::number::short;
 
 use crate::{Cell, Column, Section, Table};
@@ -57,7 +57,7 @@ pub fn section(all: &[Advice]) -> Option<Section> {
     ];
     let mut table = Table::new("Sensitivities", &columns);
     for advice in all {
-        for (key, slope) in &advice.sensitivities {
+        for Sensitivity { key, per_factor_e: slope, .. } in &advice.sensitivities {
             let name = advice.requirement.figure.name();
             table.rows.push(vec![Cell::text(name), Cell::text(*key), Cell::number(*slope)]);
         }

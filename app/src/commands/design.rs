@@ -5,7 +5,7 @@ use counterpoise_export::File;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
-use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::results::{CertificateResult, DesignResult};
 use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
@@ -40,11 +40,12 @@ pub fn run(options: &DesignOptions) -> Done {
     let mut result = DesignResult::from(&designed);
     if !options.histories {
         result.verify.histories.clear();
+        result.verify.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
     }
     let code = &designed.targets.code;
     let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
     let compiled = compiled(&proofs, &costs);
-    let effects = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions);
+    let ranked = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions);
     let assumptions = with_those_of_design(&loaded.assumptions, &designed.stages.synthesised);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
@@ -56,10 +57,12 @@ pub fn run(options: &DesignOptions) -> Done {
         proofs: &proofs,
         costs: &costs,
         assumptions: &assumptions,
-        effects: &effects,
+        effects: &ranked.effects,
         first_design: first_design.as_ref(),
     };
     let page = html(&of_design(&designed, &result, &run));
+    result.model.assumptions = assumptions;
+    (result.model.assumption_effects, result.model.assumed_loop) = (ranked.effects, ranked.assumed_loop);
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
     let report = File { name: "report.html".to_owned(), text: page };
     export::write(&options.output, &designed.stages.files, &[export::controller_file(&controller)?, report])?;

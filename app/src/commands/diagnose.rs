@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
+use counterpoise_pipeline::recordings::configuration::in_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
@@ -82,7 +83,8 @@ fn confirm(
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let read = read(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
     let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
-    let one = |item| replay_one(&found.improved, item, &control, ReplayLength::Automatic).map_err(refused);
+    let improved = in_configuration(&loaded.project, &found.improved).map_err(refused)?;
+    let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);
     read.iter().map(|item| Ok(describe_replay(&one(item)?))).collect()
 }
 

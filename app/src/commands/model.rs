@@ -48,7 +48,10 @@ pub fn run(options: &ModelOptions) -> Done {
     let ranked = rank_assumptions(&loaded.project, &modelled, &loaded.assumptions);
     let unranked = ranked.as_ref().err().map(ToString::to_string);
     match ranked {
-        Ok(ranked) => (result.assumptions, result.assumption_effects) = (ranked.assumptions, ranked.effects),
+        Ok(ranked) => {
+            (result.assumptions, result.assumption_effects) = (ranked.assumptions, ranked.effects);
+            result.assumed_loop = ranked.assumed_loop;
+        }
         Err(_) => result.assumptions.clone_from(&loaded.assumptions),
     }
     let views = view_plant(&loaded.project, &modelled)?;

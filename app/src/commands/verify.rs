@@ -6,9 +6,9 @@ use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
 use counterpoise_pipeline::loop_view::{LoopView, loop_view};
-use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
+use counterpoise_pipeline::results::{AdviceResult, CertificateResult, RobustnessResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
-use counterpoise_pipeline::studies::advice::Advice;
+use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
@@ -118,6 +118,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let mut result = result.with_adaptation(study.adaptation.clone());
     if !options.histories {
         result.histories.clear();
+        result.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
     }
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
     let own = stability.map(|found| RobustnessResult::new("design", Joints::Sliding, Some(found)));
@@ -204,7 +205,8 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         true => None,
         false => studies::adaptation_trials::own_trials(project, &on, &made, &procedure)?,
     };
-    let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, &found)?;
+    let kept = if options.histories { Kept::Histories } else { Kept::Systems };
+    let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, &found, kept)?;
     Ok(VerificationStudy {
         measured_on,
         identity,

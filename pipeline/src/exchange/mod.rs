@@ -3,17 +3,21 @@
 //! A system has its matrices as lists of rows, its signals by name and unit, and its sample time in seconds, 0 for continuous time: what
 //! `control.ss(A, B, C, D, dt)` of python-control and `ss(A, B, C, D, Ts)` of MATLAB take.
 //!
-//! Modules in reading order: [`systems`], [`verified`], [`error_budget`], [`controller_file`].
+//! Modules in reading order: [`systems`], [`balance`], [`verified`], [`pulled_loop`], [`error_budget`], [`controller_file`].
 
+pub mod balance;
 pub mod controller_file;
 pub mod error_budget;
+pub mod pulled_loop;
 pub mod systems;
 pub mod verified;
 
+pub use balance::BalanceResult;
 pub use controller_file::ControllerResult;
 pub use error_budget::{ErrorBudgetResult, SightValues};
+pub use pulled_loop::PulledLoopResult;
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
-pub use verified::{HistoryResult, VerifiedLoop, verified_loop};
+pub use verified::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};
 
 /// Name and version of the schema of every result. The number rises when a key changes its meaning or goes; new keys
 /// leave it as it is.

@@ -99,6 +99,34 @@ pub fn verified_loop(
     })
 }
 
+/// Returns what [`verified_loop`] does without the controllers and the loop: for one of several plants under a controller.
+///
+/// # Errors
+/// As [`verified_loop`].
+pub fn plants_of(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<VerifiedLoop, PipelineError> {
+    let mut found = verified_loop(plant, controller, procedure)?;
+    found.systems.retain(|system| system.name.contains("plant"));
+    Ok(found)
+}
+
+/// Returns the controllers and the loop of [`verified_loop`]: for one of several controllers of a plant.
+///
+/// # Errors
+/// As [`verified_loop`].
+pub fn controllers_of(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<Vec<SystemResult>, PipelineError> {
+    let mut found = verified_loop(plant, controller, procedure)?;
+    found.systems.retain(|system| !system.name.contains("plant"));
+    Ok(found.systems)
+}
+
 fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {
     const TRUTHS: [&str; 4] = ["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s", "current_a"];
     let readings: Vec<String> =
@@ -142,21 +170,27 @@ fn delays(parameters: &Parameters) -> Vec<usize> {
 /// Returns the time histories of a verification.
 pub fn histories(found: &Verification) -> Vec<HistoryResult> {
     let sample_time_s = found.evidence.sample_period_s;
-    let one = |history: &History| HistoryResult {
-        name: name(history.model, history.experiment),
-        start_s: history.time_s.first().copied().unwrap_or(0.0),
-        sample_time_s,
-        demand_rad_s: history.demand_rad_s.clone(),
-        heave_m_s2: history.heave_m_s2.clone(),
-        pitch_rate_rad_s: history.pitch_rate_rad_s.clone(),
-        hub_rate_rad_s: history.hub_rate_rad_s.clone(),
-        tip_rate_rad_s: history.tip_rate_rad_s.clone(),
-        control_v: history.control_v.clone(),
-        current_a: history.current_a.clone(),
-        travel_rad: history.travel_rad.clone(),
-        contact: history.contact.clone(),
-    };
-    found.evidence.histories.iter().map(one).collect()
+    found.evidence.histories.iter().map(|history| HistoryResult::new(history, sample_time_s)).collect()
+}
+
+impl HistoryResult {
+    /// Returns a time history as plain data.
+    pub fn new(history: &History, sample_time_s: f64) -> Self {
+        Self {
+            name: name(history.model, history.experiment),
+            start_s: history.time_s.first().copied().unwrap_or(0.0),
+            sample_time_s,
+            demand_rad_s: history.demand_rad_s.clone(),
+            heave_m_s2: history.heave_m_s2.clone(),
+            pitch_rate_rad_s: history.pitch_rate_rad_s.clone(),
+            hub_rate_rad_s: history.hub_rate_rad_s.clone(),
+            tip_rate_rad_s: history.tip_rate_rad_s.clone(),
+            control_v: history.control_v.clone(),
+            current_a: history.current_a.clone(),
+            travel_rad: history.travel_rad.clone(),
+            contact: history.contact.clone(),
+        }
+    }
 }
 
 /// The beginning of the keys of an experiment's figures.

@@ -9,6 +9,7 @@ use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
+use super::configuration::{in_configuration, without_configuration};
 use super::read::{
     ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller, unused_columns,
     without_demand,
@@ -36,7 +37,8 @@ pub struct DiagnosedRecordings {
     pub residuals: ResidualStudy,
 }
 
-/// Diagnoses files of recordings of the project's machine.
+/// Diagnoses files of recordings of the project's machine in the configuration that its model names. What is found holds for that
+/// configuration; the improved mechanism is stated without what the configuration fits to it, as the project file states it.
 ///
 /// # Errors
 /// [`PipelineError::UnreadableRecording`] for a file, [`PipelineError::Diagnosis`] if the recordings cannot be diagnosed or the
@@ -55,8 +57,9 @@ pub fn diagnose(
         Contradiction::Ignore
     };
     let recordings: Vec<Recording> = read.iter().map(|item| item.recording.clone()).collect();
-    let request = Request { base: &project.plant, control, contradiction, recordings: &recordings };
-    let diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
+    let base = in_configuration(project, &project.plant)?;
+    let request = Request { base: &base, control, contradiction, recordings: &recordings };
+    let mut diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
     let without_demand =
         without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
@@ -64,9 +67,9 @@ pub fn diagnose(
     let control = diagnosis.control.clone();
     let answer = &diagnosis.answer;
     let chart = build_chart(&answer.map, &answer.isolability, &answer.findings);
-    let tracks =
-        before_and_after(&repaired(&diagnosis, project), &control, &project.plant, &diagnosis.improved);
+    let tracks = before_and_after(&repaired(&diagnosis, project), &control, &base, &diagnosis.improved);
     let residuals = study_residuals(&tracks);
+    diagnosis.improved = without_configuration(project, &diagnosis.improved)?;
     Ok(DiagnosedRecordings { diagnosis, control, without_demand, remarks, chart, tracks, residuals })
 }
 

@@ -10,6 +10,7 @@ use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use serde::Deserialize;
 
+use super::configuration::in_configuration;
 use super::read::recording_controller;
 use crate::PipelineError;
 
@@ -97,9 +98,10 @@ pub fn plan_experiment(
         section: "recording_controller",
         needed_by: "the plan of an experiment",
     })?;
+    let plant = in_configuration(project, &project.plant)?;
     let machines = match findings {
-        Some(findings) => findings.machines(&project.plant),
-        None => usual_machines(&project.plant),
+        Some(findings) => findings.machines(&plant),
+        None => usual_machines(&plant),
     };
     if machines.len() < 2 {
         return Err(PipelineError::NothingToSeparate);

@@ -4,6 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
 
+use super::configuration::in_configuration;
 use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
@@ -44,7 +45,7 @@ fn compared(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
     after.iter().filter_map(one).collect()
 }
 
-/// Replays files that no diagnosis was given, on the project's mechanism and on an improved one.
+/// Replays files that no diagnosis was given, on the project's mechanism and on an improved one, both in the project's configuration.
 ///
 /// # Errors
 /// As [`read`] and [`replay_one`].
@@ -53,17 +54,19 @@ pub fn replay_held_out(
     improved: &Parameters,
     files: &[RecordingFile],
 ) -> Result<Vec<HeldOutRecording>, PipelineError> {
+    let plant = in_configuration(project, &project.plant)?;
+    let improved = in_configuration(project, improved)?;
     let controller = recording_controller(project)?;
     let read = read(project, controller.as_ref(), files, Gaps::Repaired)?;
     let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
     let one = |item| {
-        let after = replay_one(improved, item, &control, ReplayLength::Automatic)?;
+        let after = replay_one(&improved, item, &control, ReplayLength::Automatic)?;
         // both over the same length, so that the figures can be compared
         let (length, window_s) = match after.followed.mode {
             ReplayMode::Free => (ReplayLength::Whole, None),
             ReplayMode::Windowed { window_s, .. } => (ReplayLength::Windows { window_s }, Some(window_s)),
         };
-        let before = replay_one(&project.plant, item, &control, length)?;
+        let before = replay_one(&plant, item, &control, length)?;
         Ok(HeldOutRecording {
             file: after.file,
             channels: compared(&before.followed.replay.channels, &after.followed.replay.channels),

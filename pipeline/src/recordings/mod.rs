@@ -8,8 +8,9 @@
 //! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out`] (recordings that no diagnosis was given, before and after),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
-//! [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
+//! [`configuration`] (what a configuration fits to the mechanism), [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
+pub mod configuration;
 pub mod controller_origin;
 pub mod converter_range;
 pub mod diagnose;

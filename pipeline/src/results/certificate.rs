@@ -1,11 +1,12 @@
 //! The stability certificate as plain data.
 
+use counterpoise_verify::certificate::multiplier::{Kind, Term};
 use counterpoise_verify::certificate::{
     CaseCertificate, Certificate, Cycle, Orbit, RegimeLoop, SectorProof, Stability,
 };
 use serde::Serialize;
 
-use crate::exchange::SystemResult;
+use crate::exchange::{PulledLoopResult, SystemResult};
 
 /// The certificate: the worst case, and every case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,7 +53,7 @@ pub struct CaseResult {
 }
 
 /// A sector argument.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SectorResult {
     /// Whether it is a proof.
     pub holds: bool,
@@ -68,6 +69,51 @@ pub struct SectorResult {
     pub intervals: usize,
     /// Bound of what passes through aliases, which must be below 1; `None` if the condition fails.
     pub aliases: Option<f64>,
+    /// The multiplier that proves it; absent if none was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplier: Option<MultiplierResult>,
+}
+
+/// A multiplier N(jw) of the torques of dry friction at motor and pivot, with a residue R: N H + (N H)^* + R is positive, where H is the
+/// response from these torques to the rates there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MultiplierResult {
+    /// The loop H, whose two added signals are the torques.
+    pub pulled: PulledLoopResult,
+    /// Units of the torques at motor and pivot: H is multiplied by them from both sides.
+    pub units: [f64; 2],
+    /// Rate by which derivatives are divided, rad/s.
+    pub reference_rad_s: f64,
+    /// The terms of N and R.
+    pub terms: Vec<TermResult>,
+}
+
+/// A term of a multiplier.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TermResult {
+    /// 0 for the motor, 1 for the pivot.
+    pub joint: usize,
+    /// `constant` (1), `derivative` (value x jw / reference), `kernel` (-sign / (1 + jw / value)) or `stiffness` (-jw / reference in N,
+    /// 2 w^2 / (reference value) in R).
+    pub kind: &'static str,
+    /// What the kind says: a sign, a corner in rad/s, or a stiffness in the units of the torques.
+    pub value: f64,
+    /// Sign of a kernel; 1 for other kinds.
+    pub sign: f64,
+    /// Weight by which the term is multiplied.
+    pub weight: f64,
+}
+
+impl From<&Term> for TermResult {
+    fn from(term: &Term) -> Self {
+        let (kind, value, sign) = match term.kind {
+            Kind::Constant => ("constant", 1.0, 1.0),
+            Kind::Derivative(sign) => ("derivative", sign, 1.0),
+            Kind::Kernel { corner_rad_s, sign } => ("kernel", corner_rad_s, sign),
+            Kind::Stiffness(stiffness) => ("stiffness", stiffness, 1.0),
+        };
+        Self { joint: term.joint, kind, value, sign, weight: term.weight }
+    }
 }
 
 impl From<&SectorProof> for SectorResult {
@@ -80,6 +126,12 @@ impl From<&SectorProof> for SectorResult {
             range_hz: found.range_hz,
             intervals: found.intervals,
             aliases: finite(found.aliases),
+            multiplier: found.multiplier.as_ref().map(|multiplier| MultiplierResult {
+                pulled: (&found.pulled).into(),
+                units: found.units,
+                reference_rad_s: multiplier.reference_rad_s,
+                terms: multiplier.terms.iter().map(TermResult::from).collect(),
+            }),
         }
     }
 }
@@ -124,7 +176,7 @@ pub struct PredictedResult {
 }
 
 /// A motion on the simulator.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OrbitResult {
     /// Amplitude of the hub rate at its start, rad/s.
     pub start_rad_s: f64,
@@ -132,6 +184,17 @@ pub struct OrbitResult {
     pub amplitude_rad_s: Option<f64>,
     /// Its frequency, Hz.
     pub frequency_hz: f64,
+    /// The hub's rate about its mean over the last stretch that was followed, rad/s, at the sample time of the loop; absent unless time
+    /// histories were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rates_rad_s: Vec<f64>,
+}
+
+impl CertificateResult {
+    /// Leaves out the rates of motions on the simulator.
+    pub fn leave_histories_out(&mut self) {
+        self.cases.iter_mut().flat_map(|case| &mut case.orbits).for_each(|orbit| orbit.rates_rad_s.clear());
+    }
 }
 
 fn word(stability: Stability) -> &'static str {
@@ -216,6 +279,7 @@ impl From<&Orbit> for OrbitResult {
             start_rad_s: orbit.start_rad_s,
             amplitude_rad_s: (!diverged).then_some(orbit.amplitude_rad_s),
             frequency_hz: orbit.frequency_hz,
+            rates_rad_s: orbit.rates_rad_s.clone(),
         }
     }
 }

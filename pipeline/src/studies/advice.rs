@@ -4,11 +4,15 @@
 //! logarithm of the weight, gives the change that should be enough; that design is made and measured as well, so that what is advised
 //! has been tried.
 
+use counterpoise_controller::Controller;
 use counterpoise_project::Project;
 use counterpoise_synth::{Specification, Weight};
-use counterpoise_verify::robust::figures_of;
-use counterpoise_verify::{Figure, LoopFigure, Procedure, Requirement, Value, Verdict, Verification};
+use counterpoise_verify::robust::{figures_of, history_of};
+use counterpoise_verify::{
+    Figure, History, LoopFigure, Procedure, Requirement, Value, Verdict, Verification,
+};
 
+use crate::exchange::{SystemResult, controllers_of};
 use crate::{Modelled, PipelineError, Reduced, synthesise};
 
 /// A change of one weight.
@@ -18,14 +22,49 @@ pub struct Advice {
     pub requirement: Requirement,
     /// Its figure as it is.
     pub value: f64,
-    /// The sensitivity to each weight: change of the figure for a weight that is e times as large.
-    pub sensitivities: Vec<(&'static str, f64)>,
+    /// The sensitivity to each weight.
+    pub sensitivities: Vec<Sensitivity>,
     /// The best change that was tried; `None` if no weight moves the figure.
     pub change: Option<Change>,
 }
 
+/// The sensitivity of a figure to a weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// The weight's key in the project file.
+    pub key: &'static str,
+    /// Change of the figure for a weight that is e times as large.
+    pub per_factor_e: f64,
+    /// The design from which it was found.
+    pub tried: TriedDesign,
+}
+
+/// A design with a weight changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriedDesign {
+    /// By what the weight is multiplied.
+    pub factor: f64,
+    /// The figure then.
+    pub value: f64,
+    /// The controllers and the loop.
+    pub systems: Vec<SystemResult>,
+    /// The time history from which the figure is measured, if it is and histories were asked for.
+    pub history: Option<History>,
+    /// Sample time of that history, s.
+    pub sample_time_s: f64,
+}
+
+/// What is kept of the designs that are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// Their linear systems.
+    Systems,
+    /// Their time histories as well: a run more for each.
+    Histories,
+}
+
 /// A change of a weight that was tried.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     /// The weight's key in the project file.
     pub key: &'static str,
@@ -37,6 +76,8 @@ pub struct Change {
     pub gain_margin_db: f64,
     /// Whether the requirement holds then.
     pub holds: bool,
+    /// The design.
+    pub tried: TriedDesign,
 }
 
 /// A weight with its key.
@@ -50,7 +91,7 @@ const BEYOND: f64 = 1.15;
 /// Weights whose changes are tried: those that promise to meet the requirement with the smallest change.
 const TRIED: usize = 3;
 
-/// Returns what to change for each requirement that fails with a finite figure.
+/// Returns what to change for each requirement that fails with a finite figure; `kept` says what the designs that are tried carry.
 ///
 /// # Errors
 /// Those of the plant and the verification; a change that admits no controller is left out.
@@ -60,9 +101,10 @@ pub fn advice(
     reduced: &Reduced,
     procedure: &Procedure,
     found: &Verification,
+    kept: Kept,
 ) -> Result<Vec<Advice>, PipelineError> {
     let Some(asked) = project.synth.as_ref() else { return Ok(Vec::new()) };
-    let bench = Bench { project, modelled, reduced, procedure };
+    let bench = Bench { project, modelled, reduced, procedure, kept };
     let knobs = knobs(&asked.specification);
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, .. } if value.is_finite() => Some((requirement, *value)),
@@ -102,12 +144,15 @@ struct Bench<'a> {
     modelled: &'a Modelled,
     reduced: &'a Reduced,
     procedure: &'a Procedure,
+    kept: Kept,
 }
 
 impl Bench<'_> {
     fn advise(&self, requirement: &Requirement, value: f64, knobs: &[Knob]) -> Result<Advice, PipelineError> {
         let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
-        let Some(before) = self.measured(&figures, None)? else {
+        let designed = self.designed(None)?;
+        let before = designed.map(|controller| self.measured(&figures, &controller)).transpose()?;
+        let Some(before) = before.flatten() else {
             return Ok(Advice {
                 requirement: requirement.clone(),
                 value,
@@ -117,9 +162,9 @@ impl Bench<'_> {
         };
         let (mut sensitivities, mut candidates) = (Vec::new(), Vec::new());
         for knob in knobs {
-            let Some(after) = self.measured(&figures, Some((knob, STEP)))? else { continue };
+            let Some((after, tried)) = self.tried(&figures, (knob, STEP))? else { continue };
             let slope = (after[0] - before[0]) / STEP.ln();
-            sensitivities.push((knob.0, slope));
+            sensitivities.push(Sensitivity { key: knob.0, per_factor_e: slope, tried });
             let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
             if needed.is_finite() {
                 candidates.push((knob, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
@@ -128,10 +173,10 @@ impl Bench<'_> {
         candidates.sort_by(|a, b| a.2.total_cmp(&b.2));
         let mut best: Option<Change> = None;
         for (knob, factor, _) in candidates.into_iter().take(TRIED) {
-            let Some(after) = self.measured(&figures, Some((knob, factor)))? else { continue };
+            let Some((after, tried)) = self.tried(&figures, (knob, factor))? else { continue };
             let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
             let gain_margin_db = after[1] - before[1];
-            let change = Change { key: knob.0, factor, value: after[0], gain_margin_db, holds };
+            let change = Change { key: knob.0, factor, value: after[0], gain_margin_db, holds, tried };
             let better = |old: &Change| {
                 (change.holds, requirement.limit.distance_to_limit(after[0]).min(0.0))
                     > (old.holds, requirement.limit.distance_to_limit(old.value).min(0.0))
@@ -143,22 +188,48 @@ impl Bench<'_> {
         Ok(Advice { requirement: requirement.clone(), value, sensitivities, change: best })
     }
 
-    /// Figures of the design with a weight changed; `None` if there is no controller, or if a figure is not a finite number.
-    fn measured(
-        &self,
-        figures: &[Figure],
-        knob: Option<(&Knob, f64)>,
-    ) -> Result<Option<Vec<f64>>, PipelineError> {
+    /// The controller of the design with a weight changed; `None` if there is none.
+    fn designed(&self, knob: Option<(&Knob, f64)>) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
         if let (Some(synth), Some((knob, factor))) = (&mut project.synth, knob) {
             (knob.1)(&mut synth.specification, factor);
         }
-        let made = match synthesise(&project, self.modelled, self.reduced) {
-            Ok(made) => made,
-            Err(PipelineError::NoController(_)) => return Ok(None),
-            Err(error) => return Err(error),
+        match synthesise(&project, self.modelled, self.reduced) {
+            Ok(made) => Ok(Some(made.sampled.controller)),
+            Err(PipelineError::NoController(_)) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Figures of the design with a weight changed, and the design; `None` as in [`Self::measured`], and without a controller.
+    fn tried(
+        &self,
+        figures: &[Figure],
+        knob: (&Knob, f64),
+    ) -> Result<Option<(Vec<f64>, TriedDesign)>, PipelineError> {
+        let Some(controller) = self.designed(Some(knob))? else { return Ok(None) };
+        let Some(values) = self.measured(figures, &controller)? else { return Ok(None) };
+        let (plant, procedure) = (&self.modelled.plant, self.procedure);
+        let history = match self.kept {
+            Kept::Systems => None,
+            Kept::Histories => history_of(plant, &controller, procedure, &figures[0])?,
         };
-        let controller = &made.sampled.controller;
+        let tried = TriedDesign {
+            factor: knob.1,
+            value: values[0],
+            systems: controllers_of(plant, &controller, procedure)?,
+            history,
+            sample_time_s: controller.sample_period_s(),
+        };
+        Ok(Some((values, tried)))
+    }
+
+    /// Figures under a controller; `None` if one of them is not a finite number.
+    fn measured(
+        &self,
+        figures: &[Figure],
+        controller: &Controller,
+    ) -> Result<Option<Vec<f64>>, PipelineError> {
         let values = figures_of(&self.modelled.plant, controller, self.procedure, figures)?;
         let number = |value: &Value| match value {
             Value::Is(number) if number.is_finite() => Some(*number),

@@ -6,6 +6,7 @@ use counterpoise_project::{Assumption, Project};
 use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, Verification, verify_linear};
 use serde::Serialize;
 
+use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
 use crate::{Modelled, PipelineError, Stages, Synthesised, model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
@@ -41,6 +42,18 @@ pub struct EffectAt {
     pub sensitivity_change_db: Option<f64>,
     /// Largest change of the hub rate that heave or pitch leaves, dB.
     pub residual_change_db: Option<f64>,
+    /// The plant there; absent if none can be built.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_on: Option<VerifiedLoop>,
+}
+
+/// The effects of assumptions, with the loop from which they are counted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AssumptionEffects {
+    /// The effects, the largest first.
+    pub effects: Vec<AssumptionEffect>,
+    /// The loop at the assumed values; `None` without effects.
+    pub assumed_loop: Option<VerifiedLoop>,
 }
 
 /// Figures of one loop.
@@ -64,20 +77,23 @@ pub fn assumption_effects(
     modelled: &Modelled,
     synthesised: &Synthesised,
     assumptions: &[Assumption],
-) -> Result<Vec<AssumptionEffect>, PipelineError> {
+) -> Result<AssumptionEffects, PipelineError> {
     let procedure = Procedure {
         operating_point: project.model.operating_point,
         friction: project.model.friction,
         rejection_hz: vec![RESIDUAL_HZ],
         ..Procedure::default()
     };
+    let controller = &synthesised.sampled.controller;
     let nominal = figures(&modelled.plant, synthesised, &procedure)?;
     let effect = |assumption: &Assumption| {
         let [low, high] = assumption.usual?;
         let at = |value: f64| {
             let changed = project.with_number(&assumption.key, value)?;
-            let varied = model(&changed).and_then(|made| figures(&made.plant, synthesised, &procedure));
-            Some(compared(value, varied.ok(), nominal))
+            let made = model(&changed).ok();
+            let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
+            let measured_on = made.and_then(|made| plants_of(&made.plant, controller, &procedure).ok());
+            Some(EffectAt { measured_on, ..compared(value, varied, nominal) })
         };
         let at = [at(low)?, at(high)?];
         let largest_change_db = at.iter().map(largest).fold(0.0, f64::max);
@@ -86,7 +102,9 @@ pub fn assumption_effects(
     };
     let mut effects: Vec<AssumptionEffect> = assumptions.iter().filter_map(effect).collect();
     effects.sort_by(|a, b| b.largest_change_db.total_cmp(&a.largest_change_db));
-    Ok(effects)
+    let assumed = || verified_loop(&modelled.plant, controller, &procedure);
+    let assumed_loop = (!effects.is_empty()).then(assumed).transpose()?;
+    Ok(AssumptionEffects { effects, assumed_loop })
 }
 
 /// Returns what a file leaves open, and what its design assumes beside.
@@ -100,7 +118,7 @@ pub fn effects_on_design(
     project: &Project,
     stages: &Stages,
     assumptions: &[Assumption],
-) -> Vec<AssumptionEffect> {
+) -> AssumptionEffects {
     assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions).unwrap_or_default()
 }
 
@@ -140,6 +158,7 @@ fn compared(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> Ef
         phase_margin_change_deg: change(|f| f.phase_margin_deg),
         sensitivity_change_db: change(|f| f.sensitivity_db),
         residual_change_db: residuals.into_iter().flatten().max_by(|a, b| a.abs().total_cmp(&b.abs())),
+        measured_on: None,
     }
 }
 

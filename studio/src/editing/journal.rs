@@ -11,7 +11,6 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 
 use counterpoise_host::files::Disk;
-use counterpoise_host::journals::journal_path;
 use counterpoise_host::worker::Wake;
 use serde::{Deserialize, Serialize};
 
@@ -133,6 +132,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use counterpoise_host::files::Native;
+    use counterpoise_host::journals::journal_path;
     use std::fs;
     use std::io::Write;
 

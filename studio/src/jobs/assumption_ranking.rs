@@ -21,5 +21,5 @@ pub struct RankingRequest {
 pub fn rank(request: RankingRequest) -> RankedAssumptions {
     let RankingRequest { project, modelled, assumptions } = request;
     rank_assumptions(&project, &modelled, &assumptions)
-        .unwrap_or(RankedAssumptions { assumptions, effects: Vec::new() })
+        .unwrap_or(RankedAssumptions { assumptions, ..RankedAssumptions::default() })
 }

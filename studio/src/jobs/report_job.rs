@@ -45,7 +45,7 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         proofs: &proofs::proofs(code, &designed.targets.compared),
         costs: &processor::costs(code),
         assumptions: &with_those_of_design(&request.assumptions, &designed.stages.synthesised),
-        effects: &effects_on_design(&request.project, &designed.stages, &request.assumptions),
+        effects: &effects_on_design(&request.project, &designed.stages, &request.assumptions).effects,
         first_design: first_design.as_ref(),
     };
     files::write(&request.output, html(&of_design(&designed, &result, &run)).as_bytes())

@@ -16,6 +16,7 @@ import sys
 import control
 import numpy as np
 
+import certificates
 import stages
 from responses import at, bisect, crossings, decibels, golden, largest, named, system
 
@@ -171,6 +172,64 @@ def history_figures(history, settle_s):
     return {f"{name}_{key}": value for key, value in found.items()}
 
 
+def assumption_rows(model, verify):
+    """What the loop loses or gains with an assumption at the ends of its usual range."""
+    effects = model.get("assumption_effects", [])
+    if not effects:
+        return
+    assumed = dict(model["assumed_loop"])
+    before = assumption_figures(assumed, assumed)
+    for effect in effects:
+        largest_ = 0.0
+        for end in effect["at"]:
+            name = f"{effect['key']} at {end['value']:.6g}"
+            after = assumption_figures(assumed, end["measured_on"]) if end.get("measured_on") else None
+            is_stable = after is not None and after["radius"] < 1.0
+            yield f"{name}: stable", float(end["is_stable"]), float(is_stable), 0.0
+            if after is None:
+                continue
+            residual = max(((after[k] - before[k]) for k in ("heave", "pitch") if finite(after[k], before[k])), key=abs, default=None)
+            for key, mine in (("gain_margin_change_db", difference(after, before, "gain")),
+                              ("phase_margin_change_deg", difference(after, before, "phase")),
+                              ("sensitivity_change_db", difference(after, before, "sensitivity")),
+                              ("residual_change_db", residual)):
+                told = end[key]
+                if told is not None:
+                    # differences of figures that are found to a part in a million
+                    yield f"{name}: {key}", 1.0, 1.0 + abs(told - (math.nan if mine is None else mine)), 1e-4
+                    largest_ = max(largest_, 0.0 if "deg" in key else abs(told))
+            largest_ = largest_ if end["is_stable"] else math.inf
+        told = math.inf if effect["largest_change_db"] is None else effect["largest_change_db"]
+        yield f"{effect['key']}: largest change, dB", told, largest_, 0.0
+
+
+def finite(*values):
+    return all(value is not None and math.isfinite(value) for value in values)
+
+
+def difference(after, before, key):
+    return after[key] - before[key] if finite(after[key], before[key]) else None
+
+
+def assumption_figures(assumed, on):
+    """Margins, sensitivity and residual at 1 Hz of the assumed controller on another plant."""
+    plants = [one for one in on["systems"] if "plant" in one["name"]]
+    controllers = [one for one in assumed["systems"] if "controller" in one["name"]]
+    both = dict(on, systems=plants + controllers)
+    sampled, K = (system(named(both["systems"], name)) for name in ("sampled_plant", "controller"))
+    readings = control.ss(sampled.A, sampled.B[:, 3:], sampled.C[5:, :], sampled.D[5:, 3:], sampled.dt)
+    loop = control.series(readings, -K)
+    states = [{"name": "", "unit": ""}] * loop.nstates
+    both["systems"] = both["systems"] + [{"name": "loop", "sample_time_s": sampled.dt, "A": loop.A.tolist(), "B": loop.B.tolist(),
+                                          "C": loop.C.tolist(), "D": loop.D.tolist(), "states": states}]
+    found = loop_figures(both)
+    out = {"gain": found["gain_margin_db"], "phase": found["phase_margin_deg"], "radius": found["closed_loop_pole_radius"],
+           "sensitivity": decibels(found["max_sensitivity"])}
+    for source in ("heave", "pitch"):
+        out[source] = rejection_db(both, source, "compensated", 1.0)
+    return out
+
+
 def recomputed(verify):
     all_ = loop_figures(verify)
     for history in verify.get("histories", []):
@@ -212,10 +271,9 @@ def check_responses(synth):
 
 
 # What no figure of a result determines.
-BY_DESIGN = "another design, measured again"
+NO_HISTORY = "its time history is not part of the result: ask for --histories"
 BY_SIMULATION = "a run of the simulator that is not among the histories"
-BY_CONES = "a cone program over its own grid, certified between its points"
-BY_BOUNDS = "upper bounds of the structured singular value"
+BY_SIGHT = "an angle that is integrated in runs of the simulator, which are not among the histories"
 
 
 def verify_rows(verify):
@@ -225,17 +283,16 @@ def verify_rows(verify):
         if value is None:
             continue
         if key not in mine or mine[key] is None:
-            missing = "its time history is not part of the result: ask for --histories"
-            yield (key, value, math.nan, 0.0) if verify.get("histories") else (key, value, missing)
+            yield (key, value, math.nan, 0.0) if verify.get("histories") else (key, value, NO_HISTORY)
         else:
             yield key, value, mine[key], LOOP_TOLERANCE if key in loop_keys else TOLERANCE
     yield from verdict_rows(verify, mine)
-    yield from certificate_rows(verify.get("certificate"))
+    yield from certificate_rows(verify)
     yield from robustness_rows(verify)
     for advice in verify.get("advice", []):
-        yield f"advice on {advice['figure']}", advice["value"], BY_DESIGN
+        yield from advice_rows(verify, advice)
     if verify.get("error_budget"):
-        yield "error budget of the line of sight", math.nan, BY_SIMULATION
+        yield "error budget of the line of sight", math.nan, BY_SIGHT
 
 
 def verdict_rows(verify, mine):
@@ -254,7 +311,46 @@ def is_held(verdict):
     return room >= 0.0 if verdict["limit_side"] == "at most" else room <= 0.0
 
 
-def certificate_rows(certificate):
+def figure_of_design(verify, key, tried):
+    """A figure of the verified plant under another controller; None if the result does not hold its history."""
+    kept = [one for one in verify["systems"] if "plant" in one["name"]]
+    other = dict(verify, systems=kept + tried["systems"])
+    if key in loop_keys:
+        return loop_figures(other)[key]
+    if "_drr_db at " in key:
+        words, rest = key.split("_drr_db at ")
+        source, arrangement = words.split("_")
+        return rejection_db(other, source, arrangement, float(rest.split()[0]))
+    if tried.get("history"):
+        return history_figures(tried["history"], verify["settle_s"]).get(key)
+    return None
+
+
+def advice_rows(verify, advice):
+    """The figure of each design that was tried, the sensitivities as difference quotients, and what the advised change costs."""
+    key, stands = advice["figure"], {figure["figure"]: figure["value"] for figure in verify["figures"]}
+    yield f"advice on {key}: as it is", advice["value"], stands[key], 0.0
+    tolerance = LOOP_TOLERANCE if key in loop_keys else TOLERANCE
+    change = advice.get("change")
+    designs = [(f"{one['weight']} x{one['tried']['factor']:.4g}", one["tried"]) for one in advice["sensitivities"]]
+    designs += [(f"advised, {change['weight']} x{change['factor']:.4g}", change["tried"])] if change else []
+    for name, tried in designs:
+        mine = figure_of_design(verify, key, tried)
+        told = f"{key} with {name}"
+        yield (told, tried["value"], mine, tolerance) if mine is not None else (told, tried["value"], NO_HISTORY)
+    for one in advice["sensitivities"]:
+        slope = (one["tried"]["value"] - advice["value"]) / math.log(one["tried"]["factor"])
+        yield f"sensitivity of {key} to {one['weight']}", one["per_factor_e"], slope, 1e-6
+    if change:
+        yield f"advised figure, {key}", change["value"], change["tried"]["value"], 0.0
+        room = (advice["limit"] - change["value"]) * (1.0 if stands[key] > advice["limit"] else -1.0)
+        yield f"whether it holds then, {key}", float(change["holds"]), float(room >= 0.0), 0.0
+        margin = figure_of_design(verify, "gain_margin_db", change["tried"]) - stands["gain_margin_db"]
+        yield f"change of the gain margin, {key}", change["gain_margin_change_db"], margin, 1e-5
+
+
+def certificate_rows(verify):
+    certificate = verify.get("certificate")
     if not certificate:
         return
     for case in certificate["cases"]:
@@ -276,9 +372,9 @@ def certificate_rows(certificate):
             yield f"largest sensitivity, {name}", regime["max_sensitivity"], sensitivity, 5e-3
             yield f"growth, {name}", regime["growth_per_s"], math.log(regime["pole_radius"]) / dt, 1e-9
         if case["sector"]:
-            yield f"sector argument, {case['name']}", case["sector"]["least"] or math.nan, BY_CONES
-        for orbit in case["orbits"]:
-            yield f"motion from {orbit['start_rad_s']:.3e} rad/s, {case['name']}", orbit["start_rad_s"], BY_SIMULATION
+            yield from certificates.sector(case["sector"], case["name"])
+        dt = case["regimes"][0]["sampled_loop"]["sample_time_s"]
+        yield from certificates.orbits(case, dt, case["noise_floor_rad_s"])
 
 
 def robustness_rows(verify):
@@ -289,8 +385,9 @@ def robustness_rows(verify):
         peak = max(one["bounds"], key=lambda bound: bound["upper"])
         yield f"stable within times the ranges, {name}", one["guaranteed"], 1.0 / peak["upper"], 1e-12
         yield f"largest bound at, Hz, {name}", one["worst_hz"], peak["frequency_hz"], 0.0
-        yield f"bound itself, {name}", peak["upper"], BY_BOUNDS
+        yield from certificates.bounds(one, name)
         if one["nearest"]:
+            yield from certificates.nearest(one, name)
             pole, dt = complex(*one["nearest"]["pole"]), named(verify["systems"], "loop")["sample_time_s"]
             yield f"oscillation at the limit, Hz, {name}", one["nearest"]["frequency_hz"], abs(np.angle(pole)) / (2.0 * math.pi * dt), 1e-9
 
@@ -299,12 +396,14 @@ def rows_of(result):
     """The rows of every stage that a result holds."""
     if "synth" in result:
         yield from stages.model(result["model"])
+        yield from assumption_rows(result["model"], result["verify"])
         yield from stages.reduce(result["reduce"])
         yield from stages.synth(result["synth"])
         yield from check_responses(result["synth"])
         yield from verify_rows(result["verify"])
     elif "poles_rad_s" in result:
         yield from stages.model(result)
+        yield from assumption_rows(result, None)
     elif "ranked" in result:
         yield from stages.reduce(result)
     elif "path_orders" in result:
@@ -325,7 +424,7 @@ def main(path):
             continue
         count += 1
         # differences of numbers of order 1 are rounding below 1e-12
-        scale = abs(value) + (ROUNDING / allowed[0] if allowed[0] > 0.0 else 0.0)
+        scale = abs(value) + (ROUNDING / allowed[0] if allowed[0] > 0.0 else 0.0) or 1.0
         off = 0.0 if mine == value else abs(mine - value) / scale
         worst = max(worst, off / allowed[0] if allowed[0] > 0.0 else off)
         if not off <= allowed[0]:

@@ -31,13 +31,30 @@ def model(result):
         if a.imag >= 0.0 and abs(a) > 0.0:
             yield "frequency of a pole, Hz", abs(a) / (2.0 * math.pi), abs(b) / (2.0 * math.pi), POLES
             yield "damping of a pole", -a.real / abs(a), -b.real / abs(b), POLES * abs(a) / max(abs(a.real), 1e-12)
-    yield "out_of_balance_kg_m", result["out_of_balance_kg_m"], "read from the project or condensed from its structure"
-    yield "holding_v", result["holding_v"], "the balance of weight and drive, of which the result has the linearisation alone"
-    for row in result.get("assumption_effects", []):
-        yield f"effect of {row['key']}", math.nan, "a design with another value"
+    yield "holding_v", result["holding_v"], *holding(result)
     for one in result.get("modes", []) + ([result["meshes"]] if result.get("meshes") else []):
         yield "natural frequencies of the finite elements", math.nan, "the matrices of the elements are not part of the result"
         del one
+
+
+def holding(result):
+    """The control that holds the weight, by the balance; why not, if free functions add torques of their own."""
+    b = result["balance"]
+    if b["has_free_functions"]:
+        return ("free functions of a diagnosis add torques to the balance",)
+    cos, sin = b["tilt"]
+    held = b["gravity_m_s2"] * (result["out_of_balance_kg_m"] * cos - b["vertical_offset_kg_m"] * sin) - b["spring_nm"]
+    current = ((held - b["mesh_ripple_nm"]) * b["motor_share"] - b["cogging_nm"]) / b["torque_constant_nm_a"]
+    drive = abs(current * b["drive_v_per_a"])
+    points = [(0.0, 0.0)] + [tuple(point) for point in b["curve_v"]]
+    beyond = points[-1][0] + (drive - points[-1][1])
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        if drive <= y1:
+            beyond = x0 + (drive - y0) * (x1 - x0) / (y1 - y0)
+            break
+    limit = math.inf if b["input_limit_v"] is None else b["input_limit_v"]
+    size = min(beyond + b["dead_zone_v"], limit) if drive > 0.0 else 0.0
+    return math.copysign(size, current), SUMS
 
 
 def largest_singular_value(before, after):

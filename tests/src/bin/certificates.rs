@@ -95,7 +95,7 @@ fn print(rows: &[Row]) {
             row.kicked.map_or(String::new(), |seen| {
                 format!("{:.3} mrad/s, {:.2} Hz", 1e3 * seen.amplitude, seen.hz)
             }),
-            row.certificate.sector.map_or("none applies".to_owned(), |proof| {
+            row.certificate.sector.as_ref().map_or("none applies".to_owned(), |proof| {
                 let word = if proof.holds() { "holds" } else { "fails" };
                 format!("{} {word} {:.1e}, aliases {:.1e}", proof.criterion.key(), proof.least, proof.aliases)
             }),

@@ -122,7 +122,7 @@ impl CaseCertificate {
 
     /// Returns whether stability is proved in this case: by a sector argument, and in a stable loop.
     pub fn is_proved(&self) -> bool {
-        self.stability == Stability::Stable && self.sector.is_some_and(|found| found.holds())
+        self.stability == Stability::Stable && self.sector.as_ref().is_some_and(SectorProof::holds)
     }
 }
 

@@ -96,7 +96,8 @@ pub enum Kind {
 pub struct Multiplier {
     /// Its terms.
     pub terms: Vec<Term>,
-    reference_rad_s: f64,
+    /// Rate by which derivatives are divided, rad/s.
+    pub reference_rad_s: f64,
     joints: usize,
 }
 

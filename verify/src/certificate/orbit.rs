@@ -17,7 +17,7 @@ use crate::tolerance::{
 };
 
 /// What became of a disturbance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
     /// Amplitude of the hub's rate at which it started, rad/s.
     pub start_rad_s: f64,
@@ -29,6 +29,8 @@ pub struct Orbit {
     pub amplitude_rad_s: f64,
     /// Frequency, Hz; 0 if the motion faded.
     pub frequency_hz: f64,
+    /// The hub's rate about its mean over the last stretch that was followed, rad/s; empty if it diverged before one ended.
+    pub rates_rad_s: Vec<f64>,
 }
 
 /// A disturbance: amplitude of the hub's rate and frequency.
@@ -68,6 +70,7 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
         rms_rad_s: 0.0,
         amplitude_rad_s: 0.0,
         frequency_hz: 0.0,
+        rates_rad_s: Vec::new(),
     };
     let settles = |value: Result<Stretches, Error>| match value {
         Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
@@ -88,6 +91,7 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
             return Ok(found);
         };
         if run.rms_rad_s < FADED_FLOORS * floor {
+            found.rates_rad_s = run.rates_rad_s;
             return Ok(found);
         }
         if run.has_settled() {
@@ -95,11 +99,13 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
         }
     }
     if !run.has_settled() && run.fades() {
+        found.rates_rad_s = run.rates_rad_s;
         return Ok(found);
     }
     found.rms_rad_s = run.rms_rad_s;
     found.amplitude_rad_s = run.amplitude_rad_s;
     found.frequency_hz = run.frequency_hz;
+    found.rates_rad_s = run.rates_rad_s;
     Ok(found)
 }
 
@@ -113,6 +119,8 @@ struct Stretches {
     rms_rad_s: f64,
     amplitude_rad_s: f64,
     frequency_hz: f64,
+    /// The hub's rate about its mean over the last stretch.
+    rates_rad_s: Vec<f64>,
 }
 
 impl Stretches {
@@ -139,6 +147,7 @@ impl Stretches {
             rms_rad_s: f64::NAN,
             amplitude_rad_s: 0.0,
             frequency_hz: 0.0,
+            rates_rad_s: Vec::new(),
         })
     }
 
@@ -155,6 +164,7 @@ impl Stretches {
         self.before_rad_s.extend(Some(self.rms_rad_s).filter(|rms| !rms.is_nan()));
         self.rms_rad_s = rms(&rates);
         [self.amplitude_rad_s, self.frequency_hz] = cycle_of(&rates, run.sample_period_s);
+        self.rates_rad_s = rates;
         self.time_s += self.stretch_s;
         self.state = run.final_state;
         Ok(())

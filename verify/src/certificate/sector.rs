@@ -25,13 +25,13 @@ use super::regime::{Teeth, grid_rad_s, teeth};
 use crate::Error;
 use crate::structured::closing::{GainErrors, outermost_pole};
 use crate::structured::factor::Factor;
-use crate::structured::loops::{Pieces, Uncertain, UncertainLoop};
+use crate::structured::loops::{Pieces, PulledLoop, Uncertain, UncertainLoop};
 use crate::structured::places::{Dry, Place, without_dry};
 use crate::structured::taylor::{Interval, Taylor};
 use crate::tolerance::{ALIASES, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
 
 /// What the sector argument says about a loop.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SectorProof {
     /// The strongest criterion that was needed, or tried in vain.
     pub criterion: Criterion,
@@ -47,6 +47,13 @@ pub struct SectorProof {
     pub aliases: f64,
     /// Whether the gear teeth stay together by assumption: there is a gap, and the weight presses them together.
     pub teeth: Teeth,
+    /// The multiplier that proves it; `None` if none was found.
+    pub multiplier: Option<Multiplier>,
+    /// Units of the torques at motor and pivot in which the multiplier is stated: a torque is its number times the unit, a rate its number over
+    /// the unit.
+    pub units: [f64; 2],
+    /// The loop from the torques of dry friction at motor and pivot to the rates there.
+    pub pulled: PulledLoop,
 }
 
 impl SectorProof {
@@ -172,6 +179,9 @@ impl<'a> Scaled<'a> {
             range_hz: range.map(hertz),
             aliases: f64::INFINITY,
             teeth,
+            multiplier: None,
+            units: self.units,
+            pulled: self.pulled.parts(),
         };
         for most in [Criterion::Passivity, Criterion::Circle, Criterion::Popov, Criterion::ZamesFalb] {
             let (tried, failed) = self.searched(most, range);
@@ -179,6 +189,7 @@ impl<'a> Scaled<'a> {
                 found.criterion = multiplier.criterion();
                 (found.least, found.frequency_hz, found.intervals) = (least, hertz(rate_rad_s), intervals);
                 found.aliases = self.aliases(&multiplier, nyquist);
+                found.multiplier = Some(multiplier);
                 return Ok(found);
             }
             (found.criterion, found.frequency_hz) = (most, hertz(failed));

@@ -14,7 +14,7 @@ pub mod worst;
 pub use campaign::{Campaign, Layout, Sample, Variation, merge};
 pub use family::{Member, configurations, one_at_a_time};
 pub use sampling::{Distribution, Points, latin_hypercube};
-pub use selected::figures_of;
+pub use selected::{figures_of, history_of};
 pub use sobol::sobol;
 pub use statistics::{Ranked, Sense, Summary, ranking, summary};
 pub use varied::Varied;

@@ -5,7 +5,7 @@ use counterpoise_lti::margins;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
 
-use crate::history::Experiment;
+use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed::resolver_use;
 use crate::linear::{Closed, SampledPlant, arranged, surge};
@@ -44,6 +44,28 @@ pub fn figures_of(
             .map_or(absent, |measured| measured.value.clone())
     };
     Ok(wanted.iter().map(value).collect())
+}
+
+/// Returns the time history from which a figure is measured; `None` if it is measured from none, or the loop diverges.
+///
+/// # Errors
+/// As [`figures_of`].
+pub fn history_of(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    figure: &Figure,
+) -> Result<Option<History>, Error> {
+    match need_of(figure, procedure) {
+        Need::Margins | Need::Tone(..) => Ok(None),
+        Need::Linear(experiment) => Linear::new(plant, controller, procedure)?.history(experiment, procedure),
+        Need::Simulated(experiment) => {
+            match nonlinear::history(&mut Simulator::new(plant)?, controller, procedure, experiment) {
+                Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
+                other => other.map(Some),
+            }
+        }
+    }
 }
 
 /// What has to be done for a figure.
@@ -134,19 +156,28 @@ impl<'a> Linear<'a> {
                 rejection_figures(&self.sampled, &self.closed(arrangement)?, arrangement, &[hz])
             }
             Need::Linear(experiment) | Need::Simulated(experiment) => {
-                let arrangement = match experiment {
-                    Experiment::Disturbance(_, arrangement) => arrangement,
-                    Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
-                };
-                let closed = self.closed(arrangement)?;
-                let Some(mut history) = linear_history(&self.sampled, &closed, procedure, experiment)? else {
-                    return Ok(diverged(Model::Linear, experiment));
-                };
-                let loops = self.surging(arrangement, closed)?;
-                surge::add(&mut history, &self.sampled, &loops, procedure)?;
-                Ok(history_figures(&history, procedure.settle_s))
+                let found = self.history(experiment, procedure)?;
+                Ok(found.map_or_else(
+                    || diverged(Model::Linear, experiment),
+                    |history| history_figures(&history, procedure.settle_s),
+                ))
             }
         }
+    }
+
+    /// The history of an experiment on the linear plant; `None` if the loop is unstable.
+    fn history(&self, experiment: Experiment, procedure: &Procedure) -> Result<Option<History>, Error> {
+        let arrangement = match experiment {
+            Experiment::Disturbance(_, arrangement) => arrangement,
+            Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
+        };
+        let closed = self.closed(arrangement)?;
+        let Some(mut history) = linear_history(&self.sampled, &closed, procedure, experiment)? else {
+            return Ok(None);
+        };
+        let loops = self.surging(arrangement, closed)?;
+        surge::add(&mut history, &self.sampled, &loops, procedure)?;
+        Ok(Some(history))
     }
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.

@@ -39,6 +39,38 @@ pub(super) fn linearised(body: &Plant, at: &OperatingPoint, dry: &Dry) -> Result
     Ok(body.linearise(&body.equilibrium(at), friction, angles)?)
 }
 
+/// A perturbed mechanism as it is sampled, and what closes the loop around it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClosedWith {
+    /// The sampled plant: the control is its last input, the readings are its last outputs.
+    pub plant: StateSpace,
+    /// The controller with the gain errors before and behind it.
+    pub controller: StateSpace,
+}
+
+/// Returns the perturbed mechanism and what closes the loop around it.
+///
+/// # Errors
+/// As [`outermost_pole`].
+pub fn closed_with(
+    parameters: &Parameters,
+    dry: &Dry,
+    controller: &Controller,
+    at: &OperatingPoint,
+    errors: &GainErrors,
+) -> Result<ClosedWith, Error> {
+    let body = Plant::lumped(parameters)?;
+    let linear = linearised(&body, at, dry)?;
+    let plant = SampledPlant::new(&linear, parameters, resolver_use(controller))?;
+    let K = controller.linear(controller.parts().design_out_of_balance_kg_m)?;
+    let period_s = plant.sample_period_s;
+    let [input, output] = errors.at.map(|error| with_error(error, errors.rate_rad_s * period_s, period_s));
+    let discrete = Timebase::Discrete { period_s };
+    let before = append(&StateSpace::gain(Mat::eye(1), discrete)?, &output?)?;
+    let readings = append(&before, &StateSpace::gain(Mat::eye(COMMON_READINGS - 2), discrete)?)?;
+    Ok(ClosedWith { controller: series(&series(&readings, &K)?, &input?)?, plant: plant.sampled })
+}
+
 /// The closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of presliding,
 /// poles of constants that nothing changes are left out.
 ///
@@ -51,16 +83,8 @@ pub fn outermost_pole(
     at: &OperatingPoint,
     errors: &GainErrors,
 ) -> Result<C64, Error> {
-    let body = Plant::lumped(parameters)?;
-    let linear = linearised(&body, at, dry)?;
-    let plant = SampledPlant::new(&linear, parameters, resolver_use(controller))?;
-    let K = controller.linear(controller.parts().design_out_of_balance_kg_m)?;
-    let period_s = plant.sample_period_s;
-    let [input, output] = errors.at.map(|error| with_error(error, errors.rate_rad_s * period_s, period_s));
-    let discrete = Timebase::Discrete { period_s };
-    let before = append(&StateSpace::gain(Mat::eye(1), discrete)?, &output?)?;
-    let readings = append(&before, &StateSpace::gain(Mat::eye(COMMON_READINGS - 2), discrete)?)?;
-    let system = lft(&plant.sampled, &series(&series(&readings, &K)?, &input?)?)?;
+    let closed = closed_with(parameters, dry, controller, at, errors)?;
+    let system = lft(&closed.plant, &closed.controller)?;
     let all: Vec<C64> = if dry.springs == [0.0; 2] {
         poles(&system)?
     } else {

@@ -46,10 +46,32 @@ pub struct Uncertain {
     pub places: Vec<Place>,
 }
 
+/// The linear systems of which M is made, for whoever computes M elsewhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PulledLoop {
+    /// The structure of Delta.
+    pub structure: Structure,
+    /// The continuous mechanism: from what each deviation adds and the control to what each deviation is proportional to and the readings
+    /// of hub gyroscope, tachometer and resolver before their delays.
+    pub mechanism: StateSpace,
+    /// From the control to all readings, as they are sampled.
+    pub sampled: StateSpace,
+    /// From all readings to the control.
+    pub controller: StateSpace,
+    /// Whole samples by which the control is late.
+    pub control_delay_samples: usize,
+    /// Whole samples by which each reading is late.
+    pub reading_delays_samples: Vec<usize>,
+    /// Relative errors at the plant's input and of the hub gyroscope's reading.
+    pub errors: [f64; 2],
+}
+
 /// A loop with its uncertain parts pulled out.
 pub struct UncertainLoop {
     /// The structure of Delta: the parameters in order, then the errors at the plant's input and output that are not 0.
     pub structure: Structure,
+    /// The systems that M is made of, in coordinates of their own.
+    made_of: [StateSpace; 3],
     systems: Systems,
     extended: Response,
     sampled: Response,
@@ -122,10 +144,25 @@ impl UncertainLoop {
                 extended: balanced(&extended),
                 closed: feedback(&K, &sampled.negate()).ok().as_ref().map(balanced),
             },
+            made_of: [extended, sampled, K],
             plant,
             errors,
             channels: channels.len(),
         })
+    }
+
+    /// Returns the systems of which M is made.
+    pub fn parts(&self) -> PulledLoop {
+        let [mechanism, sampled, controller] = self.made_of.clone();
+        PulledLoop {
+            structure: self.structure.clone(),
+            mechanism,
+            sampled,
+            controller,
+            control_delay_samples: self.plant.delays.control,
+            reading_delays_samples: self.plant.delays.readings[..COMMON_READINGS].to_vec(),
+            errors: self.errors,
+        }
     }
 
     /// The sample period, s.

@@ -28,9 +28,10 @@ pub mod upper;
 pub mod vertices;
 
 pub use blocks::{Block, Structure};
+pub use loops::PulledLoop;
 pub use lower::{Perturbation, lower_bound};
 pub use places::Joints;
 pub use problem::{Bounds, Destabilising, Uncertainty};
-pub use stability::{RobustStability, robust_stability, robust_stability_in};
+pub use stability::{BoundProof, RobustStability, robust_stability, robust_stability_in};
 pub use upper::{UpperBound, upper_bound};
 pub use vertices::vertex_bound;

@@ -115,7 +115,9 @@ impl Search<'_, '_> {
         let errors = [0, 1].map(|k| candidate.phases[k] * (scale * self.0.errors[k]));
         let period_s = self.0.pulled.sample_period_s();
         let frequency_hz = pole.arg().abs() / (std::f64::consts::TAU * period_s);
-        Ok(Destabilising { scale, factors, errors, pole, frequency_hz })
+        let (deltas, phases) = (candidate.deltas.clone(), candidate.phases);
+        let closed = self.0.closed_at(&deltas, with, scale)?;
+        Ok(Destabilising { scale, factors, errors, pole, frequency_hz, deltas, phases, closed })
     }
 }
 

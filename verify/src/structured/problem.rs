@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_models::parameters::Parameters;
 
-use super::closing::{GainErrors, outermost_pole};
+use super::closing::{ClosedWith, GainErrors, closed_with, outermost_pole};
 use super::factor::Factor;
 use super::loops::{Uncertain, UncertainLoop};
 use super::places::{Dry, Joints, Place, dry_as_viscous, places, presliding, without_dry};
@@ -48,7 +48,16 @@ pub struct Destabilising {
     pub pole: C64,
     /// Frequency of that pole, Hz.
     pub frequency_hz: f64,
+    /// The deviation of each parameter over its stated range, and of the two errors: between -1 and 1, or complex of size 1 at most.
+    pub deltas: Vec<f64>,
+    /// See [`Destabilising::deltas`].
+    pub phases: [C64; 2],
+    /// The perturbed plant as it is sampled, and the controller with the errors before and behind it: the loop that has the pole.
+    pub closed: ClosedWith,
 }
+
+/// A stated range of a parameter as a factor over a deviation between -1 and 1.
+pub type StatedRange = (Varied, Factor);
 
 /// A mechanism with the regime of its friction.
 #[derive(Debug, Clone, Copy)]
@@ -181,6 +190,19 @@ impl<'a> Problem<'a> {
         let at = [0, 1].map(|k| phases[k] * (scale * self.errors[k]));
         let errors = GainErrors { at, rate_rad_s };
         outermost_pole(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
+    }
+
+    /// The loop closed with a perturbation.
+    pub(super) fn closed_at(
+        &self,
+        deltas: &[f64],
+        (phases, rate_rad_s): ([C64; 2], f64),
+        scale: f64,
+    ) -> Result<ClosedWith, Error> {
+        let (parameters, dry) = self.perturbed(deltas, scale)?;
+        let at = [0, 1].map(|k| phases[k] * (scale * self.errors[k]));
+        let errors = GainErrors { at, rate_rad_s };
+        closed_with(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
     /// Bounds over a grid that is refined about the peaks of the upper bound.

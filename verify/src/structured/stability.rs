@@ -4,9 +4,11 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::C64;
 use counterpoise_models::parameters::Parameters;
 
+use super::loops::PulledLoop;
 use super::nearest::nearest;
 use super::places::Joints;
-use super::problem::{Bounds, Destabilising, Mechanism, Problem, Scanned, Uncertainty};
+use super::problem::{Bounds, Destabilising, Mechanism, Problem, Scanned, StatedRange, Uncertainty};
+use super::{Perturbation, UpperBound};
 use crate::robust::Varied;
 use crate::tolerance::WIDEST_RANGES;
 use crate::{Error, Procedure};
@@ -28,6 +30,21 @@ pub struct RobustStability {
     pub dry_friction_at_rad_s: Option<f64>,
     /// The errors at the plant's input and of the hub gyroscope's reading.
     pub errors: [f64; 2],
+    /// What proves the bounds.
+    pub proof: BoundProof,
+}
+
+/// What proves the bounds of a [`RobustStability`], for whoever checks them by other code.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundProof {
+    /// The systems of which M is made.
+    pub pulled: PulledLoop,
+    /// The stated range of each parameter that enters, in the order of the blocks.
+    pub ranges: Vec<StatedRange>,
+    /// The scalings that prove each upper bound, in the order of the bounds.
+    pub scalings: Vec<UpperBound>,
+    /// The perturbation behind each lower bound; `None` where none was found.
+    pub perturbations: Vec<Option<Perturbation>>,
 }
 
 /// Bounds how far the ranges of all parameters together may be widened before the loop can be unstable.
@@ -78,5 +95,11 @@ pub fn robust_stability_in(
         left_out: problem.left_out.clone(),
         dry_friction_at_rad_s: problem.dry_at,
         errors: problem.errors,
+        proof: BoundProof {
+            pulled: problem.pulled.parts(),
+            ranges: problem.entering.clone(),
+            scalings: scanned.iter().map(|at| at.upper.clone()).collect(),
+            perturbations: scanned.into_iter().map(|at| at.lower).collect(),
+        },
     }))
 }

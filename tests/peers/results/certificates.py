@@ -1,0 +1,255 @@
+"""Checks what `counterpoise verify` proves, from its JSON result alone: bounds of the structured singular value by their scalings and by the
+perturbations that were found, sector arguments by their multipliers, motions on the simulator by the rates that were recorded of them.
+
+Each function yields rows (name, value in the result, value computed here, relative tolerance).
+"""
+
+import math
+
+import numpy as np
+
+from responses import at, named, system
+
+# Scalings prove a bound to a part in ten thousand of its square.
+PROVED = 1e-4
+# A pole at the limit of stability is found by bisection.
+LIMIT = 1e-6
+# An upper bound is a statement: it holds (0) or not (1).
+HOLDS = 0.0
+# A perturbation makes I - M Delta / lower singular to the residual of its iteration.
+SINGULAR = 1e-3
+# The hub gyroscope, the tachometer and the resolver among all readings.
+FED_BACK = (1, 4, 5)
+
+
+class Pulled:
+    """The response M from what deviations add to what they are proportional to."""
+
+    def __init__(self, result):
+        self.G = system(named(result["systems"], "mechanism"))
+        self.P = system(named(result["systems"], "sampled_mechanism"))
+        self.K = system(named(result["systems"], "controller"))
+        self.dt = named(result["systems"], "controller")["sample_time_s"]
+        self.blocks = result["blocks"]
+        self.errors = result["errors"]
+        self.control_delay = result["control_delay_samples"]
+        self.late = np.array(result["reading_delays_samples"])
+
+    def pieces(self, rate):
+        """(through the mechanism alone, by the control, to the control) at one rate."""
+        m = self.G.ninputs - 1
+        G = at(self.G, np.array([rate]), 0.0)[0]
+        P = at(self.P, np.array([rate]), self.dt)[0][:, 0]
+        K = at(self.K, np.array([rate]), self.dt)[0][0]
+        x = 1j * rate * self.dt
+        held = (1.0 - np.exp(-x)) / x * np.exp(-x * self.control_delay)
+        read = np.zeros((len(K), m), dtype=complex)
+        for row, reading in enumerate(FED_BACK):
+            read[reading] = G[m + row, :m] * np.exp(-x * self.late[reading])
+        return G[:m, :m], G[:m, m] * held, (K @ read) / (1.0 - K @ P), (G, P, K, read, held)
+
+    def M(self, rate):
+        direct, control, reading, (G, P, K, read, held) = self.pieces(rate)
+        M = direct + np.outer(control, reading)
+        kinds = [k for k in (0, 1) if self.errors[k] > 0.0]
+        if not kinds:
+            return M
+        m, opened = len(direct), 1.0 / (1.0 - K @ P)
+        wide = np.zeros((m + len(kinds), m + len(kinds)), dtype=complex)
+        wide[:m, :m] = M
+        computed = {0: opened * (K @ P), 1: opened * K[1]}
+        for column, kind in enumerate(kinds):
+            applied = computed[kind] + (1.0 if kind == 0 else 0.0)
+            wide[:m, m + column] = control * applied
+            for row, to in enumerate(kinds):
+                felt = computed[kind] if to == 0 else P[1] * applied
+                wide[m + row, m + column] = felt * self.errors[to]
+        for row, to in enumerate(kinds):
+            felt = reading if to == 0 else P[1] * reading + read[1]
+            wide[m + row, :m] = felt * self.errors[to]
+        return wide
+
+
+def diagonal(blocks):
+    pieces = [np.array(block)[..., 0] + 1j * np.array(block)[..., 1] for block in blocks]
+    size = sum(len(piece) for piece in pieces)
+    whole, k = np.zeros((size, size), dtype=complex), 0
+    for piece in pieces:
+        whole[k : k + len(piece), k : k + len(piece)] = piece
+        k += len(piece)
+    return whole
+
+
+def is_positive(X):
+    try:
+        np.linalg.cholesky(X)
+        return True
+    except np.linalg.LinAlgError:
+        return False
+
+
+def least_proved(M, D, G):
+    """The least bound of mu that a pair of scalings proves: the root of the largest eigenvalue of D^-1/2 (M* D M + j (G M - M* G)) D^-1/2."""
+    root = np.linalg.inv(np.linalg.cholesky(D))
+    X = M.conj().T @ D @ M + 1j * (G @ M - M.conj().T @ G)
+    return math.sqrt(max(float(np.linalg.eigvalsh(root @ (X + X.conj().T) / 2.0 @ root.conj().T)[-1]), 0.0))
+
+
+def bounds(one, name):
+    """The upper bound at each frequency by its scalings, the lower one by its perturbation."""
+    pulled = Pulled(one["pulled"])
+    for bound in one["bounds"]:
+        place = f"{name}, {bound['frequency_hz']:.4g} Hz"
+        M = pulled.M(2.0 * math.pi * bound["frequency_hz"])
+        D, G = diagonal(bound["D"]), diagonal(bound["G"])
+        complex_blocks = [k for k, count in enumerate(pulled.blocks) if count == 0]
+        free = all(np.all(np.array(bound["G"][k]) == 0.0) for k in complex_blocks)
+        yield f"scalings have their structure, {place}", 0.0, 0.0 if is_positive(D) and free else 1.0, HOLDS
+        proved = least_proved(M, D, G)
+        # the search keeps no bound below its floor, though the scalings prove less
+        yield f"upper bound, {place}", 0.0, 0.0 if proved <= bound["upper"] * (1.0 + PROVED) else 1.0, HOLDS
+        if bound["perturbation"]:
+            delta = [complex(*q) for q in bound["perturbation"]]
+            sizes = [abs(q) for q in delta]
+            repeated = np.diag(np.repeat(delta, [max(count, 1) for count in pulled.blocks]))
+            size = np.linalg.norm(M, 2)
+            off = np.linalg.svd(np.eye(len(M)) - M @ repeated / bound["lower"])[1][-1] / (1.0 + size / bound["lower"])
+            right = max(sizes) <= 1.0 + 1e-9 and all(abs(q.imag) <= 1e-12 for q, count in zip(delta, pulled.blocks) if count)
+            yield f"perturbation of size 1, {place}", 0.0, 0.0 if right else 1.0, HOLDS
+            yield f"lower bound, {place}", 1.0, 1.0 + off, SINGULAR
+
+
+def nearest(one, name):
+    """The mechanism at the limit of stability: its factors by their ranges, its pole by closing the loop."""
+    found, ranges = one["nearest"], {row["key"]: row for row in one["ranges"]}
+    for row, delta in zip(found["factors"], found["deltas"]):
+        r = ranges[row["key"]]
+        d = found["scale"] * delta
+        lowest = -1.0 / r["a"] if r["a"] > 0.0 else -math.inf
+        highest = -1.0 / r["b"] if r["b"] < 0.0 else math.inf
+        if lowest < d < highest and (d - lowest) > 1e-2 * abs(lowest):
+            yield f"factor of {row['key']}, {name}", row["factor"], r["centre"] * (1.0 + r["a"] * d) / (1.0 + r["b"] * d), 1e-9
+    for told, phase, size in zip(found["errors"], found["phases"], one["errors"]):
+        mine = found["scale"] * size * complex(*phase)
+        yield f"error, {name}", 1.0, 1.0 + abs(complex(*told) - mine), 1e-9
+    plant, K = (system(named(found["systems"], part)) for part in ("sampled_plant", "controller"))
+    n, readings = plant.nstates, K.ninputs
+    B, C, D = plant.B[:, -1:], plant.C[-readings:, :], plant.D[-readings:, -1:]
+    gain = np.linalg.inv(np.eye(1) - K.D @ D)
+    A = np.block([
+        [plant.A + B @ gain @ K.D @ C, B @ gain @ K.C],
+        [K.B @ (C + D @ gain @ K.D @ C), K.A + K.B @ D @ gain @ K.C],
+    ])
+    poles = np.linalg.eigvals(A)
+    told = complex(*found["pole"])
+    nearest_ = poles[np.argmin(np.abs(poles - told))]
+    yield f"pole at the limit, {name}", 1.0, 1.0 + abs(nearest_ - told), 1e-6
+    yield f"modulus of that pole, {name}", abs(told), 1.0, LIMIT
+    beyond = [p for p in poles if abs(p) > 1.0 + LIMIT and abs(p - 1.0) > 1e-5]
+    yield f"poles beyond it, {name}", 0.0, float(len(beyond)), HOLDS
+    del n
+
+
+def multiplier(terms, joint, rate, reference):
+    s, N, R = 1j * rate, 0.0, 0.0
+    for term in (t for t in terms if t["joint"] == joint):
+        kind, value, weight = term["kind"], term["value"], term["weight"]
+        if kind == "constant":
+            N += weight
+        elif kind == "derivative":
+            N += weight * value * s / reference
+        elif kind == "kernel":
+            N += -weight * term["sign"] / (1.0 + s / value)
+        elif kind == "stiffness":
+            N += -weight * s / reference
+            R += weight * 2.0 * rate**2 / (reference * value)
+    return N, R
+
+
+# Points of the grid on which a condition is checked, refined where it varies by more than its least value.
+GRID = 4000
+
+
+class Condition:
+    """N H + (N H)^* + R over the frequency."""
+
+    def __init__(self, result):
+        self.pulled = Pulled(result["pulled"])
+        self.units, self.terms, self.reference = np.array(result["units"]), result["terms"], result["reference_rad_s"]
+
+    def at(self, rate):
+        direct, control, reading, _ = self.pulled.pieces(rate)
+        direct, control, reading = direct * np.outer(self.units, self.units), control * self.units, reading * self.units
+        N, R = zip(*(multiplier(self.terms, joint, rate, self.reference) for joint in (0, 1)))
+        N = np.diag(np.array(N, dtype=complex))
+        passed = N @ (direct + np.outer(control, reading))
+        return passed + passed.conj().T + np.diag(R), N @ control, reading.conj()
+
+    def least(self, rate):
+        values = np.linalg.eigvalsh(self.at(rate)[0])
+        return float(values[0] / max(abs(values)))
+
+    def aliases(self, rate, count=20):
+        nyquist = math.pi / self.pulled.dt
+        rows = []
+        for k in range(-count, count + 1):
+            Q, b, r = self.at(abs(rate + 2.0 * nyquist * k))
+            weight = float(count) if abs(k) == count else 1.0
+            rows.append([weight * float((x.conj() @ np.linalg.solve(Q, x)).real) for x in (b, r)])
+        rows = np.array(rows)
+        # the term of the tone itself is far larger than those of its aliases, so that a difference of sums would be rounding
+        return 4.0 * sum(row[0] * float(np.sum(np.delete(rows[:, 1], k))) for k, row in enumerate(rows))
+
+
+def sector(found, name):
+    if found.get("multiplier") is None:
+        yield f"sector argument holds, {name}", float(found["holds"]), 0.0, HOLDS
+        return
+    condition = Condition(found["multiplier"])
+    terms = found["multiplier"]["terms"]
+    fair = all(t["weight"] >= 0.0 for t in terms)
+    for joint in (0, 1):
+        kernels = sum(t["weight"] for t in terms if t["joint"] == joint and t["kind"] == "kernel")
+        constant = sum(t["weight"] for t in terms if t["joint"] == joint and t["kind"] == "constant")
+        fair = fair and kernels <= constant * (1.0 + 1e-6) + 1e-9
+    yield f"the multiplier is one that the law allows, {name}", 0.0, 0.0 if fair else 1.0, HOLDS
+    low, high = (2.0 * math.pi * hz for hz in found["range_hz"])
+    rates = list(np.geomspace(low, high, GRID))
+    values = [condition.least(rate) for rate in rates]
+    yield f"the condition holds at {GRID} frequencies, {name}", 0.0, 0.0 if min(values) > 0.0 else 1.0, HOLDS
+    # what the program states is a lower bound over intervals, so it is not above what a point shows
+    yield f"least eigenvalue, {name}", 0.0, 0.0 if found["least"] <= min(values) * (1.0 + 1e-9) else 1.0, HOLDS
+    here = condition.least(2.0 * math.pi * found["frequency_hz"])
+    yield f"least eigenvalue where it is least, {name}", 0.0, 0.0 if here >= found["least"] else 1.0, HOLDS
+    worst = max(condition.aliases(rate) for rate in np.geomspace(low, math.pi / condition.pulled.dt, 160))
+    yield f"share through aliases, {name}", found["aliases"], worst, 1e-5
+
+
+def cycle(rates, dt):
+    """Half the range of a rate."""
+    return 0.5 * (max(rates) - min(rates))
+
+
+def orbits(case, dt, floor):
+    """Motions by the last stretch of the rate: amplitude, or that it faded."""
+    for orbit in case["orbits"]:
+        name = f"motion from {orbit['start_rad_s']:.3e} rad/s, {case['name']}"
+        rates = np.array(orbit.get("rates_rad_s", []))
+        if orbit["amplitude_rad_s"] is None:
+            yield f"{name}: diverged before a stretch ended", 0.0, float(len(rates)), HOLDS
+        elif len(rates) == 0:
+            yield f"{name}", orbit["amplitude_rad_s"], "its rate is not part of the result: ask for --histories"
+        elif orbit["amplitude_rad_s"] > 0.0:
+            yield f"amplitude, {name}", orbit["amplitude_rad_s"], cycle(rates, dt), 1e-12
+            if orbit["frequency_hz"] > 0.0:
+                yield f"frequency, {name}", orbit["frequency_hz"], frequency(rates, dt), 1e-2
+        else:
+            left = float(np.sqrt(np.mean(rates**2)))
+            yield f"it faded or fades: rate left over two noise floors, {name}", 0.0, 0.0 if left < 2.0 * floor else 1.0, HOLDS
+
+
+def frequency(rates, dt):
+    """The frequency of the strongest line, between the points of the transform."""
+    count = len(rates)
+    spectrum = np.abs(np.fft.rfft(rates * np.hanning(count), 16 * count))
+    return float(np.argmax(spectrum[1:]) + 1) / (16 * count * dt)
