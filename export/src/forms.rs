@@ -59,8 +59,8 @@ pub fn by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
         Some(FormFigures {
             form,
             multiplications: other.programs().step.multiplications(),
-            double: known.measure(controller, &double),
-            single: known.measure(controller, &single),
+            double: known.measure(&double),
+            single: known.measure(&single),
         })
     };
     PathForm::ALL.into_iter().filter_map(of).collect()

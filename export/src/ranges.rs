@@ -47,6 +47,8 @@ pub(crate) struct Run {
     pub readings: Vec<[f64; READINGS]>,
     /// What is set half way, kg m; nothing leaves the design's.
     pub set_kg_m: Option<f64>,
+    /// The reference's control at every sample, V.
+    pub reference_v: Vec<f64>,
 }
 
 impl Run {
@@ -83,8 +85,8 @@ impl Ranges {
         let count = states + inputs + controller.programs().step.locals.len();
         let mut ranges =
             Self { states, inputs, largest: vec![0.0; count], runs: runs(controller, histories) };
-        for run in &ranges.runs {
-            watch(&mut ranges.largest, controller, run);
+        for run in &mut ranges.runs {
+            run.reference_v = watch(&mut ranges.largest, controller, run);
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
         for (state, bound) in settings::settable(controller, &ranges.largest[..states]) {
@@ -98,19 +100,16 @@ impl Ranges {
         self.largest.get(self.place(slot)).copied().unwrap_or(0.0)
     }
 
-    /// How far a controller is from the reference, given the readings and settings of the runs that the ranges come from;
-    /// `start` makes it anew for each run.
-    pub fn measure(&self, controller: &Controller, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
+    /// How far a controller is from the reference from which the ranges come, given the readings and settings of its runs; `start` makes
+    /// it anew for each run.
+    pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
         self.runs.iter().fold(Measured::default(), |most, run| {
-            let (mut both, mut found) = ((controller.runner(), start()), Measured::default());
+            let mut found = Measured::default();
             run.play(
-                &mut both,
-                |(reference, other), value| {
-                    reference.set_out_of_balance(value);
-                    other.adjust(value);
-                },
-                |(reference, other), _, readings| {
-                    let off = reference.step_array(readings) - other.step(&Readings::from_array(*readings));
+                &mut start(),
+                |other, value| other.adjust(value),
+                |other, k, readings| {
+                    let off = run.reference_v[k] - other.step(&Readings::from_array(*readings));
                     found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
                     found.rms_v += off * off / run.readings.len() as f64;
                 },
@@ -154,28 +153,32 @@ impl Ranges {
 fn runs(controller: &Controller, histories: &[Vec<[f64; READINGS]>]) -> Vec<Run> {
     let mut all = Vec::new();
     for history in histories {
-        all.push(Run { readings: history.clone(), set_kg_m: None });
+        all.push(Run { readings: history.clone(), set_kg_m: None, reference_v: Vec::new() });
         let beginning = &history[..history.len().min(SETTING_SAMPLES)];
-        let with = |value| Run { readings: beginning.to_vec(), set_kg_m: Some(value) };
+        let with =
+            |value| Run { readings: beginning.to_vec(), set_kg_m: Some(value), reference_v: Vec::new() };
         all.extend(settings(controller).into_iter().map(with));
     }
     all
 }
 
-fn watch(largest: &mut [f64], controller: &Controller, run: &Run) {
+/// Grows the largest magnitudes by those of a run; returns the control of every sample, V.
+fn watch(largest: &mut [f64], controller: &Controller, run: &Run) -> Vec<f64> {
     let mut grow = |values: &[f64]| {
         for (most, value) in largest.iter_mut().zip(values) {
             *most = most.max(value.abs());
         }
     };
+    let mut control_v = Vec::with_capacity(run.readings.len());
     run.play(
         &mut controller.runner(),
         |runner: &mut Runner, value| runner.set_out_of_balance(value),
         |runner, _, readings| {
-            runner.step_array(readings);
+            control_v.push(runner.step_array(readings));
             grow(&runner.values());
         },
     );
+    control_v
 }
 
 /// The larger of two; infinite where one is no number, as what grew out of all range is.

@@ -83,21 +83,19 @@ pub fn targets(
 ) -> Result<Targets, counterpoise_verify::Error> {
     let controller = verified.controller();
     let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
-    let reference = bench.record(controller)?;
+    bench.record(controller)?;
     let (known, samples) = bench.ranges(controller);
     let fixed = plan(controller, &known, allowed_v, samples);
     let exact = Deviation::none(samples);
     let single = single_precision(controller, &known, samples);
-    let double = || Box::new(controller.runner()) as Box<dyn Adjustable>;
     let in_single = || Box::new(controller.runner_in::<f32>()) as Box<dyn Adjustable>;
     let exactly = (Numbers::Double, exact, Measured::default());
-    let singly = (Numbers::Single, single, known.measure(controller, &in_single));
-    let mut figures =
-        vec![bench.figures(exactly, &double, &reference)?, bench.figures(singly, &in_single, &reference)?];
+    let singly = (Numbers::Single, single, known.measure(&in_single));
+    let mut figures = vec![bench.recorded_figures(exactly), bench.figures(singly, &in_single)?];
     if let Ok(fixed) = &fixed {
         let acting = || Box::new(FixedRunner::new(fixed)) as Box<dyn Adjustable>;
-        let found = (Numbers::Fixed, fixed.deviation, known.measure(controller, &acting));
-        figures.push(bench.figures(found, &acting, &reference)?);
+        let found = (Numbers::Fixed, fixed.deviation, known.measure(&acting));
+        figures.push(bench.figures(found, &acting)?);
     }
     Ok(Targets { figures, fixed })
 }
@@ -123,7 +121,15 @@ pub fn fixed_form(
 struct Bench<'a> {
     simulator: Simulator,
     procedure: &'a Procedure,
-    runs: Vec<Vec<[f64; READINGS]>>,
+    /// The runs in double.
+    runs: Vec<Run>,
+}
+
+/// A run of an experiment.
+struct Run {
+    experiment: Experiment,
+    seen: Record,
+    error_rms_rad_s: f64,
 }
 
 impl Bench<'_> {
@@ -136,44 +142,70 @@ impl Bench<'_> {
         nonlinear::experiments(self.procedure).into_iter().filter(whole).collect()
     }
 
-    /// Runs everything in double and keeps the readings; gives the errors.
-    fn record(&mut self, controller: &Controller) -> Result<Vec<f64>, counterpoise_verify::Error> {
-        let mut errors = Vec::new();
+    /// Runs everything in double and keeps it.
+    fn record(&mut self, controller: &Controller) -> Result<(), counterpoise_verify::Error> {
         for experiment in self.experiments() {
-            let mut recorder = Recorder { inner: Box::new(controller.runner()), seen: Record::default() };
-            let history =
-                nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
-            errors.push(error_rms(&history));
-            self.runs.push(recorder.seen.readings);
+            let run = self.run(Box::new(controller.runner()), experiment)?;
+            self.runs.push(run);
         }
-        Ok(errors)
+        Ok(())
+    }
+
+    fn run(
+        &mut self,
+        inner: Box<dyn SampledController>,
+        experiment: Experiment,
+    ) -> Result<Run, counterpoise_verify::Error> {
+        let mut recorder = Recorder { inner, seen: Record::default() };
+        let history = nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
+        Ok(Run { experiment, seen: recorder.seen, error_rms_rad_s: error_rms(&history) })
     }
 
     /// The ranges of the recorded runs, and the length of the longest.
     fn ranges(&self, controller: &Controller) -> (Ranges, usize) {
-        let samples = self.runs.iter().map(Vec::len).max().unwrap_or(0);
-        (Ranges::from_readings(controller, &self.runs, RANGE_MARGIN), samples)
+        let readings: Vec<_> = self.runs.iter().map(|run| run.seen.readings.clone()).collect();
+        let samples = readings.iter().map(Vec::len).max().unwrap_or(0);
+        (Ranges::from_readings(controller, &readings, RANGE_MARGIN), samples)
+    }
+
+    /// The figures of the runs in double.
+    fn recorded_figures(&self, judged: (Numbers, Deviation, Measured)) -> TargetFigures {
+        let experiments = self.runs.iter().map(|run| run.compared(run.error_rms_rad_s)).collect();
+        let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
+        with_runs(judged, experiments, closed_loops)
     }
 
     fn figures(
         &mut self,
-        (numbers, predicted, measured): (Numbers, Deviation, Measured),
+        judged: (Numbers, Deviation, Measured),
         acting: &dyn Fn() -> Box<dyn Adjustable>,
-        reference: &[f64],
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
         let (mut experiments, mut closed_loops) = (Vec::new(), Vec::new());
-        for (experiment, in_double) in self.experiments().into_iter().zip(reference) {
-            let mut recorder = Recorder { inner: acting(), seen: Record::default() };
-            let history =
-                nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
-            closed_loops.push(recorder.seen);
-            let error_rms_rad_s = error_rms(&history);
-            let cost_db = (*in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
-            experiments.push(ExperimentFigures { experiment, error_rms_rad_s, cost_db });
+        for k in 0..self.runs.len() {
+            let run = self.run(acting(), self.runs[k].experiment)?;
+            experiments.push(run.compared(self.runs[k].error_rms_rad_s));
+            closed_loops.push(run.seen);
         }
-        let Measured { largest_v: measured_v, rms_v: measured_rms_v } = measured;
-        Ok(TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops })
+        Ok(with_runs(judged, experiments, closed_loops))
     }
+}
+
+impl Run {
+    /// The run's error against that in double.
+    fn compared(&self, in_double: f64) -> ExperimentFigures {
+        let error_rms_rad_s = self.error_rms_rad_s;
+        let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
+        ExperimentFigures { experiment: self.experiment, error_rms_rad_s, cost_db }
+    }
+}
+
+fn with_runs(
+    (numbers, predicted, measured): (Numbers, Deviation, Measured),
+    experiments: Vec<ExperimentFigures>,
+    closed_loops: Vec<Record>,
+) -> TargetFigures {
+    let Measured { largest_v: measured_v, rms_v: measured_rms_v } = measured;
+    TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops }
 }
 
 fn error_rms(history: &History) -> f64 {

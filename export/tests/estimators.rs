@@ -99,10 +99,10 @@ fn every_estimator_keeps_the_prediction_along_its_run() {
             moved.step_array(readings);
         });
         assert!((moved.state(0).unwrap() - 120.0).abs() > 1.0, "{name} has learnt nothing");
-        let found = known.measure(&controller, &|| Box::new(controller.runner_in::<f32>()));
+        let found = known.measure(&|| Box::new(controller.runner_in::<f32>()));
         holds(&format!("{name}, single"), found, &single_precision(&controller, &known, SAMPLES));
         let fixed = plan(&controller, &known, 5e-3, SAMPLES).unwrap_or_else(|why| panic!("{name}: {why}"));
-        let found = known.measure(&controller, &|| Box::new(FixedRunner::new(&fixed)));
+        let found = known.measure(&|| Box::new(FixedRunner::new(&fixed)));
         holds(&format!("{name}, fixed"), found, &fixed.deviation);
     }
 }

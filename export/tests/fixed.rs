@@ -119,7 +119,7 @@ impl Score {
         let known = Ranges::from_readings(&controller, &[few(3)], 4.0);
         match plan(&controller, &known, 5e-3, FEW) {
             Ok(fixed) => {
-                let found = known.measure(&controller, &|| Box::new(FixedRunner::new(&fixed)));
+                let found = known.measure(&|| Box::new(FixedRunner::new(&fixed)));
                 let predicted = fixed.deviation;
                 assert!(found.largest_v <= predicted.likely_v, "{seed}: {found:?} {predicted:?}");
                 assert!(predicted.likely_v <= predicted.worst_v);
@@ -137,7 +137,7 @@ impl Score {
             }
         }
         let single = single_precision(&controller, &known, FEW);
-        let found = known.measure(&controller, &|| Box::new(controller.runner_in::<f32>()));
+        let found = known.measure(&|| Box::new(controller.runner_in::<f32>()));
         assert!(found.largest_v <= single.likely_v, "{seed}: {found:?} {single:?}");
         if found.largest_v > 0.0 && single.likely_v.is_finite() {
             self.single.push(single.likely_v / found.largest_v);

@@ -69,7 +69,9 @@ pub use error::Error;
 pub use gramians::{
     ctrb_factor, ctrb_gramian, gramian_factors, hankel_values, hankelnorm, obsv_factor, obsv_gramian,
 };
-pub use margins::{DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, candidate_margins, margins};
+pub use margins::{
+    CandidateMargins, DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, candidate_margins, margins,
+};
 pub use multiloop::{MultiloopMargins, multiloop_margins};
 pub use named::{Named, connect};
 pub use norms::{NormBounds, Peak, h2norm, hinfnorm, linfnorm, linfnorm_bounds};

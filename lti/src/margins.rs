@@ -80,12 +80,43 @@ pub struct Margins {
     pub critical_pole: Option<C64>,
 }
 
+/// The margins that one of many loops is judged by, under negative unit feedback. They are margins only where the closed loop is stable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CandidateMargins {
+    /// Every crossing of the negative real axis, by frequency.
+    pub gain: Vec<GainMargin>,
+    /// Every crossing of the unit circle, by frequency.
+    pub phase: Vec<PhaseMargin>,
+    /// Peak of the sensitivity S = 1/(1 + L).
+    pub ms: Peak,
+}
+
+impl CandidateMargins {
+    /// The gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
+    pub fn gain_margin_db(&self) -> f64 {
+        nearest_gain_db(&self.gain)
+    }
+
+    /// The phase margin of smallest size, if the loop gain crosses one.
+    pub fn phase_margin(&self) -> Option<&PhaseMargin> {
+        smallest_phase(&self.phase)
+    }
+}
+
+fn nearest_gain_db(margins: &[GainMargin]) -> f64 {
+    margins.iter().map(|margin| margin.db.abs()).fold(f64::INFINITY, f64::min)
+}
+
+fn smallest_phase(margins: &[PhaseMargin]) -> Option<&PhaseMargin> {
+    margins.iter().min_by(|a, b| a.deg.abs().total_cmp(&b.deg.abs()))
+}
+
 impl Margins {
     /// Returns the margins that a response shows; whether the closed loop is stable is not known yet.
     pub(crate) fn of_scan(scan: &Scan, gain: Vec<GainMargin>, phase: Vec<PhaseMargin>) -> Self {
         Self {
             delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
-            ms: peak(scan, |L| 1.0 / (L + 1.0).norm()),
+            ms: sensitivity_peak(scan),
             mt: peak(scan, |L| L.norm() / (L + 1.0).norm()),
             disk: disk(scan),
             closed_loop_stable: false,
@@ -109,12 +140,12 @@ impl Margins {
 
     /// The gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
     pub fn gain_margin_db(&self) -> f64 {
-        self.gain.iter().map(|margin| margin.db.abs()).fold(f64::INFINITY, f64::min)
+        nearest_gain_db(&self.gain)
     }
 
     /// The phase margin of smallest size, if the loop gain crosses one.
     pub fn phase_margin(&self) -> Option<&PhaseMargin> {
-        self.phase.iter().min_by(|a, b| a.deg.abs().total_cmp(&b.deg.abs()))
+        smallest_phase(&self.phase)
     }
 }
 
@@ -129,33 +160,38 @@ impl Margins {
 /// [`Error::NotSiso`]; [`Error::AlgebraicLoop`] where 1 + L(infinity) = 0.
 pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
     needs_siso("margins", loop_gain)?;
-    margins_on(Scan::of(loop_gain)?, loop_gain)
-}
-
-/// The margins of one of many loops that are compared: as [`margins`], with a grid that starts from zeros without the correction in 32
-/// digits. Every crossing and peak is closed in on as there, so the answers differ by rounding; a loop with double zeros, as the bilinear map
-/// makes them at half the sampling rate, takes a hundredth of the time.
-///
-/// # Errors
-/// As [`margins`].
-pub fn candidate_margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
-    needs_siso("margins", loop_gain)?;
-    margins_on(Scan::of_candidate(loop_gain)?, loop_gain)
-}
-
-fn margins_on(mut scan: Scan, loop_gain: &StateSpace) -> Result<Margins, Error> {
+    let mut scan = Scan::of(loop_gain)?;
     let unit = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
     let closed_poles = poles(&feedback(loop_gain, &unit)?)?;
-    let ends = ends(loop_gain);
-    let phase: Vec<PhaseMargin> = phase_margins(&scan);
-    let gain = gain_margins(&scan, &ends);
-    scan.points.extend(&ends);
-    scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+    let (gain, phase) = crossings(&mut scan, loop_gain);
     Ok(Margins {
         closed_loop_stable: closed_poles.iter().all(|&pole| is_stable_pole(pole, loop_gain.timebase)),
         critical_pole: Some(critical(&closed_poles, loop_gain.timebase)),
         ..Margins::of_scan(&scan, gain, phase)
     })
+}
+
+/// The margins of one of many loops that are compared: crossings and the sensitivity's peak as [`margins`] closes in on them, on a grid that
+/// starts from zeros without the correction in 32 digits, so the answers differ by rounding. A loop with double zeros, as the bilinear map
+/// makes them at half the sampling rate, takes a hundredth of the time. Whether the closed loop is stable is left to the caller.
+///
+/// # Errors
+/// [`Error::NotSiso`].
+pub fn candidate_margins(loop_gain: &StateSpace) -> Result<CandidateMargins, Error> {
+    needs_siso("margins", loop_gain)?;
+    let mut scan = Scan::of_candidate(loop_gain)?;
+    let (gain, phase) = crossings(&mut scan, loop_gain);
+    Ok(CandidateMargins { ms: sensitivity_peak(&scan), gain, phase })
+}
+
+/// The crossings of the negative real axis and of the unit circle; the ends of the axis are added to the scan.
+fn crossings(scan: &mut Scan, loop_gain: &StateSpace) -> (Vec<GainMargin>, Vec<PhaseMargin>) {
+    let ends = ends(loop_gain);
+    let phase = phase_margins(scan);
+    let gain = gain_margins(scan, &ends);
+    scan.points.extend(&ends);
+    scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+    (gain, phase)
 }
 
 /// The loop at zero frequency and at the upper end of the axis, where it is finite there.
@@ -199,6 +235,10 @@ pub(crate) fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
 pub(crate) fn peak(scan: &Scan, of: impl Fn(C64) -> f64) -> Peak {
     let found = scan.maximum(&of);
     found.map_or(Peak { value: 0.0, rate_rad_s: 0.0 }, |p| Peak { value: of(p.value), rate_rad_s: p.rate })
+}
+
+fn sensitivity_peak(scan: &Scan) -> Peak {
+    peak(scan, |L| 1.0 / (L + 1.0).norm())
 }
 
 pub(crate) fn disk(scan: &Scan) -> DiskMargin {

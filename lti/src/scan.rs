@@ -111,20 +111,38 @@ impl Scan {
         Ok(())
     }
 
-    /// Adds points until neighbours agree.
+    /// Adds points until neighbours agree. A pair of neighbours is looked at once, when it becomes one.
     fn refine(&mut self) {
-        let scan = self;
+        let most = if self.delay_s > 0.0 { DELAYED_POINTS } else { SCAN_POINTS };
+        let mut open: Vec<bool> = self.points.windows(2).map(|w| unresolved(w[0], w[1])).collect();
         for _ in 0..SCAN_ROUNDS {
-            let finer: Vec<f64> =
-                scan.points.windows(2).filter(|w| unresolved(w[0], w[1])).map(middle).collect();
-            let most = if scan.delay_s > 0.0 { DELAYED_POINTS } else { SCAN_POINTS };
-            if finer.is_empty() || scan.points.len() > most {
+            let pairs = self.points.windows(2).zip(&open);
+            let finer: Vec<f64> = pairs.filter(|(_, open)| **open).map(|(w, _)| middle(w)).collect();
+            if finer.is_empty() || self.points.len() > most {
                 break;
             }
-            let more = scan.evaluate(&finer);
-            scan.points.extend(more);
-            scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+            let more = self.evaluate(&finer);
+            open = self.insert(&more, &open);
         }
+    }
+
+    /// Inserts points, in rising order, into the open gaps between neighbours; returns which gaps are open then.
+    fn insert(&mut self, more: &[Point], open: &[bool]) -> Vec<bool> {
+        let old = std::mem::take(&mut self.points);
+        let mut more = more.iter().peekable();
+        let mut still_open = Vec::with_capacity(old.len() + more.len());
+        for (k, &point) in old.iter().enumerate() {
+            self.points.push(point);
+            let Some(&next) = old.get(k + 1) else { break };
+            match more.next_if(|inner| open[k] && inner.rate < next.rate) {
+                Some(&inner) => {
+                    self.points.push(inner);
+                    still_open.extend([unresolved(point, inner), unresolved(inner, next)]);
+                }
+                None => still_open.push(open[k]),
+            }
+        }
+        still_open
     }
 
     /// The response at the given frequencies, without those that are poles.

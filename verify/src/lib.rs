@@ -51,6 +51,6 @@ pub use measure::{Measured, Value};
 pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use verification::{
-    ARRANGEMENTS, Evidence, Verification, VerifiedController, linear_plant, verify, verify_linear,
-    verify_watched,
+    ARRANGEMENTS, Evidence, FrequencyFigures, Verification, VerifiedController, frequency_figures,
+    linear_plant, verify, verify_linear, verify_watched,
 };

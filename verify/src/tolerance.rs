@@ -75,6 +75,9 @@ pub const KERNELS: usize = 9;
 pub const MULTIPLIER_START: f64 = 1e-3;
 /// Intervals into which a range of frequencies is split at most: a hundred times what a loop with resonances of 1 % damping needs.
 pub const MULTIPLIER_SPLITS: usize = 200_000;
+/// The least eigenvalue, in units of the loop's largest gain, below which a multiplier is not told from 0: ten times the accuracy of the cone
+/// program, 1e-8.
+pub const HOPELESS_EIGENVALUE: f64 = 1e-7;
 /// Rounds in which the frequency at which a multiplier fails is added to its grid.
 pub const MULTIPLIER_ROUNDS: usize = 6;
 /// Range of frequencies of a proof: from this, Hz (a period of 500 s, below which nothing about a loop changes any more) ...

@@ -86,12 +86,7 @@ impl Verification {
 
     /// The value of a figure, where it was measured.
     pub fn value(&self, figure: Figure) -> Option<f64> {
-        self.figures.iter().find(|measured| measured.figure == figure).and_then(|measured| {
-            match measured.value {
-                Value::Is(number) => Some(number),
-                Value::Absent { .. } => None,
-            }
-        })
+        value_of(&self.figures, figure)
     }
 
     /// How many requirements hold, fail, and could not be judged.
@@ -273,12 +268,57 @@ pub fn verify_linear(
     Ok(found)
 }
 
-fn linear_part(
+/// Returns the figures of the linear loop that need no motion: the loop's and its rejections at the procedure's frequencies.
+///
+/// # Errors
+/// As [`verify`].
+pub fn frequency_figures(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<FrequencyFigures, Error> {
+    procedure.check()?;
+    let LinearLoops { figures, margins, .. } = linear_loops(plant, controller, procedure, &[])?;
+    Ok(FrequencyFigures { figures, is_stable: margins.closed_loop_stable })
+}
+
+/// Figures of a linear loop that need no motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencyFigures {
+    figures: Vec<Measured>,
+    /// Whether the closed loop is stable.
+    pub is_stable: bool,
+}
+
+impl FrequencyFigures {
+    /// The value of a figure, where it was measured.
+    pub fn value(&self, figure: Figure) -> Option<f64> {
+        value_of(&self.figures, figure)
+    }
+}
+
+fn value_of(figures: &[Measured], figure: Figure) -> Option<f64> {
+    figures.iter().find(|measured| measured.figure == figure).and_then(|measured| match measured.value {
+        Value::Is(number) => Some(number),
+        Value::Absent { .. } => None,
+    })
+}
+
+/// The sampled linear plant with its loops in every arrangement, and what they show in frequency.
+struct LinearLoops {
+    sampled: SampledPlant,
+    loops: Vec<(Arrangement, Closed)>,
+    broken: StateSpace,
+    margins: Margins,
+    figures: Vec<Measured>,
+}
+
+fn linear_loops(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
     requirements: &[Requirement],
-) -> Result<Verification, Error> {
+) -> Result<LinearLoops, Error> {
     let resolver = linear::closed::resolver_use(controller);
     let sampled = SampledPlant::new(&linear_plant(plant, procedure)?, plant.parameters(), resolver)?;
     let moment = controller.parts().design_out_of_balance_kg_m;
@@ -288,21 +328,32 @@ fn linear_part(
             .push((arrangement, Closed::new(&sampled, arranged(controller, arrangement)?.as_ref(), moment)?));
     }
     let whole = &loops[loops.len() - 1].1;
-    let broken = whole.broken.as_ref().ok_or(Error::NoController)?;
-    let margins = margins(broken)?;
+    let broken = whole.broken.clone().ok_or(Error::NoController)?;
+    let margins = margins(&broken)?;
     let mut figures = loop_figures(&margins, whole.pole_radius());
     let frequencies = rejection_frequencies(procedure, requirements);
     for (arrangement, closed) in &loops {
         figures.extend(rejection_figures(&sampled, closed, *arrangement, &frequencies)?);
     }
+    Ok(LinearLoops { sampled, loops, broken, margins, figures })
+}
+
+fn linear_part(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    requirements: &[Requirement],
+) -> Result<Verification, Error> {
+    let LinearLoops { sampled, loops, broken, margins, mut figures } =
+        linear_loops(plant, controller, procedure, requirements)?;
     let mut histories = Vec::new();
     linear_histories(&sampled, &loops, procedure, &mut figures, &mut histories)?;
     let curves = Curves::of(&sampled, &loops)?;
     let evidence = Evidence {
         sample_period_s: sampled.sample_period_s,
         holding_v: sampled.holding_v,
-        poles: whole.poles.clone(),
-        broken: broken.clone(),
+        poles: loops.last().map(|(_, whole)| whole.poles.clone()).unwrap_or_default(),
+        broken,
         margins,
         curves,
         histories,

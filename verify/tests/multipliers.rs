@@ -38,7 +38,7 @@ fn proves(system: &StateSpace, k: f64, known: Knowledge, most: Criterion) -> boo
         let point =
             |rate: &f64| shifted(system, k, Interval { middle_rad_s: *rate, half_rad_s: 0.0 }).unwrap();
         let all: Vec<_> = rates.iter().map(point).collect();
-        let found: Option<Multiplier> = search(&[known], most, &all, &rates);
+        let found: Option<Multiplier> = search(&[known], most, &all, &rates).map(|best| best.multiplier);
         let Some(multiplier) = found else { return false };
         match multiplier.proves(&|over| shifted(system, k, over), RANGE) {
             Proof::Holds { .. } => return true,

@@ -8,11 +8,11 @@ use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
-use counterpoise_simulate::fra::Measurement;
 use counterpoise_project::{Purpose, StructureChoice};
 use counterpoise_report::fra::{Pace, report};
 use counterpoise_report::html;
 use counterpoise_report::wording::recordings::describe_column_remark;
+use counterpoise_simulate::fra::Measurement;
 
 use crate::exit::Done;
 use crate::options::Outputs;

@@ -100,16 +100,10 @@ impl Arithmetic for Quantised<'_> {
 
     fn coefficients(&self, run: &Run) -> Vec<f64> {
         let mut off = Vec::with_capacity(run.readings.len());
-        let mut both = (self.fixed.controller.runner(), Unrounded::new(self.fixed));
         run.play(
-            &mut both,
-            |(runner, unrounded), value| {
-                runner.set_out_of_balance(value);
-                unrounded.set_out_of_balance(value);
-            },
-            |(runner, unrounded), _, readings| {
-                off.push(unrounded.step(readings) - runner.step_array(readings))
-            },
+            &mut Unrounded::new(self.fixed),
+            |unrounded, value| unrounded.set_out_of_balance(value),
+            |unrounded, k, readings| off.push(unrounded.step(readings) - run.reference_v[k]),
         );
         off
     }

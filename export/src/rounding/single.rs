@@ -44,16 +44,10 @@ impl Arithmetic for Single<'_> {
 
     fn coefficients(&self, run: &Run) -> Vec<f64> {
         let mut off = Vec::with_capacity(run.readings.len());
-        let mut both = (self.controller.runner(), self.controller.runner_in::<Stored>());
         run.play(
-            &mut both,
-            |(runner, stored), value| {
-                runner.set_out_of_balance(value);
-                stored.set_out_of_balance(value);
-            },
-            |(runner, stored), _, readings| {
-                off.push(stored.step_array(readings) - runner.step_array(readings))
-            },
+            &mut self.controller.runner_in::<Stored>(),
+            |stored, value| stored.set_out_of_balance(value),
+            |stored, k, readings| off.push(stored.step_array(readings) - run.reference_v[k]),
         );
         off
     }

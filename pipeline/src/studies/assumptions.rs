@@ -3,7 +3,7 @@
 
 use counterpoise_models::plant::Plant;
 use counterpoise_project::{Assumption, Project};
-use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, Verification, verify_linear};
+use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, frequency_figures};
 use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
@@ -127,7 +127,7 @@ fn figures(
     synthesised: &Synthesised,
     procedure: &Procedure,
 ) -> Result<LoopFigures, PipelineError> {
-    let found = verify_linear(plant, &synthesised.sampled.controller, procedure, &[])?;
+    let found = frequency_figures(plant, &synthesised.sampled.controller, procedure)?;
     let of = |figure| found.value(Figure::Loop(figure)).filter(|value| value.is_finite());
     let residual = |source| {
         let figure =
@@ -135,16 +135,12 @@ fn figures(
         found.value(figure).filter(|value| value.is_finite())
     };
     Ok(LoopFigures {
-        is_stable: is_stable(&found),
+        is_stable: found.is_stable,
         gain_margin_db: of(LoopFigure::GainMargin),
         phase_margin_deg: of(LoopFigure::PhaseMargin),
         sensitivity_db: of(LoopFigure::MaxSensitivity).map(|ms| 20.0 * ms.log10()),
         residual_db: [residual(Source::Heave), residual(Source::Pitch)],
     })
-}
-
-fn is_stable(found: &Verification) -> bool {
-    found.evidence.margins.closed_loop_stable
 }
 
 /// Returns the changes from the nominal loop to another; `None` for a plant that cannot be built.

@@ -25,8 +25,8 @@ const ABOVE_0: Limit = Limit::Above(0.0);
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 
 /// Most samples of a run whose length is not written: a machine that is sampled at 100 kHz moves in a tenth of the time of one at
-/// 10 kHz, and what nobody asked for shall not take minutes.
-const MOST_SAMPLES: f64 = 1e5;
+/// 10 kHz, and what nobody asked for shall not take minutes. Machines that are sampled at 4 kHz or more slowly move for the usual time.
+const MOST_SAMPLES: f64 = 4e4;
 
 /// Returns the usual procedure of a loop with a sample period: shorter runs if the samples are quick.
 fn usual_procedure(sample_period_s: f64) -> Procedure {

@@ -1,11 +1,15 @@
 //! What a sampled loop does, against what it must keep.
 
+use std::f64::consts::PI;
+
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    Discretisation, Margins, StateSpace, c2d, candidate_margins, feedback as closed, h2norm, poles, series,
+    CandidateMargins, Discretisation, StateSpace, Timebase, c2d, candidate_margins, feedback as closed,
+    frequency_response, h2norm, is_stable_pole, poles, series,
 };
 
 use super::Circumstances;
+use super::neighbours::light_modes;
 use crate::sampling::sampled_plant;
 use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE};
 use crate::{DesignPlant, Error, Sampling};
@@ -54,13 +58,20 @@ pub struct LoopJudgement {
     pub step_v: f64,
 }
 
+/// A plant beside the plant, under the hold.
+struct Neighbour {
+    held: StateSpace,
+    /// Its lightly damped modes.
+    modes_rad_s: Vec<f64>,
+}
+
 /// Loops to be judged: the plants under the hold, computed once.
 pub(super) struct Judge<'a> {
     circumstances: &'a Circumstances,
     /// The sampling on which loops are judged, coarser than the real one if the delay is long.
     sampling: Sampling,
     held: StateSpace,
-    neighbours: Vec<StateSpace>,
+    neighbours: Vec<Neighbour>,
     others: Vec<StateSpace>,
 }
 
@@ -78,7 +89,13 @@ impl<'a> Judge<'a> {
         let mut others: Vec<StateSpace> = all(&circumstances.others)?;
         // What the linear plant leaves out of a loop of position is nothing.
         others.retain(|other| *other != held);
-        let neighbours = all(neighbours)?;
+        let modes = neighbours.iter().map(light_modes).collect::<Result<Vec<_>, _>>()?;
+        let neighbours = all(neighbours)?.into_iter().zip(modes);
+        let neighbours = neighbours.map(|(held, modes)| Neighbour {
+            held,
+            modes_rad_s: modes.iter().map(|mode| mode.norm()).collect(),
+        });
+        let neighbours = neighbours.collect();
         Ok(Self { circumstances, sampling: sampling.clone(), held, neighbours, others })
     }
 
@@ -122,18 +139,33 @@ impl<'a> Judge<'a> {
         if !self.holds_others(&K)? {
             return Ok(None);
         }
-        found.shifted_sensitivity = self.shifted_sensitivity(&K, nominal.ms.value)?;
+        found.shifted_sensitivity = self.shifted_sensitivity(&K, &found)?;
         Ok(Some(found))
     }
 
+    /// Whether the loop of a controller with the plant certainly exceeds the required sensitivity: a few frequencies about an aim show it.
+    ///
+    /// # Errors
+    /// Those of the discretisation.
+    pub fn exceeds_sensitivity(&self, controller: &StateSpace, aim_rad_s: f64) -> Result<bool, Error> {
+        let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]);
+        let seen = largest_sensitivity(&self.held, &K, about(aim_rad_s))?;
+        Ok(seen > (1.0 + SEEN_ABOVE) * self.circumstances.margins.max_sensitivity)
+    }
+
     /// The largest sensitivity over the plant and its neighbours; beyond what is borne, that of the first plant that exceeds it.
-    fn shifted_sensitivity(&self, K: &StateSpace, nominal: f64) -> Result<f64, Error> {
-        let mut worst = nominal;
-        for plant in &self.neighbours {
+    fn shifted_sensitivity(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+        let mut worst = nominal.max_sensitivity;
+        for Neighbour { held, modes_rad_s } in &self.neighbours {
             if worst > NEIGHBOUR_MS {
                 break;
             }
-            let found = stable_margins(plant, K)?;
+            let rates = modes_rad_s.iter().copied().flat_map(near).chain(about(nominal.bandwidth_rad_s));
+            let seen = largest_sensitivity(held, K, rates)?;
+            if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
+                return Ok(seen);
+            }
+            let found = stable_margins(held, K)?;
             worst = worst.max(found.map_or(f64::INFINITY, |margins| margins.ms.value));
         }
         Ok(worst)
@@ -144,13 +176,13 @@ impl<'a> Judge<'a> {
     fn holds_others(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.others {
             let broken = series(plant, &K.negate())?;
-            if candidate_margins(&broken)?.ms.value > NEIGHBOUR_MS {
-                return Ok(false);
-            }
             let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
             let found = poles(&closed(&broken, &one)?)?;
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
             if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
+                return Ok(false);
+            }
+            if candidate_margins(&broken)?.ms.value > NEIGHBOUR_MS {
                 return Ok(false);
             }
         }
@@ -213,16 +245,42 @@ fn sampled_controller(controller: &StateSpace, sampling: &Sampling) -> Result<St
     Ok(c2d(&controller.select(&[0], &[0, 1]), sampling.period_s, tustin)?)
 }
 
-fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Margins>, Error> {
+fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<CandidateMargins>, Error> {
     let loop_gain = series(plant, &K.negate())?;
     // Poles cost a hundredth of the margins, and most candidates that fail are not stable.
     let one = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
-    if poles(&closed(&loop_gain, &one)?)?.iter().any(|pole| pole.norm() > 1.0 + DRIFTING_POLE) {
+    let found = poles(&closed(&loop_gain, &one)?)?;
+    if found.iter().any(|pole| !is_stable_pole(*pole, loop_gain.timebase)) {
         return Ok(None);
     }
-    let found = candidate_margins(&loop_gain)?;
-    Ok(found.closed_loop_stable.then_some(found))
+    Ok(Some(candidate_margins(&loop_gain)?))
 }
+
+/// The largest sensitivity at some frequencies; those above half the sample rate and on a pole are left out.
+fn largest_sensitivity(
+    plant: &StateSpace,
+    K: &StateSpace,
+    rates_rad_s: impl Iterator<Item = f64>,
+) -> Result<f64, Error> {
+    let loop_gain = series(plant, &K.negate())?;
+    let Timebase::Discrete { period_s } = loop_gain.timebase else { return Ok(0.0) };
+    let rates: Vec<f64> = rates_rad_s.filter(|rate| rate * period_s < PI).collect();
+    let Ok(values) = frequency_response(&loop_gain, &rates) else { return Ok(0.0) };
+    Ok(values.iter().map(|L| (C64::ONE + L[(0, 0)]).norm().recip()).fold(0.0, f64::max))
+}
+
+/// A few frequencies from a quarter of one to sixteen times it: where a crossover leaves a peak.
+fn about(rate_rad_s: f64) -> impl Iterator<Item = f64> {
+    (-4..=8).map(move |k| rate_rad_s * 2f64.powf(0.5 * f64::from(k)))
+}
+
+/// A few frequencies about a lightly damped mode.
+fn near(rate_rad_s: f64) -> impl Iterator<Item = f64> {
+    (-3..=3).map(move |k| rate_rad_s * (1.0 + 0.01 * f64::from(k)))
+}
+
+/// How far above a limit the sensitivity at a few frequencies must be to count as above it: beyond every rounding.
+const SEEN_ABOVE: f64 = 1e-6;
 
 /// RMS control for readings with noise of unit RMS.
 fn noise_gain(plant: &StateSpace, K: &StateSpace) -> Result<f64, Error> {

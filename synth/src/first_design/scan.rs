@@ -46,7 +46,8 @@ pub(super) struct Scan<'a> {
     best: Option<Tried>,
     /// A candidate that misses so many limits already is judged no further.
     pub most_missed: usize,
-    /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none or its loop is not stable.
+    /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
+    /// miss is too many, its sensitivity is seen to be too large.
     attempts: BTreeMap<(u64, usize), Option<Tried>>,
 }
 
@@ -161,7 +162,11 @@ impl<'a> Scan<'a> {
         };
         let position_gain = position_gain(self.circumstances, aim_rad_s);
         let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
-        let judged = self.judge.judge(&cascade.unwrap_or(designed.controller), |found| {
+        let controller = cascade.unwrap_or(designed.controller);
+        if self.most_missed == 1 && self.judge.exceeds_sensitivity(&controller, aim_rad_s)? {
+            return Ok(None);
+        }
+        let judged = self.judge.judge(&controller, |found| {
             self.most_missed < usize::MAX && self.missed(found).len() >= self.most_missed
         })?;
         Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, position_gain, judgement }))

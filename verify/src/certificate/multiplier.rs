@@ -22,7 +22,7 @@
 use counterpoise_linalg::{C64, CMat, Cone, ConeProgram};
 
 use crate::structured::taylor::{Interval, Taylor};
-use crate::tolerance::{KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};
+use crate::tolerance::{HOPELESS_EIGENVALUE, KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};
 
 /// What is known about the friction at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -279,16 +279,32 @@ fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<(u
     all
 }
 
+/// Returns whether a criterion has a term that weaker ones lack.
+pub fn adds_terms(known: &[Knowledge], most: Criterion) -> bool {
+    let added = |known: &Knowledge| match (most, *known) {
+        (Criterion::Passivity, _) => true,
+        (Criterion::Circle, known) => matches!(known, Knowledge::Stiffness(_)),
+        (Criterion::Popov, known) => matches!(known, Knowledge::FunctionOfRate | Knowledge::Rises),
+        (Criterion::ZamesFalb, known) => known == Knowledge::Rises,
+    };
+    known.iter().any(added)
+}
+
+/// The best multiplier at some rates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Best {
+    /// The multiplier.
+    pub multiplier: Multiplier,
+    /// Whether the dual program shows that no multiplier of the same terms holds at all of these rates by more than the accuracy of the
+    /// program; a multiplier of 0 holds by nothing.
+    pub is_hopeless: bool,
+}
+
 /// Returns the multiplier that makes the condition hold best at some rates, with the terms up to a criterion; `None` if the solver gives
 /// up.
 ///
 /// H is expected with diagonal entries of like size in every joint.
-pub fn search(
-    known: &[Knowledge],
-    most: Criterion,
-    H: &[Vec<Vec<Taylor>>],
-    rates: &[f64],
-) -> Option<Multiplier> {
+pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rates: &[f64]) -> Option<Best> {
     let size = |at: &Vec<Vec<Taylor>>| {
         at.iter().flatten().map(|entry| entry.value.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
     };
@@ -315,10 +331,12 @@ pub fn search(
             each.iter().map(|alone| alone.form(at, over).map(|entry| entry.value)).collect();
         program.positive(&forms, size * size / most_size, joints);
     }
-    let x = program.0.solve().ok()?.x;
-    let terms = kinds.iter().zip(&x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
+    let solved = program.0.solve().ok()?;
+    let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
     let terms = terms.map(|((joint, kind), weight)| Term { joint: *joint, kind: *kind, weight: *weight });
-    Some(Multiplier { terms: terms.collect(), reference_rad_s, joints })
+    let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
+    // no multiplier has a larger least eigenvalue than the dual value with its sign changed
+    Some(Best { multiplier, is_hopeless: -solved.dual < HOPELESS_EIGENVALUE })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.

@@ -20,7 +20,7 @@ use counterpoise_models::{Friction, FrictionLaw};
 
 use super::Subject;
 use super::elements::{ObserverGain, quasi_linear};
-use super::multiplier::{Criterion, Knowledge, Multiplier, Proof, search};
+use super::multiplier::{Best, Criterion, Knowledge, Multiplier, Proof, adds_terms, search};
 use super::regime::{Teeth, grid_rad_s, teeth};
 use crate::Error;
 use crate::structured::closing::{GainErrors, outermost_pole};
@@ -184,6 +184,10 @@ impl<'a> Scaled<'a> {
             pulled: self.pulled.parts(),
         };
         for most in [Criterion::Passivity, Criterion::Circle, Criterion::Popov, Criterion::ZamesFalb] {
+            found.criterion = most;
+            if !adds_terms(&self.known, most) {
+                continue;
+            }
             let (tried, failed) = self.searched(most, range);
             if let Some((multiplier, Proof::Holds { least, rate_rad_s, intervals })) = tried {
                 found.criterion = multiplier.criterion();
@@ -192,23 +196,28 @@ impl<'a> Scaled<'a> {
                 found.multiplier = Some(multiplier);
                 return Ok(found);
             }
-            (found.criterion, found.frequency_hz) = (most, hertz(failed));
+            found.frequency_hz = hertz(failed);
             found.least = -1.0;
         }
         Ok(found)
     }
 
-    /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds; and that rate.
+    /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate.
     fn searched(&self, most: Criterion, range: [f64; 2]) -> (Option<(Multiplier, Proof)>, f64) {
         let mut rates = grid_between(range);
         let mut failed = range[0];
         for _ in 0..MULTIPLIER_ROUNDS {
             let point = |rate: &f64| self.at(Interval { middle_rad_s: *rate, half_rad_s: 0.0 });
             let Some(all) = rates.iter().map(point).collect::<Option<Vec<_>>>() else { break };
-            let Some(multiplier) = search(&self.known, most, &all, &rates) else { break };
+            let Some(Best { multiplier, is_hopeless }) = search(&self.known, most, &all, &rates) else {
+                break;
+            };
             match multiplier.proves(&|over| self.at(over), range) {
                 Proof::FailsAt(rate) => {
                     failed = rate;
+                    if is_hopeless {
+                        break;
+                    }
                     rates.push(rate);
                 }
                 holds => return (Some((multiplier, holds)), failed),
