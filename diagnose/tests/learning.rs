@@ -7,14 +7,13 @@ use common::controller;
 use counterpoise_diagnose::fitting::score::assess;
 use counterpoise_diagnose::learning::reading::Form;
 use counterpoise_diagnose::learning::visited::Visited;
-use counterpoise_diagnose::learning::{
-    LearnedElement, LearnedModel, LearnedPlace, LearnedQuantity, LearningTask, RegimeVariable, learn,
-};
+use counterpoise_diagnose::learning::{LearnedModel, LearningTask, learn};
 use counterpoise_diagnose::library::Component;
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_diagnose::simulator_access::{Serial, SimulatorAccess};
+use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;

@@ -63,8 +63,8 @@ fn heat(n: usize, conductivity: f64, actuator: (f64, f64), sensor: (f64, f64)) -
         };
         part(to) - part(from)
     };
-    let b = Mat::from_fn(n, 1, |i, _| hat_function(i + 1, actuator));
-    let C = Mat::from_fn(1, n, |_, j| hat_function(j + 1, sensor));
+    let b = Mat::from_fn(n, 1, |i, _| hat(i + 1, actuator));
+    let C = Mat::from_fn(1, n, |_, j| hat(j + 1, sensor));
     (solve(&mass, &stiffness).unwrap(), solve(&mass, &b).unwrap(), C)
 }
 

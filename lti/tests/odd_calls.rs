@@ -3,6 +3,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::*;
 
 /// A small generator (SplitMix64): uniform in [0, 1).
