@@ -11,7 +11,8 @@
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Readings, SampledController, Scaling, Signal};
-//! use counterpoise_lti::{Mat, StateSpace, Timebase};
+//! use counterpoise_linalg::Mat;
+//! use counterpoise_lti::{StateSpace, Timebase};
 //!
 //! // u = 2 e + integral of e, sampled at 1 kHz, limited to +/- 10 V
 //! let one = |x: f64| Mat::from_rows(&[&[x]]);

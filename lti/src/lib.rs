@@ -15,7 +15,8 @@
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
-//! use counterpoise_lti::{C64, Timebase, Zpk, margins};
+//! use counterpoise_linalg::C64;
+//! use counterpoise_lti::{Timebase, Zpk, margins};
 //! // 2/(s+1)^3 may be multiplied by 4 before it oscillates, at sqrt(3) rad/s.
 //! let poles = vec![C64::new(-1.0, 0.0); 3];
 //! let g = Zpk { zeros: vec![], poles, gain: 2.0, timebase: Timebase::Continuous }.to_state_space()?;

@@ -12,7 +12,8 @@
 //! [`error`].
 //!
 //! ```
-//! use counterpoise_lti::{C64, Timebase, Zpk};
+//! use counterpoise_linalg::C64;
+//! use counterpoise_lti::{Timebase, Zpk};
 //! use counterpoise_reduce::{Method, Order, balred};
 //! // An integrator in front of a slow and a fast lag: the integrator stays, the fast lag goes.
 //! let poles = [0.0, -1.0, -500.0].map(|p| C64::new(p, 0.0)).to_vec();

@@ -65,7 +65,7 @@ fn folder() -> PathBuf {
 /// Runs the session and kills it after a while; gives when each edit was made, and when it was killed.
 fn killed(folder: &Path, after: Duration) -> (Vec<(u32, Instant)>, Instant) {
     let mut child = Process::new(std::env::current_exe().unwrap())
-        .args(["--exact", "session_that_is_killed", "--nocapture"])
+        .args(["--exact", "crash_recovery::session_that_is_killed", "--nocapture"])
         .env(FOLDER, folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())

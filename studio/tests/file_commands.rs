@@ -196,10 +196,13 @@ fn apart(narrow: &[&str], test: &str, folder: &Path) {
             .map(|s| Box::leak(s.to_owned().into_boxed_os_str()) as &std::ffi::OsStr),
     );
     let mut process = std::process::Command::new(words.next().unwrap());
-    process.args(words).args(["--exact", test, "--nocapture"]).env(FOLDER, folder);
+    let test = format!("file_commands::{test}");
+    process.args(words).args(["--exact", &test, "--nocapture"]).env(FOLDER, folder);
     let Ok(output) = process.output() else { return eprintln!("skipped: {narrow:?} cannot be run here") };
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
+    let results = String::from_utf8_lossy(&output.stdout);
+    assert!(results.contains("1 passed"), "{test} did not run: {results}");
     eprintln!(
         "{}",
         said.lines().filter(|l| l.starts_with("skipped") || l.starts_with("tried")).collect::<String>()

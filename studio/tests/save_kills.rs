@@ -66,7 +66,11 @@ fn traced(folder: &Path, kill_at: Option<&Place>) -> BTreeSet<Place> {
     if let Some(Place { call, k }) = kill_at {
         command.arg("-e").arg(format!("inject={call}:signal=KILL:when={k}"));
     }
-    command.arg(std::env::current_exe().unwrap()).args(["--exact", "session_that_saves", "--test-threads=1"]);
+    command.arg(std::env::current_exe().unwrap()).args([
+        "--exact",
+        "save_kills::session_that_saves",
+        "--test-threads=1",
+    ]);
     command.env(FOLDER, folder).stdout(Stdio::null()).stderr(Stdio::null());
     let _ = command.status().unwrap();
     let text = fs::read_to_string(&log).unwrap_or_default();

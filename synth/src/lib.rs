@@ -24,7 +24,8 @@
 //! A servo of one inertia with viscous drag, held without steady error:
 //!
 //! ```
-//! use counterpoise_lti::{Mat, StateSpace, Timebase};
+//! use counterpoise_linalg::Mat;
+//! use counterpoise_lti::{StateSpace, Timebase};
 //! use counterpoise_synth::*;
 //! let (A, B) = (Mat::from_rows(&[&[-0.5]]), Mat::from_rows(&[&[2.0, 1.0]]));
 //! let system = StateSpace::new(A, B, Mat::eye(1), Mat::zeros(1, 2), Timebase::Continuous)?;

@@ -132,7 +132,8 @@ fn is_part_of_name(letter: char) -> bool {
 fn groups_of_imports_are_resolved() {
     let code = "use counterpoise_verify::{Figure, structured::{Bounds, bounds}};\nuse std::fs;\nuse counterpoise_linalg::C64;\n";
     let found = imports(code);
-    for path in ["verify::Figure", "verify::structured::Bounds", "verify::structured::bounds", "lti::C64"] {
+    for path in ["verify::Figure", "verify::structured::Bounds", "verify::structured::bounds", "linalg::C64"]
+    {
         assert!(found.contains(&format!("counterpoise_{path}")), "{path} in {found:?}");
     }
     assert_eq!(found.len(), 4);

@@ -70,6 +70,8 @@ pub(crate) struct TableField {
     pub need: Need,
     pub form: Form,
     pub meaning: &'static str,
+    /// The smallest content, for a table that must be there; empty if there is none to name.
+    pub smallest: &'static str,
 }
 
 /// Whether a table must be there.
@@ -165,15 +167,21 @@ impl Field {
 
 impl TableField {
     pub const fn required(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Required, form: Form::Section, meaning }
+        Self { key, need: Need::Required, form: Form::Section, meaning, smallest: "" }
     }
 
     pub const fn optional(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Optional, form: Form::Section, meaning }
+        Self { key, need: Need::Optional, form: Form::Section, meaning, smallest: "" }
     }
 
     pub const fn inline(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Optional, form: Form::Inline, meaning }
+        Self { key, need: Need::Optional, form: Form::Inline, meaning, smallest: "" }
+    }
+
+    /// The smallest content, as it is written in a file.
+    pub const fn smallest(mut self, content: &'static str) -> Self {
+        self.smallest = content;
+        self
     }
 }
 

@@ -118,7 +118,8 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     drive::without_its_delay(plant);
     table(
         v,
-        &TableField::required("interface", "converters and clock of the controller"),
+        &TableField::required("interface", "converters and clock of the controller")
+            .smallest("sample_period = \"1 ms\""),
         &mut plant.interface,
         interface,
     );

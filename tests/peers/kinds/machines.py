@@ -332,3 +332,101 @@ plant.sensors.encoder = { place = "motor", counts = 1048576 }
 plant.interface = { sample_period = 1e-3 }
 """,
 }
+
+# Drawn after the programs were finished with MACHINES: sizes over nine decades and combinations that those do not have.
+OTHERS = {
+    "optical chopper mirror, resolver": P + """
+plant.inertia = "0.9 g cm^2"
+plant.motor = { torque_constant = "1.1 mN m/A", resistance = "9 ohm" }
+plant.drive = { kind = "voltage", limit = "6 V" }
+plant.sensors.resolver = { natural_frequency = "3 kHz", noise = "1 arcmin" }
+plant.interface = { sample_period = "0.2 ms" }
+""",
+    "wind turbine yaw, four gearmotors as one": P + """
+plant.inertia = 6.0e6
+plant.gearbox = { ratio = 1200.0, stiffness = "900 MN m/rad" }
+plant.motor = { inertia = "0.12 kg m^2" }
+plant.drive = { kind = "torque", limit = "160 N m" }
+plant.friction.pivot = { model = "coulomb", coulomb = "12 kN m", viscous = 60e3 }
+plant.sensors.encoder = { counts = 1048576 }
+plant.interface = { sample_period = "10 ms" }
+""",
+    "linear-motor pick and place, tachometer cascade": P + """
+plant.axis = "linear"
+plant.lumped = { mass = "3.1 kg", tip_mass = "0.6 kg", stiffness = "0.9 N/um" }
+plant.motor = { torque_constant = 38.0, resistance = 3.3, inductance = "2.4 mH" }
+plant.drive = { kind = "voltage", limit = "300 V" }
+plant.sensors.tachometer = { noise = "1 mm/s", natural_frequency = "800 Hz" }
+plant.interface = { sample_period = "0.25 ms" }
+""",
+    "cable-driven haptic handle, torque drive, position": P + """
+plant.inertia = "9 kg cm^2"
+plant.cable = { ratio = 9.5, stiffness = "180 N m/rad" }
+plant.motor = { inertia = "54 g cm^2" }
+plant.drive = { kind = "torque", limit = "0.18 N m" }
+plant.friction.motor = { model = "coulomb", coulomb = "1 mN m", viscous = 4e-7 }
+plant.sensors.encoder = { place = "motor", counts = 16384 }
+plant.interface = { sample_period = "0.5 ms" }
+""",
+    "crane slewing ring on a harmonic drive, gyroscope": P + """
+plant.lumped = { hub_inertia = 900.0, beam_inertia = 2400.0, stiffness = "1.2 MN m/rad" }
+plant.harmonic_drive = { ratio = 160.0, stiffness = "2.2 MN m/rad" }
+plant.motor = { inertia = "21 kg cm^2", torque_constant = 0.9 }
+plant.drive = { kind = "current", limit = "70 A", bandwidth = "400 Hz" }
+plant.sensors.hub_gyro = { natural_frequency = "50 Hz", noise = "0.02 deg/s" }
+plant.interface = { sample_period = "2 ms" }
+""",
+    "syringe pump, rigid screw, cascade": P + """
+synth.loop = "cascade"
+verify.step.rate = "0.2 mm"
+plant.axis = "linear"
+plant.mass = "250 g"
+plant.ball_screw = { lead = "1 mm" }
+plant.motor = { inertia = "11 g cm^2", torque_constant = "31 mN m/A", resistance = 7.4 }
+plant.drive = { kind = "voltage", limit = "24 V" }
+plant.friction.pivot = { viscous = 400.0 }
+plant.sensors.encoder = { place = "motor", counts = 8000 }
+plant.interface = { sample_period = "1 ms" }
+""",
+    "rate table under gravity, tachometer on the motor": P + """
+model.hub_angle = "30 deg"
+plant.lumped = { hub_inertia = 0.6, out_of_balance = 0.4 }
+plant.gearbox = { ratio = 36.0 }
+plant.motor = { inertia = "0.7 kg cm^2", torque_constant = 0.11, resistance = 0.8, inductance = "1.9 mH" }
+plant.drive = { kind = "voltage", limit = "48 V" }
+plant.friction.motor = { model = "coulomb", coulomb = 0.01, viscous = 2e-5 }
+plant.sensors.tachometer = { place = "motor", noise = "2 rpm" }
+plant.interface = { sample_period = "1 ms" }
+""",
+    "belt gantry with a slow clock": P + """
+plant.axis = "linear"
+plant.mass = "140 kg"
+plant.belt = { ratio = 52.0, stiffness = "1.6 MN/m" }
+plant.motor = { inertia = "19 kg cm^2" }
+plant.drive = { kind = "torque", limit = "18 N m" }
+plant.friction.pivot = { model = "coulomb", coulomb = "40 N", viscous = 210.0 }
+plant.sensors.encoder = { resolution = "10 um" }
+plant.interface = { sample_period = "8 ms" }
+""",
+    "six masses in a chain, current loop, resolver": P + """
+plant.motor = { torque_constant = 2.1 }
+plant.drive = { kind = "current", limit = "20 A", bandwidth = "700 Hz" }
+plant.sensors.resolver = { natural_frequency = "500 Hz", noise = "5 arcsec" }
+plant.interface = { sample_period = "1 ms" }
+[plant.lumped]
+hub_inertia = 3.0
+beam_inertia = 1.0
+stiffness = "220 kN m/rad"
+chain = [{ inertia = 0.7, stiffness = "150 kN m/rad" }, { inertia = 0.5, stiffness = "120 kN m/rad" }, { inertia = 0.3, stiffness = "90 kN m/rad" }, { inertia = 0.2, stiffness = "60 kN m/rad" }]
+""",
+    "micro stage, tolerance on everything": P + """
+verify.step.rate = "1 um"
+plant.axis = "linear"
+plant.mass = { value = "40 g", tolerance = 0.1 }
+plant.motor = { torque_constant = { value = 2.4, tolerance = 0.1 } }
+plant.drive = { kind = "current", limit = "1.5 A" }
+plant.friction.pivot = { viscous = { value = 0.5, tolerance = 0.5 } }
+plant.sensors.encoder = { resolution = "5 nm" }
+plant.interface = { sample_period = "0.1 ms" }
+""",
+}

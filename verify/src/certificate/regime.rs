@@ -1,7 +1,6 @@
 //! The linear loop in each regime of friction, gear teeth and estimator.
 
-use counterpoise_linalg::C64;
-use counterpoise_lti::{Response, StateSpace};
+use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
 use super::elements::{Elements, Learning, Linear};
@@ -132,38 +131,26 @@ fn loop_in(subject: &Subject<'_>, regime: Regime, elements: &Elements) -> Result
     let (pole, period_s) = (linear.largest_pole(), linear.plant.sample_period_s);
     let pole_radius = pole.norm();
     let stable = pole_radius < 1.0;
-    let loop_gain = on_grid(&linear)?;
-    let nearest = loop_gain.iter().map(|L| (1.0 + L).norm()).fold(f64::INFINITY, f64::min);
+    let (gain_margin_db, max_sensitivity) = match stable {
+        true => {
+            let found = candidate_margins(&linear.broken)?;
+            (found.gain_margin_db(), found.ms.value)
+        }
+        false => (0.0, f64::INFINITY),
+    };
     Ok(RegimeLoop {
         regime,
         pole_radius,
         growth_per_s: pole_radius.ln() / period_s,
         frequency_hz: pole.arg().abs() / (std::f64::consts::TAU * period_s),
-        gain_margin_db: if stable { gain_margin_db(&loop_gain) } else { 0.0 },
-        max_sensitivity: if stable { 1.0 / nearest } else { f64::INFINITY },
+        gain_margin_db,
+        max_sensitivity,
         broken: linear.broken,
     })
-}
-
-/// The loop's gain over a logarithmic grid up to half the sample rate.
-pub(super) fn on_grid(linear: &Linear) -> Result<Vec<C64>, Error> {
-    let rates = grid_rad_s(linear.plant.sample_period_s);
-    let all = Response::of(&linear.broken)?.at_all(&rates)?;
-    Ok(all.iter().map(|response| response[(0, 0)]).collect())
 }
 
 /// Frequencies from the lowest to just below half the sample rate, rad/s.
 pub(super) fn grid_rad_s(period_s: f64) -> Vec<f64> {
     let ratio = (0.499 / period_s / GRID_LOWEST_HZ).ln() / (GRID_POINTS - 1) as f64;
     (0..GRID_POINTS).map(|k| std::f64::consts::TAU * GRID_LOWEST_HZ * (ratio * k as f64).exp()).collect()
-}
-
-/// The change of gain nearest to 0 dB that brings a crossing of the negative real axis to -1.
-fn gain_margin_db(loop_gain: &[C64]) -> f64 {
-    let crossing = |pair: &[C64]| {
-        let share = pair[0].im / (pair[0].im - pair[1].im);
-        let real = pair[0].re + share * (pair[1].re - pair[0].re);
-        (pair[0].im * pair[1].im <= 0.0 && real < 0.0).then(|| (20.0 * real.abs().log10()).abs())
-    };
-    loop_gain.windows(2).filter_map(crossing).fold(f64::INFINITY, f64::min)
 }

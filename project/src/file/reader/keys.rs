@@ -169,9 +169,14 @@ impl<'a> Visit for Reader<'a> {
         let path = self.path(table.key);
         let Some(entry) = self.look(table.key) else {
             if table.need == Need::Required {
+                let smallest = match table.smallest {
+                    "" => String::new(),
+                    content => format!("; the smallest is `{} = {{ {content} }}`", table.key),
+                };
+                let meaning = table.meaning;
                 self.missing(
                     table.key,
-                    format!("section [{path}] is missing; it is required: {}", table.meaning),
+                    format!("section [{path}] is missing; it is required: {meaning}{smallest}"),
                 );
             }
             return false;
