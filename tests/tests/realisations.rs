@@ -2,9 +2,6 @@
 //! controller, and its coefficients are as sensitive as was predicted), and the correction of the sensors' errors.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
 
-#[path = "../../export/tests/support/mod.rs"]
-mod support;
-
 use std::process::Command;
 
 use counterpoise_controller::sensitivity::Form;
@@ -14,6 +11,8 @@ use counterpoise_pipeline::export::forms;
 use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, VerifiedController};
+
+use crate::every_example::support;
 use support::{Random, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
 
 struct Nothing;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
 
 #[path = "../../../export/tests/support/mod.rs"]
-mod support;
+pub(crate) mod support;
 
 #[path = "../../../export/tests/support/target.rs"]
 mod target;
