@@ -132,13 +132,13 @@ pub(super) fn lost_mode(modes: &Modes, nearness: Nearness) -> Option<Reason> {
         Nearness::Broad => broad,
         Nearness::Rounding => mode.movement(),
     };
-    let suspects: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind) > -near(*m)).collect();
-    let reached = least(suspects.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows());
+    let candidates: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind) > -near(*m)).collect();
+    let reached = least(candidates.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows());
     if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST_MODE) {
         return Some(Reason::Uncontrollable { mode, distance: reach });
     }
-    let suspects: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind).abs() < near(*m)).collect();
-    let seen = least(suspects.iter().map(|m| m.sight()), |mode| distance(&A.t(), Q, mode), A.nrows());
+    let candidates: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind).abs() < near(*m)).collect();
+    let seen = least(candidates.iter().map(|m| m.sight()), |mode| distance(&A.t(), Q, mode), A.nrows());
     let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST_MODE)?;
     Some(Reason::Unobservable { mode, distance: sight })
 }
@@ -192,8 +192,8 @@ pub(super) fn lost_behind(first: &Mat, modes: &Modes) -> Option<Reason> {
 /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
 pub(super) fn hardest_mode(modes: &Modes) -> Option<(C64, f64)> {
     let Problem { A, G, .. } = modes.problem;
-    let suspects: Vec<Mode> = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0).collect();
-    least(suspects.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows())
+    let candidates: Vec<Mode> = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0).collect();
+    least(candidates.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows())
 }
 
 /// The mode that is reached (or seen) least, and its relative distance from reach, which a small problem's best candidates have by
@@ -282,13 +282,13 @@ pub(super) fn certainly_on_boundary(problem: &Problem) -> Option<Reason> {
     let H = hamiltonian(problem);
     let (values, size) = (eigenvalues(&H).ok()?, H.norm_fro());
     let rounding = AXIS_ROUNDING * size;
-    let suspects =
+    let candidates =
         values.iter().enumerate().filter(|(_, l)| l.im > 0.0 && l.re.abs() < AXIS_REAL_PART * l.norm());
     let alone = |(k, l): &(usize, &C64)| {
         let others = values.iter().enumerate().filter(|(j, _)| j != k);
         let nearest = others.map(|(_, other)| (other - **l).norm()).fold(f64::INFINITY, f64::min);
         nearest > AXIS_NEIGHBOUR * l.norm() && nearest > rounding / AXIS_NEIGHBOUR
     };
-    let (_, &eigenvalue) = suspects.into_iter().find(alone)?;
+    let (_, &eigenvalue) = candidates.into_iter().find(alone)?;
     Some(Reason::OnBoundary { eigenvalue, distance: eigenvalue.re.abs() / size })
 }
