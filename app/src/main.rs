@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
+use counterpoise_host::terminal::tell;
 use options::StudioOptions;
 
 fn main() -> ExitCode {
@@ -53,7 +54,7 @@ fn main() -> ExitCode {
         Command::Studio(options) => commands::studio::run(options),
     };
     let code = done.unwrap_or_else(|error| {
-        counterpoise_host::terminal::tell(&output::explained(&error));
+        tell(&output::explained(&error));
         ExitCode::from(if error.is::<Interrupted>() { INTERRUPTED } else { 2 })
     });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.

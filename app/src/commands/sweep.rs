@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use counterpoise_host::terminal::tell;
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
@@ -90,7 +91,7 @@ fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
 /// Prints what a large campaign would cost on the error stream, apart from the results.
 fn print_cost(options: &SweepOptions, cost: Option<String>) {
     if let Some(cost) = cost.filter(|_| !options.results.quiet) {
-        counterpoise_host::terminal::tell(&cost);
+        tell(&cost);
     }
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
 use counterpoise_pipeline::loop_view::{LoopView, loop_view};
-use counterpoise_pipeline::results::{AdviceResult, CertificateResult, RobustnessResult, VerifyResult};
+use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
@@ -117,8 +117,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     result.certificate = study.certificate.as_ref().map(Into::into);
     let mut result = result.with_adaptation(study.adaptation.clone());
     if !options.histories {
-        result.histories.clear();
-        result.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
+        result.leave_histories_out();
     }
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
     let own = stability.map(|found| RobustnessResult::new("design", Joints::Sliding, Some(found)));
