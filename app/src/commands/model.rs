@@ -45,7 +45,8 @@ pub fn run(options: &ModelOptions) -> Done {
     watched.finish();
     let modelled = modelled?;
     let mut result = ModelResult::from(&modelled);
-    let ranked = rank_assumptions(&loaded.project, &modelled, &loaded.assumptions);
+    let ranked =
+        rank_assumptions(&loaded.project, &modelled, &loaded.assumptions, options.results.loop_systems());
     let unranked = ranked.as_ref().err().map(ToString::to_string);
     match ranked {
         Ok(ranked) => {
