@@ -329,7 +329,7 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
             difference::size(change)
         );
     }
-    let others = changed.iter().filter(|change| difference::moved(change)).count();
+    let others = changed.iter().filter(|change| difference::has_changed(change)).count();
     let turned = changed.iter().filter(|change| change.turned()).count();
     let word = if turned == 1 { "verdict" } else { "verdicts" };
     say!("{turned} {word} turned; {others} of {} figures changed (--report shows all)", changed.len());
