@@ -31,8 +31,7 @@ pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Pe
 fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
     let Ok(H) = linalg::refined_transfer(system, point(rate_rad_s, g.timebase)) else { return Ok(None) };
-    let values = linalg::csingular_values(&H).during("L-infinity norm")?;
-    Ok(Some(values.first().copied().unwrap_or(0.0)))
+    Ok(Some(linalg::largest_singular_value(&H).during("L-infinity norm")?))
 }
 
 /// The highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then steps of

@@ -54,7 +54,8 @@ pub const SUMMITS: usize = 4;
 /// A summit of the sampled response below this share of the peak is not climbed.
 pub const LOW_SUMMIT: f64 = 0.1;
 
-/// Rounds of a climb: each shrinks the interval at least fourfold, so that the peak is flat to rounding at the end.
+/// Rounds of a climb at most: an even one shrinks the interval at least fourfold, so that the peak is flat to rounding at the end; rounds
+/// about the vertex of a parabola take three or four.
 pub const CLIMB_ROUNDS: usize = 15;
 
 // ---- margins ----
