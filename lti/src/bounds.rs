@@ -85,6 +85,25 @@ fn rate_of(pole: C64, timebase: Timebase) -> f64 {
     }
 }
 
+/// Whether the Riccati equation of the bounded real lemma has a stabilising solution at a level, so that no singular value of the response
+/// of a continuous system takes it:
+///
+/// ```text
+///     A'X + XA - [XB  C'] [-gI  D'; D  -gI]^-1 [B'X; C] = 0
+/// ```
+///
+/// Every entry of the equation is one of the system or the level: no product is rounded, so that the answer holds also for a difference
+/// of two systems that nearly cancel (K. Zhou, J. Doyle and K. Glover, Robust and Optimal Control, 1996, corollary 13.24).
+pub(crate) fn is_kept_by_riccati(g: &StateSpace, level: f64) -> bool {
+    let (n, m, p) = (g.order(), g.inputs(), g.outputs());
+    let minus = |k: usize| Mat::eye(k).scale(-level);
+    let B = g.B.hstack(&Mat::zeros(n, p));
+    let S = Mat::zeros(n, m).hstack(&g.C.t());
+    let R = Mat::from_blocks(&[&[&minus(m), &g.D.t()], &[&g.D, &minus(p)]]);
+    let outcome = linalg::care(&g.A, &B, &Mat::zeros(n, n), &R, Some(&S));
+    outcome.is_ok_and(|outcome| outcome.solved().is_some())
+}
+
 /// Whether a singular value of the response of a small continuous system takes a level nowhere: all 2 n eigenvalues of
 ///
 /// ```text

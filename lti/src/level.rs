@@ -101,6 +101,10 @@ pub(crate) fn search_everywhere(
     let mut found = *best;
     for k in summits(&values, LOW_SUMMIT * best.value) {
         let (low, high) = (rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]);
+        // The best peak is the top of its hill already.
+        if best.value >= values[k] && (low..=high).contains(&best.rate_rad_s) {
+            continue;
+        }
         let top = climb(response, (low, high), Peak { value: values[k], rate_rad_s: rates[k] })?;
         found = if top.value > found.value { top } else { found };
     }

@@ -1,6 +1,6 @@
 //! H2, L-infinity and H-infinity norms.
 
-use crate::bounds::{is_nowhere, with_care};
+use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::During;
 use crate::gramians::ctrb_factor;
@@ -96,8 +96,8 @@ pub struct NormBounds {
 }
 
 /// The L-infinity norm with a bound from above: the smallest level among `lower (1 + tolerance 10^k)` at which the Hamiltonian
-/// matrix has no eigenvalue on the imaginary axis, rounding of its entries included to first order; of a small system also if its
-/// eigenvalues are off the axis in 32 digits. The upper bound is infinite if there is no such level up to ten times the lower bound.
+/// matrix has no eigenvalue on the imaginary axis, rounding of its entries included to first order; or at which the Riccati equation of the
+/// bounded real lemma has a stabilising solution; of a small system also if the eigenvalues are off the axis in 32 digits. The upper bound is infinite if there is no such level up to ten times the lower bound.
 ///
 /// # Errors
 /// As [`linfnorm`].
@@ -114,8 +114,10 @@ pub fn linfnorm_bounds(g: &StateSpace, tolerance: f64) -> Result<NormBounds, Err
     let mut excess = tolerance;
     while excess <= LARGEST_EXCESS {
         let upper = (1.0 + excess) * lower.value.max(f64::MIN_POSITIVE);
-        if Level::of(&scaled, upper).is_ok_and(|level| level.is_clear() || is_nowhere(&scaled, upper, &level))
-        {
+        let is_above = |level: &Level| {
+            level.is_clear() || is_kept_by_riccati(&scaled, upper) || is_nowhere(&scaled, upper, level)
+        };
+        if Level::of(&scaled, upper).is_ok_and(|level| is_above(&level)) {
             return Ok(NormBounds { lower, upper });
         }
         excess *= 10.0;
