@@ -4,7 +4,7 @@ use crate::error::During;
 use crate::level::Level;
 use crate::norms::Peak;
 use crate::response::point;
-use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, PEAK_WIDTHS, PRECISE_SIZE};
+use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_WIDTHS, PRECISE_SIZE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation};
 
@@ -101,7 +101,11 @@ pub(crate) fn is_kept_by_riccati(g: &StateSpace, level: f64) -> bool {
     let S = Mat::zeros(n, m).hstack(&g.C.t());
     let R = Mat::from_blocks(&[&[&minus(m), &g.D.t()], &[&g.D, &minus(p)]]);
     let outcome = linalg::care(&g.A, &B, &Mat::zeros(n, n), &R, Some(&S));
-    outcome.is_ok_and(|outcome| outcome.solved().is_some())
+    let solution = outcome.ok().and_then(linalg::Outcome::solved);
+    solution.is_some_and(|found| {
+        let known = found.certificate.forward_error.norm_fro() <= KNOWN_SOLUTION * found.X.norm_fro();
+        found.certificate.method == linalg::Method::Precise || known
+    })
 }
 
 /// Whether a singular value of the response of a small continuous system takes a level nowhere: all 2 n eigenvalues of
@@ -134,5 +138,28 @@ pub(crate) fn is_nowhere(g: &StateSpace, level: f64, known: &Level) -> bool {
     match linalg::pencil_roots(&M, &mass, known.eigenvalues()) {
         Ok(Some(roots)) => roots.iter().all(is_off_axis),
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_riccati_equation_tells_levels_above_the_norm_of_a_difference_from_those_below() {
+        // 1/(s+1) - 1/(s+1+e) has the norm e/(1+e), at the frequency zero; its parts are 2^20 and 2^30 times as large.
+        for e in [f64::exp2(-20.0), f64::exp2(-30.0)] {
+            let A = Mat::from_rows(&[&[-1.0, 0.0], &[0.0, -1.0 - e]]);
+            let (B, C) = (Mat::col(&[1.0, 1.0]), Mat::from_rows(&[&[1.0, -1.0]]));
+            let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+            let norm = e / (1.0 + e);
+            for excess in [1e-6, 1e-3, 1.0] {
+                // Of the second system not even 32 digits find the solution: no claim is made then.
+                let is_kept = is_kept_by_riccati(&g, norm * (1.0 + excess));
+                assert!(is_kept || e < 1e-8, "{e} {excess}");
+                assert!(!is_kept_by_riccati(&g, norm / (1.0 + excess)), "{e} {excess}");
+            }
+        }
     }
 }

@@ -211,6 +211,10 @@ pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;
 /// those on the system as it is given.
 pub const SPREAD_UNITS: f64 = 1e6;
 
+/// A solution of the Riccati equation of a level proves the level if its error, as estimated, is below this share of it: six digits of a
+/// solution that does not exist are not settled by Newton's method.
+pub const KNOWN_SOLUTION: f64 = 1e-6;
+
 /// An eigenvalue in 32 digits is off the axis if its real part exceeds this share of its size: a hundred roundings of a double.
 pub const CLEAR_OF_AXIS: f64 = 2e-14;
 
