@@ -1,14 +1,14 @@
 //! The simulator that answers the questions: every recording is replayed for any mechanism, in closed loop if the controller is
 //! known, else under the recorded control.
 
-use crate::tolerance::fitting::{FOREIGN_LOOP_NOISE_SHARE, HUNTING_DIVERGENCE};
+use crate::tolerance::fitting::HUNTING_DIVERGENCE;
 use std::sync::OnceLock;
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::replay::{Loop, Replay, Replayer};
+use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -80,14 +80,9 @@ impl<'a> RecordingReplays<'a> {
             Loop::Closed(controller) => controller.control_floor(base),
             Loop::Open => 0.0,
         };
-        // a control that was recorded with less noise than this loop makes is not this loop's, so that its noise is no measure
-        let of = |c, own: f64| {
-            if c == Channel::Control && own < FOREIGN_LOOP_NOISE_SHARE * control_floor {
-                control_floor
-            } else {
-                own
-            }
-        };
+        // A replay holds the noise that this loop makes of its readings, whatever the recorded control shows of it: readings that move by
+        // single counts leave most samples without noise, and a control of another loop has another noise.
+        let of = |c, own: f64| if c == Channel::Control { own.max(control_floor) } else { own };
         let floors =
             |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.samples(c).unwrap_or(&[]))));
         Ok(Self {
@@ -411,7 +406,7 @@ fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     rms(&difference)
 }
 
-/// Returns the recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the size
+/// Returns the recording with other noise: on its demand of the size of the hub gyroscope's and its rounding, on the platform's channels of the size
 /// of their sensors' (a fixed sequence for each number).
 fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Recording {
     let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ which.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -424,7 +419,7 @@ fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Record
     let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
     let mut noisy = recording.clone();
     let columns = [
-        (Channel::Demand, p.sensors.hub_gyro.noise_rms.max(1e-9)),
+        (Channel::Demand, reading_floor(&p.sensors.hub_gyro, &p.interface)),
         (Channel::PlatformRate, p.sensors.platform_gyro.noise_rms),
         (Channel::PlatformAccel, p.sensors.platform_accelerometer.noise_rms),
     ];
