@@ -12,7 +12,7 @@ use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
-use crate::recording::noise::{measure_noise_floor, stated_noise};
+use crate::recording::noise::{measure_noise_floor, rounding_noise, stated_noise};
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
@@ -90,7 +90,7 @@ impl<'a> RecordingReplays<'a> {
             control: control.clone(),
             whole: ready(&prepared.whole)?,
             heads: ready(&prepared.heads)?,
-            noisy: ready(&prepared.noisy)?,
+            noisy: ready(&prepared.noisy)?.into_iter().map(Replayer::with_rounded_readings).collect(),
             floors: prepared.whole.iter().map(floors).collect(),
             control_floor,
             followed: prepared.whole.iter().map(follows).collect(),
@@ -185,8 +185,8 @@ impl<'a> RecordingReplays<'a> {
         Some(out)
     }
 
-    /// Returns how far a run diverges from one with other noise, channel by channel: noise like the hub gyroscope's on the demand
-    /// is another realisation of the loop's noise, and more noise on the platform's readings is another reconstruction of its
+    /// Returns how far a run diverges from one with other noise and rounded readings, channel by channel: noise like the hub gyroscope's on the
+    /// demand is another realisation of the loop's noise, rounding is what the replay leaves out, and more noise on the platform's readings is another reconstruction of its
     /// motion.
     fn divergence(
         &self,
@@ -198,11 +198,13 @@ impl<'a> RecordingReplays<'a> {
         let control = self.control(source);
         let shaken =
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
+        let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
             let (shown, place) = self.shown(quiet, index, source, place)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
-            let own = if shown == Channel::Control { 1.0 } else { 0.0 };
-            Some((apart * apart - own).max(0.0).sqrt())
+            let own =
+                if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
+            Some((apart * apart - own * own).max(0.0).sqrt())
         };
         Some((0..SCORED.len()).filter_map(size).collect())
     }
