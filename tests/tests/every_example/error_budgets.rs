@@ -11,9 +11,9 @@ use counterpoise_verify::{Figure, LineOfSight, Procedure, Road, SightFigure, Val
 
 /// The shares and the simulated error agree within this, as a share of the error.
 const SUM: f64 = 0.05;
-/// Length of a run and of its settling, s: enough for several periods of every feedback.
-const RUN_S: f64 = 1.5;
-const SETTLE_S: f64 = 0.5;
+/// Length of a run and of its settling, s: enough for several periods of a loop of 10 Hz.
+const RUN_S: f64 = 0.6;
+const SETTLE_S: f64 = 0.2;
 
 /// The beginning of a road.
 fn cut(road: &Road) -> Road {
