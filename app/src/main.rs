@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
+use counterpoise_host::terminal::tell;
 use options::StudioOptions;
 
 fn main() -> ExitCode {
@@ -26,7 +27,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         // help and version are results, too
         Err(asked) if !asked.use_stderr() => {
-            output::put(&asked.render().to_string());
+            output::write_out(&asked.render().to_string());
             return ExitCode::SUCCESS;
         }
         Err(wrong) => wrong.exit(),
@@ -53,9 +54,9 @@ fn main() -> ExitCode {
         Command::Studio(options) => commands::studio::run(options),
     };
     let code = done.unwrap_or_else(|error| {
-        counterpoise_host::terminal::tell(&output::explained(&error));
+        tell(&output::error_chain(&error));
         ExitCode::from(if error.is::<Interrupted>() { INTERRUPTED } else { 2 })
     });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.
-    if interrupt::asked() { ExitCode::from(INTERRUPTED) } else { code }
+    if interrupt::is_stop_requested() { ExitCode::from(INTERRUPTED) } else { code }
 }

@@ -15,14 +15,14 @@ use counterpoise_host::stages::Progress;
 use counterpoise_host::terminal::tell;
 use counterpoise_host::terminal::{escape_controls, harmless_json};
 use counterpoise_pipeline::exchange::SCHEMA;
-use counterpoise_project::diagnostic::listed;
+use counterpoise_project::diagnostic::first_findings;
 
 /// Exit code of a program whose standard output was lost: a full disk, or a reader that has gone away.
 const LOST: i32 = 3;
 
 /// Writes to standard output, harmless on a terminal. Where this fails the result is lost, so the program ends with [`LOST`]; a reader
 /// that has gone away, as in `| head`, knows why and is told nothing.
-pub fn put(text: &str) {
+pub fn write_out(text: &str) {
     let mut out = std::io::stdout().lock();
     if let Err(error) = out.write_all(escape_controls(text).as_bytes()).and_then(|()| out.flush()) {
         if error.kind() != std::io::ErrorKind::BrokenPipe {
@@ -32,15 +32,15 @@ pub fn put(text: &str) {
     }
 }
 
-/// `println!` for results: see [`put`].
+/// `println!` for results: see [`write_out`].
 macro_rules! say {
-    () => { $crate::output::put("\n") };
-    ($($text:tt)*) => { $crate::output::put(&(format!($($text)*) + "\n")) };
+    () => { $crate::output::write_out("\n") };
+    ($($text:tt)*) => { $crate::output::write_out(&(format!($($text)*) + "\n")) };
 }
 pub(crate) use say;
 
 /// An error and its causes, one below the other; a cause that the line above it quotes is not said twice.
-pub fn explained(error: &anyhow::Error) -> String {
+pub fn error_chain(error: &anyhow::Error) -> String {
     let mut lines = vec![format!("error: {error}")];
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !lines.iter().any(|line| line.contains(&cause)) {
@@ -69,7 +69,7 @@ pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     let Some(target) = &results.json else { return Ok(false) };
     let text = with_schema(json_text(result)?);
     if [Path::new("-"), Path::new("/dev/stdout")].contains(&target.as_path()) {
-        put(&text);
+        write_out(&text);
         return Ok(true);
     }
     projects::write(target, text.as_bytes())?;
@@ -170,7 +170,7 @@ pub fn warnings(loaded: &Loaded, progress: Progress) {
                 "note: the studio holds edits of {path} that are not in the file; open it there to save or discard them"
             );
         }
-        let lines = listed(&loaded.warnings, ToString::to_string);
+        let lines = first_findings(&loaded.warnings, ToString::to_string);
         lines.iter().for_each(|warning| tell(warning));
     }
 }
@@ -227,12 +227,12 @@ mod tests {
     fn a_cause_that_was_quoted_is_not_said_twice() {
         let cause = anyhow::anyhow!("the matrix is singular");
         assert_eq!(
-            explained(&cause.context("design: the matrix is singular")),
+            error_chain(&cause.context("design: the matrix is singular")),
             "error: design: the matrix is singular"
         );
         let cause = anyhow::anyhow!("no space left");
         assert_eq!(
-            explained(&cause.context("cannot write a.c")),
+            error_chain(&cause.context("cannot write a.c")),
             "error: cannot write a.c\n  because: no space left"
         );
     }

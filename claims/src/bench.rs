@@ -12,7 +12,7 @@ use counterpoise_verify::{
 };
 
 use super::drawing::{Curve, drawing, factor, hub, hub_from, hub_panel, panel, time};
-use super::friction_identification::{IdentifiedFriction, identify_friction, observing};
+use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
 use counterpoise_pipeline::{PipelineError, Stages, World, run_stages, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::Project;
@@ -91,7 +91,7 @@ impl<'a> Bench<'a> {
         let designed = run_stages(project, world)?;
         let procedure = designed.procedure.clone();
         let friction = identify_friction(&designed.modelled.parameters)?;
-        let observing_project = observing(project, &friction);
+        let observing_project = with_observer(project, &friction);
         let observed = run_stages(&observing_project, world)?.verified.controller().clone();
         Ok(Self { project, world, designed, procedure, friction, observing_project, observed })
     }
@@ -111,7 +111,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Those of the identification and of the design.
     pub fn observing_on(&self, mechanism: &Parameters) -> Result<Controller, PipelineError> {
-        let project = observing(self.project, &identify_friction(mechanism)?);
+        let project = with_observer(self.project, &identify_friction(mechanism)?);
         let made = &self.designed;
         Ok(synthesise(&project, &made.modelled, &made.reduced)?.sampled.controller)
     }

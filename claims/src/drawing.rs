@@ -2,7 +2,7 @@
 
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
-use counterpoise_report::summary::capital;
+use counterpoise_report::summary::capitalised;
 use counterpoise_verify::History;
 
 use counterpoise_pipeline::PipelineError;
@@ -52,7 +52,7 @@ pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
                 |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
             marks.extend(curve.points.iter().map(ring));
         }
-        series.push(Series::new(&capital(&curve.name), colour, dash, curve.points));
+        series.push(Series::new(&capitalised(&curve.name), colour, dash, curve.points));
     }
     Panel::new(y, series).with_marks(marks)
 }
@@ -113,13 +113,13 @@ impl Curve {
 }
 
 /// Two columns as points, the second times `scale`.
-pub fn paired(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
+pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
     x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
 }
 
 /// Hub rate in mrad/s over time.
 pub fn hub(history: &History) -> Vec<(f64, f64)> {
-    paired(&history.time_s, &history.hub_rate_rad_s, 1e3)
+    points_of(&history.time_s, &history.hub_rate_rad_s, 1e3)
 }
 
 /// Hub rate in mrad/s over time, from a time on.

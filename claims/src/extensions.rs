@@ -6,7 +6,7 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
-use super::drawing::{Curve, drawing, factor, paired, panel, time};
+use super::drawing::{Curve, drawing, factor, panel, points_of, time};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -102,13 +102,13 @@ pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], first: usize) -> Vec<Drawing> {
     let at_s = &held.time_s[first..];
     let tip = &held.tip_rate_rad_s[first..];
-    let of = |values: &[f64]| paired(at_s, values.get(first..).unwrap_or(&[]), 1e3);
+    let of = |values: &[f64]| points_of(at_s, values.get(first..).unwrap_or(&[]), 1e3);
     let stabilised = vec![
         Curve::faint("without control", of(&free.tip_rate_rad_s)),
         Curve::line("with the whole controller", of(&held.tip_rate_rad_s)),
     ];
     let off = |name: &str, values: &[f64]| {
-        Curve::line(name, paired(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
+        Curve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
     };
     let errors = vec![off("tip less hub", &held.hub_rate_rad_s), off("tip less its prediction", predicted)];
     vec![

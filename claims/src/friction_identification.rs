@@ -58,7 +58,7 @@ pub fn identify_friction(truth: &Parameters) -> Result<IdentifiedFriction, Pipel
 }
 
 /// Returns a project whose exported controller observes the identified friction.
-pub fn observing(project: &Project, found: &IdentifiedFriction) -> Project {
+pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
     let mut project = project.clone();
     if let Some(synth) = &mut project.synth {
         synth.options.observer = Some(ObserverOptions {

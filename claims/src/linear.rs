@@ -6,7 +6,7 @@ use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
-use super::drawing::{Curve, drawing, frequency, hub, hub_panel, paired, panel, time};
+use super::drawing::{Curve, drawing, frequency, hub, hub_panel, panel, points_of, time};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -84,7 +84,7 @@ fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     });
     let mut all = vec![drawing("Loop broken at the plant's input", frequency(), vec![gain, phase])];
     if let Some(step) = found(bench).history(Model::Linear, Experiment::Step) {
-        let demand = paired(&step.time_s, &step.demand_rad_s, 1e3);
+        let demand = points_of(&step.time_s, &step.demand_rad_s, 1e3);
         let height = 1e3 * bench.procedure.step.rate_rad_s;
         let panel = hub_panel(vec![Curve::line("hub rate", hub(step)), Curve::reference("demand", demand)])
             .with_level(1.13 * height, "overshoot of the thesis, 13 %");

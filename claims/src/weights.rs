@@ -6,7 +6,7 @@ use counterpoise_synth::{Alternative, Method, Weight, alternative, attempt};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
 use super::bench::rates;
-use super::drawing::{Curve, drawing, frequency, gain_db, hub, hub_panel, paired, panel, time};
+use super::drawing::{Curve, drawing, frequency, gain_db, hub, hub_panel, panel, points_of, time};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, Stages};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -299,7 +299,7 @@ fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError>
         let unity = StateSpace::gain(Mat::eye(1), broken.timebase)?;
         let response = step(&feedback(broken, &unity)?, 1.0, 1000)?;
         let y: Vec<f64> = (0..response.time_s.len()).map(|k| response.y[(k, 0)]).collect();
-        steps.push(Curve::line(*name, paired(&response.time_s, &y, 1.0)));
+        steps.push(Curve::line(*name, points_of(&response.time_s, &y, 1.0)));
     }
     let panels = vec![
         panel(Axis::linear("controller", "dB re V s/rad"), controllers),

@@ -64,7 +64,7 @@ fn numbers(parts: &Parts) -> Result<(), Error> {
 }
 
 /// Every state, input and local of a program has a name of its own.
-pub fn distinct(programs: &Programs) -> Result<(), Error> {
+pub fn check_distinct(programs: &Programs) -> Result<(), Error> {
     for program in [&programs.step, &programs.set_out_of_balance] {
         let mut seen = HashSet::new();
         let states = programs.states.iter().map(|group| &group.name);

@@ -28,7 +28,7 @@ impl Controller {
     pub fn new(parts: Parts) -> Result<Self, Error> {
         check::parts(&parts)?;
         let programs = lower::programs(&parts);
-        check::distinct(&programs)?;
+        check::check_distinct(&programs)?;
         Ok(Self { parts, programs })
     }
 

@@ -89,7 +89,7 @@ pub fn candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
 }
 
 /// Returns the one that [`Form::LeastSensitive`] takes.
-pub fn least(candidates: &[Candidate]) -> Option<&Candidate> {
+pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
     let of = |form: Form| candidates.iter().find(|candidate| candidate.form == form);
     match (of(Form::Modal), of(Form::Balanced)) {
         (Some(modal), Some(balanced)) if balanced.predicted * WORTH < modal.predicted => Some(balanced),
@@ -302,7 +302,7 @@ mod tests {
         let given = StateSpace::new(A, B, C, Mat::zeros(1, 1), PERIOD).unwrap();
         let as_it_is = candidate(&given, Form::Modal).unwrap();
         let all = candidates(&given).unwrap();
-        let chosen = least(&all).unwrap();
+        let chosen = least_sensitive(&all).unwrap();
         assert!(
             as_it_is.predicted > 100.0 * chosen.predicted,
             "{:e} {:e}",

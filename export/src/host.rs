@@ -26,7 +26,7 @@ pub const C_FLAGS: [&str; 9] = [
     CODE_FOLDER,
 ];
 /// Folder that generated C code is written to before it is compiled. The name of a generated file is a project's own, so
-/// it never stands on a command line: a program of a fixed name includes it ([`including`]).
+/// it never stands on a command line: a program of a fixed name includes it ([`including_file`]).
 pub const CODE_FOLDER: &str = "code";
 /// Name under which the generated Rust crate is compiled, whatever the project calls it.
 pub const RUST_CRATE: &str = "generated";
@@ -54,7 +54,7 @@ pub fn rust_replay(readings: usize) -> File {
 
 /// Returns a C file of a fixed name that is nothing but the generated file `included`, given with its folder: a project may call its
 /// code by the fixed name itself, and a file must not include itself.
-pub fn including(name: &str, included: &str) -> File {
+pub fn including_file(name: &str, included: &str) -> File {
     File { name: name.to_owned(), text: format!("#include \"{included}\"\n") }
 }
 
@@ -76,7 +76,7 @@ pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
 }
 
 /// Returns the number of samples and how many of the answers differ from the records. Returns `None` if answers are missing.
-pub fn differing(records: &[Record], fixed: Option<&Fixed>, answers: &[u8]) -> Option<(usize, usize)> {
+pub fn count_differing(records: &[Record], fixed: Option<&Fixed>, answers: &[u8]) -> Option<(usize, usize)> {
     let scale = fixed.map_or(1.0, |fixed| unit(fixed.control_bits()));
     let mut values =
         answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or([0; 8])));

@@ -28,7 +28,7 @@ pub fn install() {
 #[must_use = "the work is watched for as long as this value lives"]
 pub struct Watch(());
 
-/// Begins work that looks at [`asked`] often enough to stop soon.
+/// Begins work that looks at [`is_stop_requested`] often enough to stop soon.
 pub fn watch() -> Watch {
     WATCHED.store(true, Ordering::SeqCst);
     Watch(())
@@ -41,6 +41,6 @@ impl Drop for Watch {
 }
 
 /// Returns whether the user asked to stop.
-pub fn asked() -> bool {
+pub fn is_stop_requested() -> bool {
     ASKED.load(Ordering::SeqCst)
 }

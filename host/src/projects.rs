@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
 use counterpoise_pipeline::{Step, TunedProject, World, with_chosen_weights, with_tuned_structure};
-use counterpoise_project::diagnostic::listed;
+use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 use counterpoise_synth::FirstDesign;
 
@@ -54,7 +54,7 @@ pub struct BadProject {
 
 /// Returns the first errors with the lines that they speak of, and how many there are.
 fn rendered(errors: &[Diagnostic], document: &Document) -> String {
-    let mut out = listed(errors, |error| document.excerpt(error));
+    let mut out = first_findings(errors, |error| document.excerpt(error));
     let count = errors.len();
     out.push(format!(
         "{count} error{} in the project file; nothing was done",
@@ -66,7 +66,7 @@ fn rendered(errors: &[Diagnostic], document: &Document) -> String {
 /// Reads a project file, or the project.toml of a folder, with the files that it names.
 pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
     let path = if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() };
-    let (document, attachments) = written(&path)?;
+    let (document, attachments) = read_as_written(&path)?;
     let resolved = Project::resolve_for(&document, &attachments, purpose);
     let bad = |errors| BadProject { errors, document: document.clone() };
     let Parsed { project, warnings, assumptions } = resolved.map_err(bad)?;
@@ -89,7 +89,7 @@ const QUOTED: usize = 1 << 20;
 ///
 /// # Errors
 /// A file that cannot be read or is not text.
-pub fn written(path: &Path) -> Result<(Document, Attachments)> {
+pub fn read_as_written(path: &Path) -> Result<(Document, Attachments)> {
     let bytes =
         Native.read(path).with_context(|| format!("cannot read the project file {}", path.display()))?;
     let name = path.display().to_string();

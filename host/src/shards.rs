@@ -147,7 +147,7 @@ fn decoded(path: &Path, bytes: &[u8], campaign: &Campaign, name: &str) -> Result
 }
 
 /// The files of shards in a folder, sorted.
-pub fn found(folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn shard_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let told = || format!("cannot list {}", folder.display());
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(told)? {

@@ -43,7 +43,7 @@ impl Pool for Workers {
     }
 
     fn cancelled(&self) -> bool {
-        interrupt::asked()
+        interrupt::is_stop_requested()
     }
 
     fn progress(&self, stage: &str, done: usize, of: usize) {

@@ -113,20 +113,35 @@ vectorised! {
     /// Overwrites a square matrix by its Hessenberg form `H`, `A = Q H Q'`, and returns `Q`.
     pub(crate) fn hessenberg<'a>(A: &'a mut Mat) -> Mat {
         let n = A.nrows();
-        let mut reflectors = Vec::with_capacity(n);
-        for k in 0..n.saturating_sub(2) {
-            let (done, rest) = A.as_mut_slice().split_at_mut((k + 1) * n);
-            let reflector = Reflector::of(&mut done[k * n + k + 1..]);
-            reflector.left(rest, n, k + 1);
-            reflector.right(rest, n);
-            reflectors.push(reflector);
-        }
+        let reflectors = reduce(A);
         let mut Q = Mat::eye(n);
         for (k, reflector) in reflectors.iter().enumerate().rev() {
             reflector.left(&mut Q.as_mut_slice()[(k + 1) * n..], n, k + 1);
         }
         Q
     }
+}
+
+vectorised! {
+    /// Overwrites a square matrix by its Hessenberg form.
+    pub(crate) fn hessenberg_values<'a>(A: &'a mut Mat) -> () {
+        reduce(A);
+    }
+}
+
+/// Overwrites a square matrix by its Hessenberg form; returns the reflections that lead there.
+#[inline(always)]
+fn reduce(A: &mut Mat) -> Vec<Reflector> {
+    let n = A.nrows();
+    let mut reflectors = Vec::with_capacity(n);
+    for k in 0..n.saturating_sub(2) {
+        let (done, rest) = A.as_mut_slice().split_at_mut((k + 1) * n);
+        let reflector = Reflector::of(&mut done[k * n + k + 1..]);
+        reflector.left(rest, n, k + 1);
+        reflector.right(rest, n);
+        reflectors.push(reflector);
+    }
+    reflectors
 }
 
 /// `I - tau v v'`, the first entry of `v` one.

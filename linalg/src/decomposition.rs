@@ -50,6 +50,33 @@ pub fn csingular_values(A: &CMat) -> Result<Vec<f64>, Error> {
     view(A).singular_values().map_err(|_| no_convergence("the singular value decomposition"))
 }
 
+/// The largest singular value of a complex matrix, zero for one without entries.
+///
+/// Of two rows or columns it is the root of the larger eigenvalue of their Gram matrix, a sum of terms that are not negative, so that it is
+/// as accurate as by the decomposition.
+///
+/// # Errors
+/// As for [`svd`].
+pub fn largest_singular_value(A: &CMat) -> Result<f64, Error> {
+    check_finite("A", A)?;
+    let (rows, cols) = A.shape();
+    let size = A.as_slice().iter().map(|e| e.re.abs().max(e.im.abs())).fold(0.0, f64::max);
+    if rows.min(cols) != 2 || !size.is_normal() {
+        return Ok(csingular_values(A)?.first().copied().unwrap_or(0.0));
+    }
+    let scale = power_of_two(1.0 / size);
+    let entry = |line: usize, k: usize| scale * if rows == 2 { A[(line, k)] } else { A[(k, line)] };
+    let (mut first, mut second, mut cross) = (0.0, 0.0, C64::default());
+    for k in 0..rows.max(cols) {
+        let (a, b) = (entry(0, k), entry(1, k));
+        first += a.norm_sqr();
+        second += b.norm_sqr();
+        cross += a * b.conj();
+    }
+    let larger = 0.5 * (first + second + (first - second).hypot(2.0 * cross.norm()));
+    Ok(larger.sqrt() / scale)
+}
+
 /// A thin complex singular value decomposition `A = U diag(s) V^H`.
 pub struct CSvd {
     /// Left singular vectors, m x k.
@@ -168,10 +195,52 @@ pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
     Ok(blocked_hessenberg(A))
 }
 
+/// The Hessenberg form of [`hessenberg`] alone.
+pub(crate) fn hessenberg_values(A: &Mat) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    let n = A.nrows();
+    let mut H = A.clone();
+    let (least, most) = compact::SAFE_ENTRIES;
+    if n < 3 {
+        return Ok(H);
+    }
+    if n <= compact::SIMILARITIES && (least..most).contains(&A.norm_max()) {
+        compact::hessenberg_values(&mut H);
+        return Ok(H);
+    }
+    Ok(upper(&blocked_reduction(A).0))
+}
+
+/// The upper triangle and the first subdiagonal.
+fn upper(work: &faer::Mat<f64>) -> Mat {
+    Mat::from_fn(work.nrows(), work.ncols(), |i, j| if i <= j + 1 { work[(i, j)] } else { 0.0 })
+}
+
 /// [`hessenberg`] of a finite square matrix with at least three rows, by faer's kernel.
 fn blocked_hessenberg(A: &Mat) -> (Mat, Mat) {
     use faer::dyn_stack::{MemBuffer, MemStack};
     use faer::linalg::householder as apply;
+    let n = A.nrows();
+    let (work, coefficients) = blocked_reduction(A);
+    let mut Q = faer::Mat::<f64>::identity(n, n);
+    let block = coefficients.nrows();
+    let need =
+        apply::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(n - 1, block, n - 1);
+    let mut buffer = MemBuffer::new(need);
+    apply::apply_block_householder_sequence_on_the_left_in_place_with_conj(
+        work.as_ref().submatrix(1, 0, n - 1, n - 1),
+        coefficients.as_ref(),
+        faer::Conj::No,
+        Q.as_mut().submatrix_mut(1, 1, n - 1, n - 1),
+        faer::Par::Seq,
+        MemStack::new(&mut buffer),
+    );
+    (upper(&work), copy(Q.as_ref()))
+}
+
+/// The Hessenberg form with the reflections below it, and the factors of these.
+fn blocked_reduction(A: &Mat) -> (faer::Mat<f64>, faer::Mat<f64>) {
+    use faer::dyn_stack::{MemBuffer, MemStack};
     let n = A.nrows();
     let block = faer::linalg::qr::no_pivoting::factor::recommended_block_size::<f64>(n - 1, n - 1);
     let mut work = view(A).to_owned();
@@ -186,20 +255,7 @@ fn blocked_hessenberg(A: &Mat) -> (Mat, Mat) {
         MemStack::new(&mut buffer),
         Default::default(),
     );
-    let mut Q = faer::Mat::<f64>::identity(n, n);
-    let need =
-        apply::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(n - 1, block, n - 1);
-    let mut buffer = MemBuffer::new(need);
-    apply::apply_block_householder_sequence_on_the_left_in_place_with_conj(
-        work.as_ref().submatrix(1, 0, n - 1, n - 1),
-        coefficients.as_ref(),
-        faer::Conj::No,
-        Q.as_mut().submatrix_mut(1, 1, n - 1, n - 1),
-        seq,
-        MemStack::new(&mut buffer),
-    );
-    let H = Mat::from_fn(n, n, |i, j| if i <= j + 1 { work[(i, j)] } else { 0.0 });
-    (H, copy(Q.as_ref()))
+    (work, coefficients)
 }
 
 /// The generalised eigenvalues of the pencil `A - lambda E` as pairs (alpha, beta), `lambda = alpha / beta`; an infinite

@@ -91,6 +91,32 @@ fn lu_solve<T: Scalar + ComplexField>(A: &Dense<T>, B: &Dense<T>) -> Result<Dens
     Ok(X)
 }
 
+/// The LU factors of a complex matrix, for several right-hand sides one after the other.
+pub(crate) struct ComplexFactors(faer::linalg::solvers::PartialPivLu<C64>);
+
+impl ComplexFactors {
+    /// The factors.
+    ///
+    /// # Errors
+    /// As for [`csolve`].
+    pub(crate) fn of(A: &CMat) -> Result<Self, Error> {
+        check_square("A", A)?;
+        let lu = view(A).partial_piv_lu();
+        check_pivots(lu.U())?;
+        Ok(Self(lu))
+    }
+
+    /// `A^-1 B`, to the last bit as [`csolve`] has it.
+    ///
+    /// # Errors
+    /// As for [`csolve`].
+    pub(crate) fn solve(&self, mut B: CMat) -> Result<CMat, Error> {
+        check_shape("B", &B, (self.0.U().nrows(), B.ncols()))?;
+        self.0.solve_in_place(view_mut(&mut B));
+        if B.is_finite() { Ok(B) } else { Err(Error::Singular { what: "A", rcond: 0.0 }) }
+    }
+}
+
 /// The smallest pivot against the largest is a cheap upper bound of the reciprocal condition number.
 fn check_pivots<T: Scalar>(U: MatRef<'_, T>) -> Result<(), Error> {
     let pivots: Vec<f64> = (0..U.nrows()).map(|i| U[(i, i)].modulus()).collect();

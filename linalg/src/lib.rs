@@ -58,8 +58,8 @@ pub mod tolerance;
 pub use balance::{Balanced, balance};
 pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
 pub use decomposition::{
-    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, rank, rank_tolerance, rcond_one,
-    singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
+    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, rank,
+    rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
 };
 pub use dense::{
     Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve, transpose_times,

@@ -152,7 +152,7 @@ impl Operator {
     pub(crate) fn solve_inner(&self, Q: &Mat) -> Mat {
         match self.kind {
             Kind::Continuous => symmetric(&self.form.T, &-Q),
-            Kind::Discrete => self.solve_inner_general(Q),
+            Kind::Discrete => symmetric_discrete(&self.form.T, Q),
         }
     }
 
@@ -173,13 +173,35 @@ impl Operator {
         if self.kind == Kind::Continuous {
             return against_transpose(T, T, &-Q);
         }
-        // The triangle of `A'` with its rows and columns in reverse order is one, too.
-        let n = T.nrows();
-        let reversed = Mat::from_fn(n, n, |i, j| T[(n - 1 - j, n - 1 - i)]);
-        let mut X = flipped(Q, -1.0);
-        solve_triangular(T, &reversed, &mut X, self.kind);
-        flipped(&X, 1.0)
+        discrete(T, T, Q)
     }
+}
+
+/// `T X S' - X + Q = 0` for quasi-triangular `T` and `S`.
+fn discrete(T: &Mat, S: &Mat, Q: &Mat) -> Mat {
+    // The triangle of `S'` with its rows and columns in reverse order is one, too.
+    let n = S.nrows();
+    let reversed = Mat::from_fn(n, n, |i, j| S[(n - 1 - j, n - 1 - i)]);
+    let mut X = flipped(Q, -1.0);
+    solve_triangular(T, &reversed, &mut X, Kind::Discrete);
+    flipped(&X, 1.0)
+}
+
+/// `T X T' - X + Q = 0` for symmetric `Q`, of which the upper blocks are read: half the work of the general equation.
+fn symmetric_discrete(T: &Mat, Q: &Mat) -> Mat {
+    let n = T.nrows();
+    if n <= SMALL {
+        return discrete(T, T, Q);
+    }
+    let k = middle(T);
+    let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
+    let X22 = symmetric_discrete(&T22, &Q.block(k, k, n - k, n - k));
+    let moved = &T12 * &X22;
+    let X12 = discrete(&T11, &T22, &(Q.block(0, k, k, n - k) + &moved * T22.t()));
+    // T12 X22 T12' + T11 X12 T12' + its transpose.
+    let coupled = (&T11 * &X12 + moved.scale(0.5)) * T12.t();
+    let X11 = symmetric_discrete(&T11, &(Q.block(0, 0, k, k) + (&coupled + &coupled.t())));
+    Mat::from_blocks(&[&[&X11, &X12], &[&X12.t(), &X22]])
 }
 
 /// Sides up to this are solved block by block, larger ones by halves.

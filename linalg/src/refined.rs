@@ -1,6 +1,6 @@
 //! The transfer matrix `C (sI - A)^-1 B + D` at one point, by residuals in twice the working precision.
 
-use crate::dense::csolve;
+use crate::dense::ComplexFactors;
 use crate::error::{Error, check_shape, check_square};
 use crate::mat::{C64, CMat, Mat};
 use crate::precise::Precise;
@@ -24,7 +24,7 @@ pub struct Realisation<'a> {
 ///
 /// The equations are solved by LU, and the residual of the solution, which is kept as a sum of two doubles, is computed in 32 digits from
 /// the entries as they are given, so that systems whose parts nearly cancel keep their digits. Source: Higham, Accuracy and Stability of
-/// Numerical Algorithms, chapter 12. Cost: two to ten LU factorisations of order n.
+/// Numerical Algorithms, chapter 12. Cost: one LU factorisation of order n and two to ten solutions.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite, [`Error::Singular`] at a pole.
@@ -38,12 +38,13 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
     let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
     let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
     let (Re, Im) = (Precise::identity(n, s.re).minus(&Precise::from(A)), Precise::identity(n, s.im));
+    let factors = ComplexFactors::of(&shifted)?;
     let mut rest = (Precise::from(B), Precise::from(&Mat::zeros(n, m)));
     let mut X = (Precise::from(&Mat::zeros(n, m)), Precise::from(&Mat::zeros(n, m)));
     let mut last = f64::INFINITY;
     for _ in 0..=TRANSFER_REFINEMENTS {
         let (re, im) = (rest.0.rounded(), rest.1.rounded());
-        let step = csolve(&shifted, &CMat::from_fn(n, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))?;
+        let step = factors.solve(CMat::from_fn(n, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))?;
         let size = step.as_slice().iter().map(C64::norm_sqr).sum::<f64>().sqrt();
         if size.is_nan() || size >= 0.5 * last {
             break;

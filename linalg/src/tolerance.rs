@@ -60,8 +60,8 @@ pub const PRECISE_POWER: f64 = 1e-16;
 pub const PRECISE_STATES: usize = 64;
 
 /// The largest error, relative to each pair of states, that a solution in doubles may be estimated to have; beyond, it is
-/// solved again in 32 digits. A benign problem leaves 1e-15.
-pub const RICCATI_ERROR: f64 = 1e-11;
+/// solved again in 32 digits. A benign problem leaves 1e-15; more than this is not judged right, because the entries of the data mean more.
+pub const RICCATI_ERROR: f64 = 1e-12;
 
 /// Up to this many states, a solution in 32 digits takes a few milliseconds and is computed even where rounding the data changes the
 /// solution by more than the error that is left.

@@ -6,6 +6,8 @@ mod common;
 
 mod equations;
 mod hard;
+#[path = "support/odd.rs"]
+mod odd;
 mod odd_calls;
 mod riccati;
 mod riccati_parametric;

@@ -2,8 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use crate::common;
-
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use crate::odd::{Call, assert_none_panics, panicking};
 
 use common::Random;
 use counterpoise_linalg::*;
@@ -42,9 +41,6 @@ fn symmetric(random: &mut Random, n: usize) -> Mat {
     let M = square(random, n);
     if M.is_square() && random.uniform() < 0.9 { &M + &M.t() } else { M }
 }
-
-/// A routine by name, and a call of it.
-type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
 
 /// What the routines are called with.
 struct Data {
@@ -170,19 +166,11 @@ fn sparse_calls(A: &Mat, Q: &Mat) -> Result<(), Error> {
 /// Calls every routine; the names of those that panic.
 fn call_all(seed: u64) -> Vec<&'static str> {
     let data = Data::of(seed);
-    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
     let calls = data.equations().into_iter().chain(data.generalised()).chain(data.decompositions());
-    calls.filter(|(_, call)| panics(call)).map(|(name, _)| name).collect()
+    panicking(&calls.collect::<Vec<Call>>())
 }
 
 #[test]
 fn no_odd_call_panics() {
-    std::panic::set_hook(Box::new(|_| ()));
-    let all = (0..2000).flat_map(|seed| call_all(seed).into_iter().map(move |name| (name, seed)));
-    let mut found: Vec<(&str, u64)> = all.collect();
-    found.sort_unstable();
-    let count = found.len();
-    found.dedup_by_key(|(name, _)| *name);
-    let _ = std::panic::take_hook();
-    assert!(found.is_empty(), "{count} panics, the first of each: {found:?}");
+    assert_none_panics(2000, &call_all);
 }

@@ -105,6 +105,17 @@ fn eigenvalues_are_sorted_and_right() {
 }
 
 #[test]
+fn eigenvalues_are_those_of_the_schur_form_to_the_last_bit() {
+    let mut random = Random::new(5);
+    for n in [1, 2, 3, 7, 30, 66, 90] {
+        let A = random.matrix(n, n);
+        let mut expected = schur(&balance(&A).unwrap().A).unwrap().eigenvalues();
+        expected.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+        assert_eq!(eigenvalues(&A).unwrap(), expected, "{n}");
+    }
+}
+
+#[test]
 fn balancing_is_exact_and_rescues_bad_units() {
     let mut random = Random::new(3);
     let good = random.matrix(9, 9);

@@ -4,7 +4,7 @@ use crate::error::During;
 use crate::level::Level;
 use crate::norms::Peak;
 use crate::response::point;
-use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, PEAK_WIDTHS, PRECISE_SIZE};
+use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_WIDTHS, PRECISE_SIZE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation};
 
@@ -31,8 +31,7 @@ pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Pe
 fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
     let Ok(H) = linalg::refined_transfer(system, point(rate_rad_s, g.timebase)) else { return Ok(None) };
-    let values = linalg::csingular_values(&H).during("L-infinity norm")?;
-    Ok(Some(values.first().copied().unwrap_or(0.0)))
+    Ok(Some(linalg::largest_singular_value(&H).during("L-infinity norm")?))
 }
 
 /// The highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then steps of
@@ -86,6 +85,29 @@ fn rate_of(pole: C64, timebase: Timebase) -> f64 {
     }
 }
 
+/// Whether the Riccati equation of the bounded real lemma has a stabilising solution at a level, so that no singular value of the response
+/// of a continuous system takes it:
+///
+/// ```text
+///     A'X + XA - [XB  C'] [-gI  D'; D  -gI]^-1 [B'X; C] = 0
+/// ```
+///
+/// Every entry of the equation is one of the system or the level: no product is rounded, so that the answer holds also for a difference
+/// of two systems that nearly cancel (K. Zhou, J. Doyle and K. Glover, Robust and Optimal Control, 1996, corollary 13.24).
+pub(crate) fn is_kept_by_riccati(g: &StateSpace, level: f64) -> bool {
+    let (n, m, p) = (g.order(), g.inputs(), g.outputs());
+    let minus = |k: usize| Mat::eye(k).scale(-level);
+    let B = g.B.hstack(&Mat::zeros(n, p));
+    let S = Mat::zeros(n, m).hstack(&g.C.t());
+    let R = Mat::from_blocks(&[&[&minus(m), &g.D.t()], &[&g.D, &minus(p)]]);
+    let outcome = linalg::care(&g.A, &B, &Mat::zeros(n, n), &R, Some(&S));
+    let solution = outcome.ok().and_then(linalg::Outcome::solved);
+    solution.is_some_and(|found| {
+        let known = found.certificate.forward_error.norm_fro() <= KNOWN_SOLUTION * found.X.norm_fro();
+        found.certificate.method == linalg::Method::Precise || known
+    })
+}
+
 /// Whether a singular value of the response of a small continuous system takes a level nowhere: all 2 n eigenvalues of
 ///
 /// ```text
@@ -116,5 +138,28 @@ pub(crate) fn is_nowhere(g: &StateSpace, level: f64, known: &Level) -> bool {
     match linalg::pencil_roots(&M, &mass, known.eigenvalues()) {
         Ok(Some(roots)) => roots.iter().all(is_off_axis),
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_riccati_equation_tells_levels_above_the_norm_of_a_difference_from_those_below() {
+        // 1/(s+1) - 1/(s+1+e) has the norm e/(1+e), at the frequency zero; its parts are 2^20 and 2^30 times as large.
+        for e in [f64::exp2(-20.0), f64::exp2(-30.0)] {
+            let A = Mat::from_rows(&[&[-1.0, 0.0], &[0.0, -1.0 - e]]);
+            let (B, C) = (Mat::col(&[1.0, 1.0]), Mat::from_rows(&[&[1.0, -1.0]]));
+            let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+            let norm = e / (1.0 + e);
+            for excess in [1e-6, 1e-3, 1.0] {
+                // Of the second system not even 32 digits find the solution: no claim is made then.
+                let is_kept = is_kept_by_riccati(&g, norm * (1.0 + excess));
+                assert!(is_kept || e < 1e-8, "{e} {excess}");
+                assert!(!is_kept_by_riccati(&g, norm / (1.0 + excess)), "{e} {excess}");
+            }
+        }
     }
 }

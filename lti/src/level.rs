@@ -101,6 +101,10 @@ pub(crate) fn search_everywhere(
     let mut found = *best;
     for k in summits(&values, LOW_SUMMIT * best.value) {
         let (low, high) = (rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]);
+        // The best peak is the top of its hill already.
+        if best.value >= values[k] && (low..=high).contains(&best.rate_rad_s) {
+            continue;
+        }
         let top = climb(response, (low, high), Peak { value: values[k], rate_rad_s: rates[k] })?;
         found = if top.value > found.value { top } else { found };
     }
@@ -126,17 +130,80 @@ fn summits(values: &[f64], limit: f64) -> Vec<usize> {
 }
 
 /// The top of the hill between two frequencies, from a point on it.
-fn climb(response: &Response, (mut low, mut high): (f64, f64), mut top: Peak) -> Result<Peak, Error> {
+fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak, Error> {
+    let end =
+        |rate_rad_s| if rate_rad_s == top.rate_rad_s { top } else { Peak { value: f64::NAN, rate_rad_s } };
+    let mut hill = Hill { low: end(low), top, high: end(high) };
+    let mut is_guided = false;
     for _ in 0..CLIMB_ROUNDS {
-        let rates: Vec<f64> = (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
-        for (value, &rate_rad_s) in gains(response, &rates)?.into_iter().zip(&rates) {
-            top = if value > top.value { Peak { value, rate_rad_s } } else { top };
+        let width = hill.width();
+        let rates = if is_guided { hill.around_vertex() } else { None }.unwrap_or_else(|| hill.uniform());
+        let values = gains(response, &rates)?.into_iter().zip(rates);
+        let mut points: Vec<Peak> = values.map(|(value, rate_rad_s)| Peak { value, rate_rad_s }).collect();
+        // The highest comes first: the others are then its neighbours.
+        points.sort_by(|a, b| b.value.total_cmp(&a.value));
+        points.into_iter().for_each(|point| hill.insert(point));
+        if hill.is_flat() {
+            break;
         }
-        let below = rates.iter().copied().filter(|&rate| rate < top.rate_rad_s);
-        let above = rates.iter().copied().filter(|&rate| rate > top.rate_rad_s);
-        (low, high) = (below.fold(low, f64::max), above.fold(high, f64::min));
+        // A round about a vertex that does not enclose the peak closely is followed by an even one.
+        is_guided = hill.width() <= 0.25 * width;
     }
-    Ok(top)
+    Ok(hill.top)
+}
+
+/// A point between two others that are not higher; the value of an end may be unknown (NaN).
+struct Hill {
+    low: Peak,
+    top: Peak,
+    high: Peak,
+}
+
+impl Hill {
+    fn width(&self) -> f64 {
+        self.high.rate_rad_s - self.low.rate_rad_s
+    }
+
+    /// Seven frequencies at even distances.
+    fn uniform(&self) -> Vec<f64> {
+        (1..8).map(|k| self.low.rate_rad_s + self.width() * f64::from(k) / 8.0).collect()
+    }
+
+    /// Seven frequencies that crowd about the vertex of the parabola through the three points; `None` if it has none between the ends.
+    ///
+    /// The parabola is that of the inverse square of the gain, which has this form at a resonance.
+    fn around_vertex(&self) -> Option<Vec<f64>> {
+        let of = |peak: Peak| (peak.value * peak.value).recip();
+        let (a, b, c) = (self.low.rate_rad_s, self.top.rate_rad_s, self.high.rate_rad_s);
+        let (left, right) =
+            ((b - a) * (of(self.high) - of(self.top)), (c - b) * (of(self.low) - of(self.top)));
+        let vertex = b - 0.5 * ((b - a) * left - (c - b) * right) / (left + right);
+        let room = (vertex - a).min(c - vertex);
+        let offsets = [-0.25, -2f64.powi(-6), -2f64.powi(-12), 0.0, 2f64.powi(-12), 2f64.powi(-6), 0.25];
+        (room > 0.0).then(|| offsets.map(|share| vertex + share * room).to_vec())
+    }
+
+    /// Narrows the hill by a point.
+    fn insert(&mut self, point: Peak) {
+        let rate = point.rate_rad_s;
+        if rate <= self.low.rate_rad_s || rate >= self.high.rate_rad_s || rate == self.top.rate_rad_s {
+            return;
+        }
+        let is_right = rate > self.top.rate_rad_s;
+        match (point.value > self.top.value, is_right) {
+            (true, true) => (self.low, self.top) = (self.top, point),
+            (true, false) => (self.high, self.top) = (self.top, point),
+            (false, true) => self.high = point,
+            (false, false) => self.low = point,
+        }
+    }
+
+    /// Whether the values differ by rounding only.
+    fn is_flat(&self) -> bool {
+        self.low.value.min(self.high.value) >= self.top.value * (1.0 - 4.0 * f64::EPSILON)
+            && !self.low.value.is_nan()
+            && !self.high.value.is_nan()
+    }
 }
 
 /// [F, B inv(R) B'; -C' inv(S) C, -F'] with R = 1 - D'D, S = 1 - DD', F = A + B inv(R) D' C, for the system divided by

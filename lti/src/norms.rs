@@ -1,12 +1,12 @@
 //! H2, L-infinity and H-infinity norms.
 
-use crate::bounds::{is_nowhere, with_care};
+use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::During;
 use crate::gramians::ctrb_factor;
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::response::Response;
-use crate::roots::{is_stable, poles, poles_on_boundary};
+use crate::roots::{examined, is_stable, poles};
 use crate::scaling::balance;
 use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
@@ -72,14 +72,16 @@ pub fn linfnorm(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "between 0 and 1" });
     }
-    if let Some(rate_rad_s) = pole_on_the_border(g)? {
+    let poles = poles(g)?;
+    if let Some(rate_rad_s) = pole_on_the_border(g, &poles)? {
         return Ok(Peak { value: f64::INFINITY, rate_rad_s });
     }
     let scaled = balance(g).0;
     let Timebase::Discrete { period_s } = g.timebase else {
-        return with_care(&scaled, continuous(&scaled, tolerance)?, tolerance);
+        return with_care(&scaled, continuous(&scaled, &poles, tolerance)?, tolerance);
     };
-    let peak = continuous(&balance(&d2c_tustin(g, None)?).0, tolerance)?;
+    let mapped: Vec<C64> = poles.iter().map(|z| 2.0 / period_s * (z - 1.0) / (z + 1.0)).collect();
+    let peak = continuous(&balance(&d2c_tustin(g, None)?).0, &mapped, tolerance)?;
     let rate_rad_s = 2.0 / period_s * (0.5 * period_s * peak.rate_rad_s).atan();
     with_care(&scaled, Peak { rate_rad_s, ..peak }, tolerance)
 }
@@ -94,8 +96,8 @@ pub struct NormBounds {
 }
 
 /// The L-infinity norm with a bound from above: the smallest level among `lower (1 + tolerance 10^k)` at which the Hamiltonian
-/// matrix has no eigenvalue on the imaginary axis, rounding of its entries included to first order; of a small system also if its
-/// eigenvalues are off the axis in 32 digits. The upper bound is infinite if there is no such level up to ten times the lower bound.
+/// matrix has no eigenvalue on the imaginary axis, rounding of its entries included to first order; or at which the Riccati equation of the
+/// bounded real lemma has a stabilising solution; of a small system also if the eigenvalues are off the axis in 32 digits. The upper bound is infinite if there is no such level up to ten times the lower bound.
 ///
 /// # Errors
 /// As [`linfnorm`].
@@ -112,8 +114,10 @@ pub fn linfnorm_bounds(g: &StateSpace, tolerance: f64) -> Result<NormBounds, Err
     let mut excess = tolerance;
     while excess <= LARGEST_EXCESS {
         let upper = (1.0 + excess) * lower.value.max(f64::MIN_POSITIVE);
-        if Level::of(&scaled, upper).is_ok_and(|level| level.is_clear() || is_nowhere(&scaled, upper, &level))
-        {
+        let is_above = |level: &Level| {
+            level.is_clear() || is_kept_by_riccati(&scaled, upper) || is_nowhere(&scaled, upper, level)
+        };
+        if Level::of(&scaled, upper).is_ok_and(|level| is_above(&level)) {
             return Ok(NormBounds { lower, upper });
         }
         excess *= 10.0;
@@ -122,8 +126,7 @@ pub fn linfnorm_bounds(g: &StateSpace, tolerance: f64) -> Result<NormBounds, Err
 }
 
 /// The frequency of a pole on the boundary of stability, if there is one.
-fn pole_on_the_border(g: &StateSpace) -> Result<Option<f64>, Error> {
-    let poles = poles(g)?;
+fn pole_on_the_border(g: &StateSpace, poles: &[C64]) -> Result<Option<f64>, Error> {
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let on_border = |p: &&C64| match g.timebase {
         Timebase::Continuous => p.re.abs() <= NORM_POLE_ON_AXIS * largest,
@@ -131,7 +134,7 @@ fn pole_on_the_border(g: &StateSpace) -> Result<Option<f64>, Error> {
     };
     let pole = match poles.iter().find(on_border) {
         Some(pole) => Some(*pole),
-        None => poles_on_boundary(g)?.pop(),
+        None => examined(g, poles)?.pop(),
     };
     Ok(pole.map(|p| match g.timebase {
         Timebase::Continuous => p.im.abs(),
@@ -139,12 +142,14 @@ fn pole_on_the_border(g: &StateSpace) -> Result<Option<f64>, Error> {
     }))
 }
 
-fn continuous(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
+/// The peak of a balanced continuous system with the given poles.
+fn continuous(g: &StateSpace, poles: &[C64], tolerance: f64) -> Result<Peak, Error> {
     let response = Response::of(g)?;
     let direct = largest_singular_value(&g.D)?;
     let mut best = Peak { value: direct, rate_rad_s: f64::INFINITY };
-    let mut rates: Vec<f64> = poles(g)?.iter().flat_map(|p| [p.im.abs(), p.norm()]).collect();
+    let mut rates: Vec<f64> = poles.iter().flat_map(|p| [p.im.abs(), p.norm()]).collect();
     rates.push(0.0);
+    rates.retain(|rate| rate.is_finite());
     rates.sort_by(f64::total_cmp);
     rates.dedup_by(|b, a| *b - *a <= FIRST_SAME_RATE * *b);
     raise(&mut best, &response, &rates)?;
@@ -178,10 +183,7 @@ fn raise(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Erro
 
 /// The largest singular value of the response at each frequency.
 pub(crate) fn gains(response: &Response, rates: &[f64]) -> Result<Vec<f64>, Error> {
-    let largest = |H: &crate::CMat| {
-        let values = linalg::csingular_values(H).during("L-infinity norm")?;
-        Ok(values.first().copied().unwrap_or(0.0))
-    };
+    let largest = |H: &crate::CMat| linalg::largest_singular_value(H).during("L-infinity norm");
     response.at_all(rates)?.iter().map(largest).collect()
 }
 

@@ -45,7 +45,7 @@ pub fn poles_on_boundary(g: &StateSpace) -> Result<Vec<C64>, Error> {
 }
 
 /// The poles on the boundary of a system whose poles are known; a pole that is exactly there needs no examination.
-fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
+pub(crate) fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
     let boundary = boundary(g.timebase);
     let size = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let distance = |pole: &C64| boundary.excess(*pole).abs();

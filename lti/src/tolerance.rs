@@ -54,7 +54,8 @@ pub const SUMMITS: usize = 4;
 /// A summit of the sampled response below this share of the peak is not climbed.
 pub const LOW_SUMMIT: f64 = 0.1;
 
-/// Rounds of a climb: each shrinks the interval at least fourfold, so that the peak is flat to rounding at the end.
+/// Rounds of a climb at most: an even one shrinks the interval at least fourfold, so that the peak is flat to rounding at the end; rounds
+/// about the vertex of a parabola take three or four.
 pub const CLIMB_ROUNDS: usize = 15;
 
 // ---- margins ----
@@ -209,6 +210,10 @@ pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;
 /// Scales of states that differ by more than this cost Tustin's method digits: a third of those that a double has. Below, the operations stay
 /// those on the system as it is given.
 pub const SPREAD_UNITS: f64 = 1e6;
+
+/// A solution of the Riccati equation of a level proves the level if its error, as estimated, is below this share of it: six digits of a
+/// solution that does not exist are not settled by Newton's method.
+pub const KNOWN_SOLUTION: f64 = 1e-6;
 
 /// An eigenvalue in 32 digits is off the axis if its real part exceeds this share of its size: a hundred roundings of a double.
 pub const CLEAR_OF_AXIS: f64 = 2e-14;

@@ -6,5 +6,7 @@ mod descriptor;
 mod hard;
 mod high_order;
 mod margins;
+#[path = "../../linalg/tests/support/odd.rs"]
+mod odd;
 mod odd_calls;
 mod properties;

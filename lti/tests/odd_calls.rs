@@ -1,34 +1,10 @@
 //! Odd systems never make a routine panic: without states, inputs or outputs, of any scale, with singular or improper parts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use crate::odd::{Call, assert_none_panics, odd, odd_number, panicking, uniform};
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::*;
-
-/// A small generator (SplitMix64): uniform in [0, 1).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-fn odd(state: &mut u64, rows: usize, cols: usize) -> Mat {
-    let kind = (uniform(state) * 8.0) as usize;
-    Mat::from_fn(rows, cols, |_, _| {
-        let plain = 2.0 * uniform(state) - 1.0;
-        match kind {
-            0 => 0.0,
-            1 => plain * 1e300,
-            2 => plain * 1e-300,
-            3 => (4.0 * plain).round(),
-            4 => plain * 10f64.powf(12.0 * uniform(state) - 6.0),
-            _ => plain,
-        }
-    })
-}
 
 fn system(state: &mut u64) -> StateSpace {
     let mut size = |most: f64| (uniform(state) * most) as usize;
@@ -43,15 +19,6 @@ fn system(state: &mut u64) -> StateSpace {
     }
     system
 }
-
-/// A number that an argument may not expect.
-fn odd_number(state: &mut u64) -> f64 {
-    let list = [0.0, -1.0, 0.03, 1.0, 1e-300, 1e300, f64::INFINITY, f64::NAN, 0.25, 1e9];
-    list[(uniform(state) * list.len() as f64) as usize]
-}
-
-/// A routine by name, and a call of it.
-type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
 
 /// Delays, margins of several loops, placement, sampled costs and named blocks, with odd arguments.
 fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64) -> Vec<Call<'a>> {
@@ -155,18 +122,10 @@ fn call_all(seed: u64) -> Vec<&'static str> {
     if seed.is_multiple_of(3) {
         calls.extend(further(&g, &h, &E, x, y));
     }
-    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
-    calls.iter().filter(|(_, call)| panics(call)).map(|(name, _)| *name).collect()
+    panicking(&calls)
 }
 
 #[test]
 fn no_odd_system_panics() {
-    std::panic::set_hook(Box::new(|_| ()));
-    let all = (0..900).flat_map(|seed| call_all(seed).into_iter().map(move |name| (name, seed)));
-    let mut found: Vec<(&str, u64)> = all.collect();
-    found.sort_unstable();
-    let count = found.len();
-    found.dedup_by_key(|(name, _)| *name);
-    let _ = std::panic::take_hook();
-    assert!(found.is_empty(), "{count} panics, the first of each: {found:?}");
+    assert_none_panics(900, &call_all);
 }

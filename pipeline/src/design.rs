@@ -18,8 +18,8 @@ use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
-    Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, decided, model,
-    procedure, reduce, studies, synthesise, verify_on, watched,
+    Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, choose_and_tune, model,
+    observed, procedure, reduce, studies, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -130,17 +130,17 @@ impl ProjectIdentity {
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
 /// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
 pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
-    let modelled = watched(world, Step::Model, || model(project))?;
-    let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
-    let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+    let modelled = observed(world, Step::Model, || model(project))?;
+    let reduced = observed(world, Step::Reduce, || reduce(project, &modelled))?;
+    let synthesised = observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
     let procedure = procedure(project, world)?;
     let verified =
-        watched(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
-    let stability = watched(world, Step::Verify, || {
+        observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
+    let stability = observed(world, Step::Verify, || {
         studies::certificate::certificate(project, &modelled, &synthesised, &procedure)
     })?;
     let Exported { files, left_out } =
-        watched(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
+        observed(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
     Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
 }
 
@@ -149,7 +149,7 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let Decided { project, first } = decided(project, world)?;
+    let Decided { project, first } = choose_and_tune(project, world)?;
     let project = &project;
     let stages = run_stages(project, world)?;
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
@@ -178,7 +178,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
 /// # Errors
 /// Those of the plant, the reduction, the design and the comparison.
 pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<SynthesisStudy, PipelineError> {
-    let project = &decided(project, world)?.project;
+    let project = &choose_and_tune(project, world)?.project;
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
     let synthesised = synthesise(project, &modelled, &reduced)?;

@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
 use counterpoise_verify::linear::loop_shape::nichols;
-use counterpoise_verify::linear::root_locus::continuous_equivalent;
-use counterpoise_verify::linear::{Disk, LoopShape, RootLocus, largest_sensitivity, loop_shape};
+use counterpoise_verify::linear::{
+    Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
+    margins_on_path,
+};
 use counterpoise_verify::{Requirement, Verification};
 
 use crate::PipelineError;
@@ -33,15 +35,6 @@ pub struct MarginPoint {
     pub frequency_hz: f64,
     /// The point.
     pub place: PlaneCurve,
-}
-
-/// The kind of a margin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MarginKind {
-    /// Of the gain, dB.
-    Gain,
-    /// Of the phase, degrees.
-    Phase,
 }
 
 /// A root locus at the equivalents of poles and zeros in continuous time, ln(z)/T over 2 pi: real and imaginary part, Hz.
@@ -78,16 +71,13 @@ pub struct LoopView {
     pub locus: LocusView,
 }
 
-/// The root locus is shown up to this many crossover frequencies from the origin.
-const LOCUS_CROSSOVERS: f64 = 5.0;
-
 /// Returns the charts of the loop that was verified.
 ///
 /// # Errors
 /// A frequency response that does not exist, or eigenvalues that were not found.
 pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
     let evidence = &found.evidence;
-    let LoopShape { path, locus } = loop_shape(&evidence.broken, evidence.sample_period_s)?;
+    let LoopShape { path, locus } = loop_shape(&evidence.broken, &evidence.curves, evidence.sample_period_s)?;
     let requirements: Vec<Requirement> = found.verdicts.iter().map(|(asked, _)| asked.clone()).collect();
     let largest = largest_sensitivity(&requirements);
     let disk = Disk::of_disk_margin(evidence.margins.disk.alpha);
@@ -110,66 +100,27 @@ fn plane_curve(points: &[C64]) -> PlaneCurve {
 }
 
 fn margin_points(found: &Verification) -> Vec<MarginPoint> {
-    let margins = &found.evidence.margins;
-    let gains = [margins.gain_increase(), margins.gain_decrease()].into_iter().flatten();
-    let gains =
-        gains.filter(|gain| gain.rate_rad_s > 0.0 && gain.rate_rad_s.is_finite()).map(|gain| MarginPoint {
-            kind: MarginKind::Gain,
-            size: gain.db,
-            frequency_hz: gain.rate_rad_s / TAU,
-            place: plane_curve(&[C64::new(-1.0 / gain.factor, 0.0)]),
-        });
-    let phase = margins.phase_margin().map(|phase| MarginPoint {
-        kind: MarginKind::Phase,
-        size: phase.deg,
-        frequency_hz: phase.rate_rad_s / TAU,
-        place: plane_curve(&[C64::from_polar(1.0, (phase.deg - 180.0).to_radians())]),
+    let points = margins_on_path(&found.evidence.margins).into_iter().map(|margin| MarginPoint {
+        kind: margin.kind,
+        size: margin.size,
+        frequency_hz: margin.rate_rad_s / TAU,
+        place: plane_curve(&[margin.response]),
     });
-    gains.chain(phase).collect()
+    points.collect()
 }
 
 fn locus_view(found: &Verification, locus: &RootLocus) -> LocusView {
-    let equivalent = |z: &C64| continuous_equivalent(*z, locus.sample_period_s);
-    let place = |z: &C64| equivalent(z).map_or([f64::NAN; 2], |s| [s.re / TAU, s.im / TAU]);
-    let places = |all: &[C64]| all.iter().map(place).filter(|at| at[0].is_finite()).collect::<Points>();
+    let locus = locus.in_continuous_time();
+    let places = |all: &[C64]| all.iter().map(|s| [s.re / TAU, s.im / TAU]).collect::<Points>();
     let closed_poles = places(&locus.closed_poles);
     let crossover_hz = found.evidence.margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
     let farthest = closed_poles.iter().map(|at| at[0].hypot(at[1])).fold(0.0, f64::max);
     let reach_hz = if crossover_hz > 0.0 { LOCUS_CROSSOVERS * crossover_hz } else { farthest.max(1.0) };
     LocusView {
-        branches: locus.branches.iter().map(|branch| unbroken(branch.iter().map(place))).collect(),
+        branches: locus.branches.iter().map(|branch| places(branch)).collect(),
         open_poles: places(&locus.open_poles),
         open_zeros: places(&locus.open_zeros),
         closed_poles,
         reach_hz,
-    }
-}
-
-/// The points with a break where a branch reaches the negative real axis of the z-plane and its equivalent jumps to the other side.
-fn unbroken(points: impl Iterator<Item = [f64; 2]>) -> Points {
-    let mut all = Points::new();
-    for at in points {
-        let size = |at: [f64; 2]| at[0].hypot(at[1]);
-        let jumps = all.last().is_some_and(|last| {
-            last[1] * at[1] < 0.0 && (last[1] - at[1]).abs() > 0.5 * size(*last).max(size(at))
-        });
-        if jumps {
-            all.push([f64::NAN; 2]);
-        }
-        all.push(at);
-    }
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn branches_break_where_they_pass_to_the_other_side() {
-        let points = unbroken([[-1.0, 3.0], [-1.0, 3.1], [-1.0, -3.1], [-1.0, -3.0]].into_iter());
-        assert_eq!(points.len(), 5);
-        assert!(points[2][0].is_nan());
-        assert_eq!(unbroken([[-4.0, 0.1], [-4.0, -0.1]].into_iter()).len(), 2);
     }
 }

@@ -11,6 +11,7 @@ use counterpoise_models::structure::{
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
 use crate::PipelineError;
+use crate::recordings::configuration::in_configuration;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::import::ImportedStructure;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -108,8 +109,7 @@ fn lumped_parameters(
         return Ok((Parameters { lumped: Some(derived), ..project.plant.clone() }, Some(fe)));
     }
     let whole = with_derived_lumped(&project.plant, &choice.elements)?;
-    let fitted = configured(project)?.map(|c| whole.configured(c)).transpose()?;
-    Ok((fitted.unwrap_or(whole), None))
+    Ok((in_configuration(project, &whole)?, None))
 }
 
 /// The finite elements of the project's beam or of its imported matrices, with what the configuration fits to them, and the
@@ -130,7 +130,7 @@ pub fn finite_elements_watched<'a>(
     of: StructureChoice,
     pool: &dyn Pool,
 ) -> Result<(FeModel, &'a [f64]), PipelineError> {
-    let configuration = configured(project)?;
+    let configuration = named_configuration(project)?;
     if let (StructureChoice::Import, Some(import)) = (of, &project.import) {
         let content = import.content.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
         let mut watch = |at: Progress| {
@@ -183,7 +183,11 @@ fn fitted(
     Ok(out)
 }
 
-pub(crate) fn configured(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
+/// Returns the configuration that the project's model names.
+///
+/// # Errors
+/// A name that no configuration has.
+pub(crate) fn named_configuration(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
     project.model.configuration.as_deref().map(|name| configuration(project, name)).transpose()
 }
 

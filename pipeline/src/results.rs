@@ -191,6 +191,12 @@ pub struct VerifyResult {
 }
 
 impl VerifyResult {
+    /// Leaves out the time histories, and those of the certificate's motions.
+    pub fn leave_histories_out(&mut self) {
+        self.histories.clear();
+        self.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
+    }
+
     /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
     pub fn with_adaptation(self, adaptation_trials: Option<Trials>) -> Self {
         let refused = adaptation_trials.as_ref().is_some_and(|tried| !tried.refused.is_empty());

@@ -106,7 +106,7 @@ pub struct Decided {
 ///
 /// # Errors
 /// As [`with_chosen_weights`] and [`with_tuned_structure`].
-pub fn decided(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
+pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
     let chosen = with_chosen_weights(project)?;
     let (project, first) = match chosen {
         Some(chosen) => (chosen.project, Some(chosen.first)),

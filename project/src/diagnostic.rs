@@ -91,7 +91,7 @@ pub(crate) fn sort(findings: &mut [Diagnostic]) {
 pub const MOST_SHOWN: usize = 10;
 
 /// Returns the first findings, each as `shown` words it, with a line that says how many more there are.
-pub fn listed(findings: &[Diagnostic], shown: impl Fn(&Diagnostic) -> String) -> Vec<String> {
+pub fn first_findings(findings: &[Diagnostic], shown: impl Fn(&Diagnostic) -> String) -> Vec<String> {
     let mut lines: Vec<String> = findings.iter().take(MOST_SHOWN).map(shown).collect();
     if let Some(more) = findings.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
         lines.push(format!("and {more} more"));

@@ -137,3 +137,14 @@ fn tolerances_of_every_kind_of_machine_are_varied() {
     let varied: Vec<_> = parsed.project.campaign().unwrap().variations.iter().map(|v| v.parameter).collect();
     assert_eq!(varied, [Varied::HubInertia, Varied::GearStiffness]);
 }
+
+#[test]
+fn a_beam_without_damping_has_the_usual_ratio_which_is_listed_and_can_be_varied() {
+    let without = Document::parse(GOOD, "rig.toml").remove("plant.beam.modal_damping").unwrap();
+    let parsed = Project::resolve(&without, &Attachments::none()).unwrap();
+    assert_eq!(parsed.project.plant.beam.as_ref().unwrap().modal_damping, [0.01]);
+    let assumed = parsed.assumptions.iter().find(|a| a.key == "plant.beam.modal_damping").unwrap();
+    assert_eq!((assumed.value, assumed.usual), (0.01, Some([0.005, 0.03])));
+    let varied = parsed.project.with_number(&assumed.key, 0.02).unwrap();
+    assert_eq!(varied.plant.beam.unwrap().modal_damping, [0.02]);
+}

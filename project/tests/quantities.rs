@@ -81,6 +81,32 @@ const CONVERSIONS: &[(&str, &str, f64)] = &[
     ("14 bit", "bits", 14.0),
     ("12 bit", "counts/rev", 4096.0),
     ("4096 cpr", "counts/rev", 4096.0),
+    ("16 bit", "counts", 65536.0),
+    ("20-bit", "counts", 1_048_576.0),
+    ("17 bit/rev", "counts", 131_072.0),
+    ("4096 CPR", "counts", 4096.0),
+    ("4096 counts/turn", "counts", 4096.0),
+    ("2000 steps", "counts", 2000.0),
+    ("40 mm", "m/rev", 0.04),
+    ("40 mm/rev", "m/rev", 0.04),
+    ("0.5 in/turn", "m/rev", 0.0127),
+    ("3000 RPM", "rad/s", 100.0 * PI),
+    ("3000 r/min", "rad/s", 100.0 * PI),
+    ("200 dps", "rad/s", 200.0 * PI / 180.0),
+    ("5 V/1000 rpm", "V s/rad", 5.0 * 30.0 / (PI * 1000.0)),
+    ("5 V/1000rpm", "V s/rad", 5.0 * 30.0 / (PI * 1000.0)),
+    ("0.05 Vs/rad", "V s/rad", 0.05),
+    ("135 gcm²", "kg m^2", 1.35e-5),
+    ("0.02 kgm^2", "kg m^2", 0.02),
+    ("0.02 kg.m2", "kg m^2", 0.02),
+    ("12 ozin2", "kg m^2", 12.0 * 0.028_349_523_125 * 0.0254 * 0.0254),
+    ("2 Nms/rad", "N m s/rad", 2.0),
+    ("0.4 Ohm", "ohm", 0.4),
+    ("0.4 \u{2126}", "ohm", 0.4),
+    ("100 usec", "s", 100e-6),
+    ("20 arcseconds", "rad", 20.0 * PI / 648_000.0),
+    ("150 lbs", "kg", 150.0 * 0.453_592_37),
+    ("7.85 g/cc", "kg/m^3", 7850.0),
     ("12 dB", "dB", 12.0),
     ("4e-8 (rad/s)^2/Hz", "(rad/s)^2 s", 4e-8),
     ("1 (deg/s)^2/Hz", "(rad/s)^2 s", (PI / 180.0) * (PI / 180.0)),
@@ -223,4 +249,17 @@ proptest! {
             prop_assert!(close(again, value), "{} {}", again, value);
         }
     }
+}
+
+#[test]
+fn what_data_sheets_write_in_two_ways_is_asked_for() {
+    let hint = |text: &str, unit: &str| read(text, unit).unwrap_err().hint().unwrap_or_default();
+    for text in ["3000 1/min", "3000 min^-1"] {
+        assert!(hint(text, "rad/s").contains("rpm"), "{text}");
+    }
+    assert!(hint("5 mV/min^-1", "V s/rad").contains("rpm"));
+    assert!(hint("1024 lines", "counts").contains("4 N counts"));
+    assert!(hint("1024 ppr", "counts").contains("4 N counts"));
+    assert!(hint("380 rpm/V", "V s/rad").contains("inverse"));
+    assert!(read("5 mm/rev", "m").is_err(), "a length is no travel a turn");
 }

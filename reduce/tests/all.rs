@@ -4,6 +4,8 @@
 
 mod large;
 mod meaning;
+#[path = "../../linalg/tests/support/odd.rs"]
+mod odd;
 mod odd_calls;
 mod properties;
 mod rigid;

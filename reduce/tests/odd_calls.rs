@@ -3,39 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::odd::{Call, assert_none_panics, odd, panicking, size, uniform};
 
 use counterpoise_linalg::{C64, Mat, sparse::Sparse};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_reduce::*;
-
-/// A small generator (SplitMix64): uniform in [0, 1).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-fn odd(state: &mut u64, rows: usize, cols: usize) -> Mat {
-    let kind = (uniform(state) * 9.0) as usize;
-    Mat::from_fn(rows, cols, |_, _| {
-        let plain = 2.0 * uniform(state) - 1.0;
-        match kind {
-            0 => 0.0,
-            1 => plain * 1e300,
-            2 => plain * 1e-300,
-            3 => (4.0 * plain).round(),
-            4 => plain * 10f64.powf(12.0 * uniform(state) - 6.0),
-            _ => plain,
-        }
-    })
-}
-
-fn size(state: &mut u64, most: f64) -> usize {
-    (uniform(state) * most) as usize
-}
 
 fn timebase(state: &mut u64) -> Timebase {
     if size(state, 2.0) == 0 { Timebase::Continuous } else { Timebase::Discrete { period_s: 0.1 } }
@@ -87,9 +60,6 @@ fn method(state: &mut u64) -> Method {
     [Method::SquareRoot, Method::BalancingFree, Method::MatchDc][size(state, 3.0)]
 }
 
-/// A routine by name, and a call of it.
-type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
-
 /// Calls every routine; the names of those that panic.
 fn call_all(seed: u64) -> Vec<&'static str> {
     let mut state = seed;
@@ -119,18 +89,10 @@ fn call_all(seed: u64) -> Vec<&'static str> {
         ("balred_large", Box::new(|| drop(balred_large(&big, order, &mut go_on())))),
         ("error_at", Box::new(|| drop(error_at(&big, &g, tolerance)))),
     ];
-    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
-    calls.iter().filter(|(_, call)| panics(call)).map(|(name, _)| *name).collect()
+    panicking(&calls)
 }
 
 #[test]
 fn no_odd_reduction_panics() {
-    std::panic::set_hook(Box::new(|_| ()));
-    let all = (0..600).flat_map(|seed| call_all(seed).into_iter().map(move |name| (name, seed)));
-    let mut found: Vec<(&str, u64)> = all.collect();
-    found.sort_unstable();
-    let count = found.len();
-    found.dedup_by_key(|(name, _)| *name);
-    let _ = std::panic::take_hook();
-    assert!(found.is_empty(), "{count} panics, the first of each: {found:?}");
+    assert_none_panics(600, &call_all);
 }

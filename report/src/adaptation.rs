@@ -12,7 +12,7 @@ use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 pub const NEAR: f64 = 1.10;
 
 /// Whether the hub rate came back, where the adaptation was to bring it back.
-pub fn returned(interval: &Interval) -> bool {
+pub fn has_returned(interval: &Interval) -> bool {
     !interval.adapted || interval.over_default <= NEAR
 }
 
@@ -107,7 +107,7 @@ fn load(load: Load) -> &'static str {
 pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
     let judged: Vec<&Interval> =
         runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
-    let good = judged.iter().filter(|interval| returned(interval)).count();
+    let good = judged.iter().filter(|interval| has_returned(interval)).count();
     let tone = if good == judged.len() { Tone::Good } else { Tone::Bad };
     let text = format!("{good} of {} adapted intervals come back to within 10 % of run (a)", judged.len());
     let detail =
@@ -148,7 +148,7 @@ fn table(runs: &[AdaptRun]) -> Table {
     ];
     let mut table = Table::new("Intervals between changes", &columns);
     for (run, i) in runs.iter().flat_map(|run| run.intervals.iter().map(move |i| (run, i))) {
-        let verdict = match (i.adapted, returned(i)) {
+        let verdict = match (i.adapted, has_returned(i)) {
             (false, _) => Cell::text(""),
             (true, true) => Cell::Verdict(Tone::Good, "holds".to_owned()),
             (true, false) => Cell::Verdict(Tone::Bad, "fails".to_owned()),

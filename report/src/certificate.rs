@@ -8,6 +8,7 @@ use counterpoise_verify::certificate::{
 };
 use counterpoise_verify::structured::Joints;
 
+use crate::summary::capitalised;
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the verdict of a case in a sentence without its full stop.
@@ -159,7 +160,7 @@ pub fn robustness(found: &[RegimeRobustness]) -> Vec<String> {
 pub fn section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
     let mut section = Section::new("Stability of the exported controller");
     for line in lines(found) {
-        section = section.saying(format!("{}.", capital(&line)));
+        section = section.saying(format!("{}.", capitalised(&line)));
     }
     section = section.saying(
         "Every block of the exported controller is part of these loops: its friction observers, its estimator and the inverse of the \
@@ -178,11 +179,6 @@ pub fn section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
         Some(worst) if !worst.prediction.growth.is_empty() => section.showing([growth(worst)]),
         _ => section,
     }
-}
-
-fn capital(line: &str) -> String {
-    let first = line.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}", line.chars().skip(1).collect::<String>())
 }
 
 fn regimes(found: &Certificate) -> Table {

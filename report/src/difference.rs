@@ -19,7 +19,7 @@ pub fn section(before: &str, changes: &[Change]) -> Section {
         Column::Text("requirement"),
     ];
     let mut table = Table::new("", &columns);
-    let mut moved: Vec<&Change> = changes.iter().filter(|change| moved(change)).collect();
+    let mut moved: Vec<&Change> = changes.iter().filter(|change| has_changed(change)).collect();
     moved.sort_by_key(|change| (!change.turned(), change.holds.is_none()));
     table.rows = moved.iter().map(|change| row(change)).collect();
     let same = changes.len() - moved.len();
@@ -31,7 +31,7 @@ pub fn section(before: &str, changes: &[Change]) -> Section {
 /// The difference in one line: verdicts that turned, and how many figures changed.
 pub fn headline(before: &str, changes: &[Change]) -> String {
     let way = |found| changes.iter().filter(|change| change.turned() && change.holds == Some(found)).count();
-    let figures = changes.iter().filter(|change| moved(change)).count();
+    let figures = changes.iter().filter(|change| has_changed(change)).count();
     let turned = match (way(true), way(false)) {
         (0, 0) => "no verdict turned".to_owned(),
         (better, 0) => format!("now holds what did not: {better}"),
@@ -61,7 +61,7 @@ pub fn consequence(found: &Consequence) -> Section {
 }
 
 /// Whether a figure changed at all.
-pub fn moved(change: &Change) -> bool {
+pub fn has_changed(change: &Change) -> bool {
     change.turned() || change.relative().is_none_or(|part| part.abs() > SAME) && change.before != change.after
 }
 

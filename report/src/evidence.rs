@@ -4,7 +4,7 @@ use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
 use crate::bode::{BodeCurve, Phase, bode};
-use crate::summary::capital;
+use crate::summary::capitalised;
 use crate::triangle;
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short;
@@ -258,7 +258,7 @@ fn controller_section(found: &Verification) -> Section {
     let figures = present.map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         bode(
-            &capital(&curve.name),
+            &capitalised(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
             Phase::Shown,

@@ -1,10 +1,11 @@
 //! The loop as Nichols chart, Nyquist chart and root locus, and the responses of the closed loop beside its sensitivities.
 
 use counterpoise_controller::READING_NAMES;
-use counterpoise_pipeline::loop_view::{LocusView, LoopView, MarginKind, MarginPoint, Points};
+use counterpoise_pipeline::loop_view::{LocusView, LoopView, MarginPoint, Points};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::Verification;
+use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::Section;

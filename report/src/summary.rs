@@ -39,7 +39,7 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
     let unit = requirement.figure.unit();
     Some(format!(
         "{}: {} {unit} where {} {unit} is asked ({}).",
-        capital(&requirement.figure.name()),
+        capitalised(&requirement.figure.name()),
         short(*value),
         words_of(*limit),
         found.acceptance(&requirement.figure).basis
@@ -47,7 +47,7 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
 }
 
 /// The text with its first letter made large.
-pub fn capital(text: &str) -> String {
+pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

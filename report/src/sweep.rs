@@ -72,7 +72,7 @@ fn outside_samples(found: &CampaignResult) -> String {
 }
 
 /// The options of `counterpoise sweep` that run a worst case again.
-pub fn again(found: &CampaignResult, worst: &Worst) -> String {
+pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
     let both = found.variations.iter().zip(&worst.factors);
     let words: Vec<String> =
         both.map(|(variation, factor)| format!("{}={factor:.6}", variation.parameter.key())).collect();
@@ -110,7 +110,7 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
             Cell::text(words.join(", ")),
         ]);
     }
-    let first = found.worst.iter().flatten().next().map(|worst| again(found, worst));
+    let first = found.worst.iter().flatten().next().map(|worst| rerun_options(found, worst));
     let section = Section::new("Worst cases")
         .saying(
             "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \

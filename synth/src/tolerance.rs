@@ -47,6 +47,8 @@ pub const LIGHTLY_DAMPED: f64 = 0.3;
 pub const MODE_SHIFT: f64 = 0.15;
 /// Largest sensitivity that the loop may have with its modes shifted: half the distance to instability is left.
 pub const NEIGHBOUR_MS: f64 = 2.0;
+/// How far above a limit the sensitivity at a few frequencies must be to count as above it, relative to it: beyond every rounding.
+pub const SEEN_ABOVE: f64 = 1e-6;
 /// Share of the control's limit that the noise of the readings may take, as RMS: three deviations are 15 % of the range.
 pub const NOISE_SHARE: f64 = 0.05;
 /// A search must improve by this share to go on: below it, it would walk a factor that hardly matters to its end.

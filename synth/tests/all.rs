@@ -15,6 +15,8 @@ mod first_design;
 mod generalised;
 mod joint;
 mod limits;
+#[path = "../../linalg/tests/support/odd.rs"]
+mod odd;
 mod odd_calls;
 mod preflight;
 mod ramp;

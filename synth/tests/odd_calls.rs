@@ -3,46 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use crate::common;
-
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use crate::odd::{Call, assert_none_panics, odd, odd_number, panicking, size, uniform};
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::*;
-
-/// A small generator (SplitMix64): uniform in [0, 1).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-fn size(state: &mut u64, most: f64) -> usize {
-    (uniform(state) * most) as usize
-}
-
-fn odd(state: &mut u64, rows: usize, cols: usize) -> Mat {
-    let kind = size(state, 9.0);
-    Mat::from_fn(rows, cols, |_, _| {
-        let plain = 2.0 * uniform(state) - 1.0;
-        match kind {
-            0 => 0.0,
-            1 => plain * 1e300,
-            2 => plain * 1e-300,
-            3 => (4.0 * plain).round(),
-            4 => plain * 10f64.powf(12.0 * uniform(state) - 6.0),
-            _ => plain,
-        }
-    })
-}
-
-/// A number that an argument may not expect.
-fn odd_number(state: &mut u64) -> f64 {
-    let list = [0.0, -1.0, 0.03, 1.0, 1e-300, 1e300, f64::INFINITY, f64::NAN, 0.25, 1e9];
-    list[size(state, list.len() as f64)]
-}
 
 fn system(state: &mut u64) -> StateSpace {
     let (n, m, p) = (size(state, 5.0), size(state, 5.0), size(state, 5.0));
@@ -107,15 +72,6 @@ fn specification(state: &mut u64) -> Specification {
     made
 }
 
-/// A routine by name, and a call of it.
-type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
-
-/// The names of the calls that panic.
-fn panicking(calls: &[Call<'_>]) -> Vec<&'static str> {
-    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
-    calls.iter().filter(|(_, call)| panics(call)).map(|(name, _)| *name).collect()
-}
-
 /// Synthesis from matrices.
 fn from_matrices(seed: u64) -> Vec<&'static str> {
     let mut state = seed;
@@ -168,13 +124,6 @@ fn from_plants(seed: u64, rig: &DesignPlant) -> Vec<&'static str> {
 #[test]
 fn no_odd_synthesis_panics() {
     let rig = common::rig();
-    std::panic::set_hook(Box::new(|_| ()));
-    let matrices = (0..1200).flat_map(|seed| from_matrices(seed).into_iter().map(move |name| (name, seed)));
-    let plants = (0..250).flat_map(|seed| from_plants(seed, &rig).into_iter().map(move |name| (name, seed)));
-    let mut found: Vec<(&str, u64)> = matrices.chain(plants).collect();
-    found.sort_unstable();
-    let count = found.len();
-    found.dedup_by_key(|(name, _)| *name);
-    let _ = std::panic::take_hook();
-    assert!(found.is_empty(), "{count} panics, the first of each: {found:?}");
+    assert_none_panics(1200, &from_matrices);
+    assert_none_panics(250, &|seed| from_plants(seed, &rig));
 }

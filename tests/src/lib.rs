@@ -47,5 +47,5 @@ impl World for Beside {
 
 /// Returns the project with everything that its file leaves to the program: weights chosen, blocks tuned.
 pub fn decided(project: Project, world: &dyn World) -> Project {
-    counterpoise_pipeline::decided(&project, world).unwrap().project
+    counterpoise_pipeline::choose_and_tune(&project, world).unwrap().project
 }

@@ -16,6 +16,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{ChannelFit, Loop, RecordedController, Replayer};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+use counterpoise_synth::LimitKind;
 
 /// The examples of one kind of machine each.
 const EXAMPLES: [&str; 4] = ["direct-gimbal", "belt-antenna", "servo-pendulum", "ball-screw"];
@@ -212,8 +213,29 @@ fn a_file_without_any_one_key_is_read_or_asks_for_it_in_one_sentence() {
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Files without one key whose design is tried.
+/// Files without one key whose design is tried; all of them with `EVERY_KEY=1`.
 const SAMPLE: usize = 30;
+
+/// A bandwidth is lower if it is by this share: the search knows it to 0.7 %.
+const LOWER: f64 = 0.015;
+
+#[test]
+fn a_quicker_clock_never_lowers_the_bandwidth_of_a_first_design() {
+    let machine = example("ball-screw");
+    let bandwidth = |period_s: f64| {
+        let project = machine.project().with_number("plant.interface.sample_period", period_s).unwrap();
+        with_chosen_weights(&project).unwrap().unwrap().first.bandwidth
+    };
+    let found = [1e-3, 5e-4, 2.5e-4, 1.25e-4].map(bandwidth);
+    assert_eq!(found[0].limited_by, [LimitKind::SampleRate]);
+    for quicker in &found[1..] {
+        assert!(quicker.bandwidth_rad_s > 1.3 * found[0].bandwidth_rad_s, "what is named limits");
+    }
+    for two in found.windows(2) {
+        let [slow, quick] = [two[0].bandwidth_rad_s, two[1].bandwidth_rad_s];
+        assert!(quick > (1.0 - LOWER) * slow, "{slow} then {quick} rad/s");
+    }
+}
 
 #[test]
 fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_change() {
@@ -226,7 +248,8 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
         }
     }
     let mut random = Random(20_261_123);
-    for _ in 0..SAMPLE {
+    let count = if std::env::var_os("EVERY_KEY").is_some() { left.len() } else { SAMPLE };
+    for _ in 0..count {
         let (name, project) = left.swap_remove(random.below(left.len()));
         if let Err(why) = designed(&project) {
             let said = why.to_string();

@@ -9,7 +9,7 @@ use counterpoise_project::Purpose;
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise_report::adaptation::{self, report, returned};
+use counterpoise_report::adaptation::{self, has_returned, report};
 use counterpoise_report::html;
 
 use crate::exit::{Done, verdict_code};
@@ -50,7 +50,7 @@ pub fn run(options: &AdaptOptions) -> Done {
     }
     let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
     let refused = own.is_some_and(|own| tried.refuses(own.method));
-    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(returned).chain([!refused])))
+    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(has_returned).chain([!refused])))
 }
 
 fn print(runs: &[AdaptRun]) {
@@ -58,7 +58,7 @@ fn print(runs: &[AdaptRun]) {
         say!("({}) {}", run.letter, run.says);
         for interval in &run.intervals {
             let [from, to] = interval.from_to_s;
-            let verdict = match (interval.adapted, returned(interval)) {
+            let verdict = match (interval.adapted, has_returned(interval)) {
                 (true, true) => "holds",
                 (true, false) => "FAILS",
                 (false, _) => "",
@@ -74,6 +74,6 @@ fn print(runs: &[AdaptRun]) {
     }
     let judged: Vec<&Interval> =
         runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
-    let good = judged.iter().filter(|interval| returned(interval)).count();
+    let good = judged.iter().filter(|interval| has_returned(interval)).count();
     say!("{good} of {} adapted intervals are within 10 % of run (a)", judged.len());
 }

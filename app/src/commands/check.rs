@@ -39,7 +39,7 @@ struct Refused<'a> {
 /// Runs the command.
 pub fn run(options: &CheckOptions) -> Done {
     let path = project_file(&options.project);
-    let (document, attachments) = projects::written(&path)?;
+    let (document, attachments) = projects::read_as_written(&path)?;
     if options.migrate {
         return migrate(&document, &attachments);
     }

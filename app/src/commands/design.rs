@@ -3,9 +3,10 @@
 use crate::output::say;
 use counterpoise_export::File;
 use counterpoise_host::compilers::{processor, proofs};
+use counterpoise_host::terminal::tell;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
-use counterpoise_pipeline::results::{CertificateResult, DesignResult};
+use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
@@ -39,8 +40,7 @@ pub fn run(options: &DesignOptions) -> Done {
     let designed = design(&loaded.project, &world)?;
     let mut result = DesignResult::from(&designed);
     if !options.histories {
-        result.verify.histories.clear();
-        result.verify.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
+        result.verify.leave_histories_out();
     }
     let code = &designed.targets.code;
     let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
@@ -70,10 +70,10 @@ pub fn run(options: &DesignOptions) -> Done {
         first_design::print(&loaded);
         print(options, &designed.stages);
     }
-    compiled.said.iter().for_each(|line| counterpoise_host::terminal::tell(line));
+    compiled.said.iter().for_each(|line| tell(line));
     let made = &designed.stages;
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
-    refused.clone().for_each(|why| counterpoise_host::terminal::tell(&refusal(why)));
+    refused.clone().for_each(|why| tell(&refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     Ok(verdict_code([holds, compiled.differing == 0]))
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_export::{Checked, File, check};
 use counterpoise_host::compilers::unit_library;
+use counterpoise_host::terminal::tell;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::exchange::ControllerResult;
@@ -32,7 +33,7 @@ pub fn run(options: &ExportOptions) -> Done {
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    made.left_out.iter().for_each(|code| counterpoise_host::terminal::tell(&format!("left out  {code}")));
+    made.left_out.iter().for_each(|code| tell(&format!("left out  {code}")));
     Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
 }
 

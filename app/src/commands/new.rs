@@ -6,12 +6,12 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use counterpoise_host::files::{PROJECT_FILE, create};
-use counterpoise_project::starters::{Kind, Question, answered};
+use counterpoise_project::starters::{Kind, Question, with_answer};
 use counterpoise_project::{Document, STARTER};
 
 use crate::exit::Done;
 use crate::options::NewOptions;
-use crate::output::{put, say};
+use crate::output::{say, write_out};
 
 /// Writes the project file; never over another.
 pub fn run(options: &NewOptions) -> Done {
@@ -56,7 +56,7 @@ fn asked(input: &mut dyn BufRead) -> Result<Document> {
     );
     let mut refused = 0;
     let kind = loop {
-        put(&format!("What is the machine like: {}? [sight] ", names()));
+        write_out(&format!("What is the machine like: {}? [sight] ", names()));
         let answer = line(input)?;
         let name = if answer.is_empty() { "sight" } else { &answer };
         match kind(name) {
@@ -83,12 +83,12 @@ fn answer(
     refused: &mut usize,
 ) -> Result<Document> {
     loop {
-        put(&format!("{} [{}] ", question.text, document.written(question.path).unwrap_or_default()));
+        write_out(&format!("{} [{}] ", question.text, document.written(question.path).unwrap_or_default()));
         let answer = line(input)?;
         if answer.is_empty() {
             return Ok(document);
         }
-        match answered(&document, question.path, &answer) {
+        match with_answer(&document, question.path, &answer) {
             Ok(filled) => return Ok(filled),
             Err(why) => say!("It {why}."),
         }

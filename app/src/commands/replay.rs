@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::Error;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
 use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::terminal::tell;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
@@ -71,7 +72,7 @@ fn replay_in_parts(
 ) -> anyhow::Result<Vec<RecordingResult>> {
     if options.outputs.report.is_some() {
         let shown = path.display();
-        counterpoise_host::terminal::tell(&format!(
+        tell(&format!(
             "note: {shown} is replayed in parts: its figures are printed, and not drawn in the report"
         ));
     }
@@ -99,7 +100,7 @@ fn replay_in_parts(
 /// Says so if the controller of the recordings was exported from another state of the project.
 pub(super) fn tell_other_export(loaded: &Loaded) {
     if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
-        counterpoise_host::terminal::tell(&format!("note: {}", describe_other_export(&other)));
+        tell(&format!("note: {}", describe_other_export(&other)));
     }
 }
 
@@ -107,7 +108,7 @@ pub(super) fn tell_other_export(loaded: &Loaded) {
 fn closed_loop(project: &Project, controller: Option<&RecordedController>, read: &[ReadRecording]) -> Loop {
     let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     if let Some(remark) = describe_missing_demand(&missing) {
-        counterpoise_host::terminal::tell(&format!("note: {remark}"));
+        tell(&format!("note: {remark}"));
     }
     control_for(controller, read.iter().map(|item| &item.recording))
 }

@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use anyhow::bail;
-use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, StructureVerdict, held, structure};
+use counterpoise_pipeline::recordings::measured_modes::{
+    StructureAnswer, StructureVerdict, structure, support_in_words,
+};
 use counterpoise_report::html;
 use counterpoise_report::structure::report;
 
@@ -32,7 +34,11 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
         projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.outputs.results, &found.answer)? {
-        say!("{} natural frequencies, structure {}", measured.modes_hz.len(), held(measured.support));
+        say!(
+            "{} natural frequencies, structure {}",
+            measured.modes_hz.len(),
+            support_in_words(measured.support)
+        );
         print(&found.answer);
     }
     Ok(ExitCode::SUCCESS)

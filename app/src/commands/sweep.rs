@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use counterpoise_host::terminal::tell;
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
@@ -90,7 +91,7 @@ fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
 /// Prints what a large campaign would cost on the error stream, apart from the results.
 fn print_cost(options: &SweepOptions, cost: Option<String>) {
     if let Some(cost) = cost.filter(|_| !options.results.quiet) {
-        counterpoise_host::terminal::tell(&cost);
+        tell(&cost);
     }
 }
 
@@ -155,7 +156,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     let pace = pace(options, named.campaign.len())?;
     let _watch = interrupt::watch();
     for shard in 0..count {
-        if interrupt::asked() {
+        if interrupt::is_stop_requested() {
             pace.finish();
             let kept = options.output.display();
             return Err(Interrupted(format!(
@@ -171,7 +172,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
 /// Merges, writes the samples and the report, and prints the summary.
 fn finish(named: &Named, options: &SweepOptions) -> Done {
     let mut parts = Vec::new();
-    for path in shards::found(&options.output)? {
+    for path in shards::shard_files(&options.output)? {
         parts.push(shards::read(&path, &named.campaign, &named.name)?);
     }
     if let Some(missing) = missing(&parts, named.campaign.len()) {
@@ -262,7 +263,7 @@ fn worst_row(found: &CampaignResult, requirement: usize, worst: &Worst) -> Worst
         meets: found.requirements[requirement].limit.distance_to_limit(worst.value) >= 0.0,
         sample: worst.sample,
         factors: keys.zip(worst.factors.iter().copied()).collect(),
-        options: sweep::again(found, worst),
+        options: sweep::rerun_options(found, worst),
         tried: worst.tried,
         converged: worst.converged,
     }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
-use counterpoise_pipeline::studies::search::{Judged, Searched, judged, search};
+use counterpoise_pipeline::studies::search::{Judged, Searched, search, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, study_synthesis,
@@ -252,10 +252,11 @@ struct CurvePoint {
 
 fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
     let _watch = interrupt::watch();
-    let mut found = search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::asked())?;
+    let mut found =
+        search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::is_stop_requested())?;
     let world = Surroundings::of(loaded, Progress::Quiet);
     let judged = match loaded.project.verify {
-        Some(_) => judged(&found, modelled, reduced, &world, &mut || !interrupt::asked())?,
+        Some(_) => verify_found(&found, modelled, reduced, &world, &mut || !interrupt::is_stop_requested())?,
         None => Vec::new(),
     };
     let chosen = judged.iter().position(Judged::holds);

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
 use counterpoise_pipeline::loop_view::{LoopView, loop_view};
-use counterpoise_pipeline::results::{AdviceResult, CertificateResult, RobustnessResult, VerifyResult};
+use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
@@ -117,8 +117,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     result.certificate = study.certificate.as_ref().map(Into::into);
     let mut result = result.with_adaptation(study.adaptation.clone());
     if !options.histories {
-        result.histories.clear();
-        result.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
+        result.leave_histories_out();
     }
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
     let own = stability.map(|found| RobustnessResult::new("design", Joints::Sliding, Some(found)));
@@ -330,7 +329,7 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
             difference::size(change)
         );
     }
-    let others = changed.iter().filter(|change| difference::moved(change)).count();
+    let others = changed.iter().filter(|change| difference::has_changed(change)).count();
     let turned = changed.iter().filter(|change| change.turned()).count();
     let word = if turned == 1 { "verdict" } else { "verdicts" };
     say!("{turned} {word} turned; {others} of {} figures changed (--report shows all)", changed.len());

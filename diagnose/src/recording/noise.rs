@@ -39,6 +39,11 @@ pub fn stated_noise(stated: &Parameters, channel: Channel) -> f64 {
     sensor(stated, channel).map_or(0.0, |s| reading_floor(s, &stated.interface))
 }
 
+/// Returns the RMS of the rounding of a channel's converter; 0 if there is no such sensor.
+pub fn rounding_noise(base: &Parameters, channel: Channel) -> f64 {
+    sensor(base, channel).map_or(0.0, |s| silent(s, &base.interface))
+}
+
 /// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
 pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
     let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();

@@ -62,26 +62,46 @@ fn visited(
 }
 
 /// Evaluates an effect at the full size of its start: what that does to the fit counts as well, because a signature that is not
-/// proportional to the size of its effect is not reliable.
+/// proportional to the size of its effect is not reliable. It ends as soon as the recordings evaluated so far are so far off that the others,
+/// even at the noise floor, could not make it explain more than its signature does.
 fn gone_there(
     scene: &ScreeningContext,
     perturbation: &Perturbation,
     mut seen: EffectSignature,
 ) -> EffectSignature {
     let parameters = moved(scene.base, perturbation, &perturbation.directions[0]);
-    let judged: Option<Vec<Assessment>> = (0..scene.judged.len())
-        .map(|r| scene.simulator.assess_from(&parameters, r, &scene.judged[r]))
-        .collect();
-    let (Some(there), Some(here)) = (judged.and_then(|j| distance(&j)), distance(scene.judged)) else {
+    let Some(here) = distance(scene.judged).map(|here| here.max(f64::MIN_POSITIVE)) else { return seen };
+    let cells: usize = scene.judged.iter().map(|judged| judged.channels.len()).sum();
+    let mut judged: Vec<Option<Assessment>> = vec![None; scene.judged.len()];
+    let mut off = 0.0;
+    for r in farthest_first(scene.judged) {
+        let Some(there) = scene.simulator.assess_from(&parameters, r, &scene.judged[r]) else { return seen };
+        off +=
+            distance(std::slice::from_ref(&there)).map_or(f64::INFINITY, |d| d * there.channels.len() as f64);
+        if 1.0 - off / cells as f64 / here < seen.explained {
+            return seen;
+        }
+        judged[r] = Some(there);
+    }
+    let Some(there) = judged.into_iter().collect::<Option<Vec<_>>>().and_then(|j| distance(&j)) else {
         return seen;
     };
-    let gained = 1.0 - there / here.max(f64::MIN_POSITIVE);
+    let gained = 1.0 - there / here;
     if gained > seen.explained {
         let x = perturbation.origin.iter().zip(&perturbation.directions[0]).map(|(a, b)| a + b);
         seen.start = perturbation.effect.parameters.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
         seen.explained = gained;
     }
     seen
+}
+
+/// Returns the indices of assessed recordings, those farthest from the noise floor first.
+fn farthest_first(judged: &[Assessment]) -> Vec<usize> {
+    let far: Vec<f64> =
+        judged.iter().map(|j| distance(std::slice::from_ref(j)).unwrap_or(f64::INFINITY)).collect();
+    let mut order: Vec<usize> = (0..judged.len()).collect();
+    order.sort_by(|&a, &b| far[b].total_cmp(&far[a]));
+    order
 }
 
 /// Returns the distance of assessed recordings from the noise floor.

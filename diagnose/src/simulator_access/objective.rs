@@ -1,18 +1,18 @@
 //! The simulator that answers the questions: every recording is replayed for any mechanism, in closed loop if the controller is
 //! known, else under the recorded control.
 
-use crate::tolerance::fitting::{FOREIGN_LOOP_NOISE_SHARE, HUNTING_DIVERGENCE};
+use crate::tolerance::fitting::HUNTING_DIVERGENCE;
 use std::sync::OnceLock;
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::replay::{Loop, Replay, Replayer};
+use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
-use crate::recording::noise::{measure_noise_floor, stated_noise};
+use crate::recording::noise::{measure_noise_floor, rounding_noise, stated_noise};
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
@@ -80,14 +80,9 @@ impl<'a> RecordingReplays<'a> {
             Loop::Closed(controller) => controller.control_floor(base),
             Loop::Open => 0.0,
         };
-        // a control that was recorded with less noise than this loop makes is not this loop's, so that its noise is no measure
-        let of = |c, own: f64| {
-            if c == Channel::Control && own < FOREIGN_LOOP_NOISE_SHARE * control_floor {
-                control_floor
-            } else {
-                own
-            }
-        };
+        // A replay holds the noise that this loop makes of its readings, whatever the recorded control shows of it: readings that move by
+        // single counts leave most samples without noise, and a control of another loop has another noise.
+        let of = |c, own: f64| if c == Channel::Control { own.max(control_floor) } else { own };
         let floors =
             |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.samples(c).unwrap_or(&[]))));
         Ok(Self {
@@ -95,7 +90,7 @@ impl<'a> RecordingReplays<'a> {
             control: control.clone(),
             whole: ready(&prepared.whole)?,
             heads: ready(&prepared.heads)?,
-            noisy: ready(&prepared.noisy)?,
+            noisy: ready(&prepared.noisy)?.into_iter().map(Replayer::with_rounded_readings).collect(),
             floors: prepared.whole.iter().map(floors).collect(),
             control_floor,
             followed: prepared.whole.iter().map(follows).collect(),
@@ -190,8 +185,8 @@ impl<'a> RecordingReplays<'a> {
         Some(out)
     }
 
-    /// Returns how far a run diverges from one with other noise, channel by channel: noise like the hub gyroscope's on the demand
-    /// is another realisation of the loop's noise, and more noise on the platform's readings is another reconstruction of its
+    /// Returns how far a run diverges from one with other noise and rounded readings, channel by channel: noise like the hub gyroscope's on the
+    /// demand is another realisation of the loop's noise, rounding is what the replay leaves out, and more noise on the platform's readings is another reconstruction of its
     /// motion.
     fn divergence(
         &self,
@@ -203,11 +198,13 @@ impl<'a> RecordingReplays<'a> {
         let control = self.control(source);
         let shaken =
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
+        let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
             let (shown, place) = self.shown(quiet, index, source, place)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
-            let own = if shown == Channel::Control { 1.0 } else { 0.0 };
-            Some((apart * apart - own).max(0.0).sqrt())
+            let own =
+                if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
+            Some((apart * apart - own * own).max(0.0).sqrt())
         };
         Some((0..SCORED.len()).filter_map(size).collect())
     }
@@ -411,7 +408,7 @@ fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     rms(&difference)
 }
 
-/// Returns the recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the size
+/// Returns the recording with other noise: on its demand of the size of the hub gyroscope's and its rounding, on the platform's channels of the size
 /// of their sensors' (a fixed sequence for each number).
 fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Recording {
     let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ which.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -424,7 +421,7 @@ fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Record
     let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
     let mut noisy = recording.clone();
     let columns = [
-        (Channel::Demand, p.sensors.hub_gyro.noise_rms.max(1e-9)),
+        (Channel::Demand, reading_floor(&p.sensors.hub_gyro, &p.interface)),
         (Channel::PlatformRate, p.sensors.platform_gyro.noise_rms),
         (Channel::PlatformAccel, p.sensors.platform_accelerometer.noise_rms),
     ];

@@ -2,8 +2,6 @@
 
 /// Factor on the measured divergence: that of one pair of runs is a poor estimate of that of any two.
 pub const DIVERGENCE_DOUBT: f64 = 2.0;
-/// Share of the gyroscope's noise in the control below which a recorded control is not of this loop.
-pub const FOREIGN_LOOP_NOISE_SHARE: f64 = 0.3;
 /// Divergence of two runs, in noise floors, above which the loop hunts: no replay in closed loop can follow.
 pub const HUNTING_DIVERGENCE: f64 = 5.0;
 /// Corner of a gain curve of which nothing is known, V.

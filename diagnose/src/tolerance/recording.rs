@@ -97,6 +97,15 @@ pub const EVEN_RUNS_SHARE: f64 = 0.95;
 pub const FEWEST_RUNS: usize = 50;
 /// Times the project's step from which a converter is coarser.
 pub const COARSER_CONVERTER: f64 = 3.5;
+/// Steps from which a difference of neighbours is no longer compared with a grid: the rounding of a written number moves it by a part of a step.
+pub const GRID_STEPS: f64 = 100.0;
+/// Distance of a difference from a whole number of steps below which it lies on the grid, in steps. Differences without a grid lie there at
+/// a rate of one in five.
+pub const GRID_DEVIATION: f64 = 0.1;
+/// Fewest differences that show a grid: by chance, eight lie there once in 400 000 times.
+pub const GRID_DIFFERENCES: usize = 8;
+/// Share of the differences that must lie on the grid; the others are outliers.
+pub const GRID_SHARE: f64 = 0.9;
 /// Share of the converter's range from which a limit is the converter's own, which the simulator has.
 pub const CONVERTER_LIMIT_SHARE: f64 = 0.98;
 /// Samples of exactly one value from which on a sensor counts as at rest. A noisy reading does not repeat so often by chance; fewer would

@@ -15,6 +15,8 @@ pub struct FixedRunner {
     states: Vec<i64>,
     locals: Vec<i64>,
     guard: FixedGuard,
+    /// Largest magnitude of each reading, in its unit.
+    reading_limits: [f64; READINGS],
 }
 
 /// What a reading that is no number, or beyond its limit, becomes: an integer beyond every format.
@@ -24,8 +26,13 @@ impl FixedRunner {
     /// The controller at its start.
     pub fn new(fixed: &Fixed) -> Self {
         let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
-        let guard = FixedGuard::new(fixed);
-        Self { fixed: fixed.clone(), states: fixed.initial.clone(), locals: vec![0; count], guard }
+        Self {
+            fixed: fixed.clone(),
+            states: fixed.initial.clone(),
+            locals: vec![0; count],
+            guard: FixedGuard::new(fixed),
+            reading_limits: GuardSettings::of(fixed.controller.parts()).limits,
+        }
     }
 
     /// One sample in integers: the readings in the formats of [`FixedProgram::inputs`], the control in its own.
@@ -40,8 +47,7 @@ impl FixedRunner {
     /// last good one; one beyond its format alone saturates.
     pub fn step_array(&mut self, readings: &[f64; READINGS]) -> f64 {
         let mut integers = self.fixed.step.integers(readings);
-        let limits = GuardSettings::of(self.fixed.controller.parts()).limits;
-        for ((integer, reading), limit) in integers.iter_mut().zip(readings).zip(limits) {
+        for ((integer, reading), limit) in integers.iter_mut().zip(readings).zip(self.reading_limits) {
             if !(-limit..=limit).contains(reading) {
                 *integer = BEYOND;
             }

@@ -6,7 +6,7 @@ use std::process::Command;
 use counterpoise_export::board::{
     COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate,
 };
-use counterpoise_export::host::{CODE_FOLDER, including};
+use counterpoise_export::host::{CODE_FOLDER, including_file};
 use counterpoise_export::{File, Numbers};
 use counterpoise_pipeline::export::TargetCode;
 use counterpoise_pipeline::export::target_proofs::{CoreCost, Costs};
@@ -65,7 +65,7 @@ fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     write(&folder.join(CODE_FOLDER), &code.files)?;
     write(&folder, &counter(&code.name, code.numbers))?;
     let included = ["", "_self_test"].map(|end| format!("{CODE_FOLDER}/{}{end}.c", code.name));
-    write(&folder, &[including(CONTROLLER, &included[0]), including(SELF_TEST, &included[1])])?;
+    write(&folder, &[including_file(CONTROLLER, &included[0]), including_file(SELF_TEST, &included[1])])?;
     said(Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]), &folder)?;
     let objects = [CONTROLLER, SELF_TEST].map(|source| source.replace(".c", ".o"));
     let mut linker = Command::new(COMPILER);

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use counterpoise_export::host::{
     C_COMPILER, C_FLAGS, CODE_FOLDER, RUST_COMPILER, RUST_CRATE, RUST_LIBRARY, RUST_PROGRAM, c_replay,
-    differing, including, requests, rust_replay,
+    count_differing, including_file, requests, rust_replay,
 };
 use counterpoise_export::{File, Fixed, Numbers, TargetFigures, Targets};
 use counterpoise_pipeline::export::TargetCode;
@@ -75,7 +75,7 @@ fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
         folder,
         &[
             c_replay(&code.name, code.numbers),
-            including("controller.c", &format!("{CODE_FOLDER}/{}.c", code.name)),
+            including_file("controller.c", &format!("{CODE_FOLDER}/{}.c", code.name)),
         ],
     )?;
     let files = ["controller.c", "replay.c", "-o", "replay"];
@@ -106,5 +106,5 @@ fn replayed(figures: &TargetFigures, fixed: Option<&Fixed>, folder: &Path) -> Op
     if !output.status.success() {
         return None;
     }
-    differing(&figures.closed_loops, fixed, &output.stdout)
+    count_differing(&figures.closed_loops, fixed, &output.stdout)
 }

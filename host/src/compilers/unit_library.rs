@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use counterpoise_export::host::including;
+use counterpoise_export::host::including_file;
 
 use crate::files;
 
@@ -23,7 +23,7 @@ const INCLUDING: [&str; 2] = ["including-behaviour.c", "including-unit.c"];
 /// Compiles a unit's sources in a folder `place`. The sources are included by files of fixed names, so that no name of a
 /// project's stands on the compiler's command line.
 fn compiled_library(sources: &Path, name: &str, place: &Path) -> Option<Vec<u8>> {
-    for file in [including(INCLUDING[0], &format!("{name}.c")), including(INCLUDING[1], "fmu.c")] {
+    for file in [including_file(INCLUDING[0], &format!("{name}.c")), including_file(INCLUDING[1], "fmu.c")] {
         files::write(&place.join(&file.name), file.text.as_bytes()).ok()?;
     }
     let library = place.join("unit.so");

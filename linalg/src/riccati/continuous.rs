@@ -133,12 +133,21 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
             Err(Failure::Doubtful(reason)) => refusal = reason,
         }
         if tried == 0
-            && let Some(reason) = reason::certainly_lost(&modes)
+            && let Some(reason) = certainly_infeasible(&modes)
         {
             return Outcome::Infeasible(reason);
         }
     }
     decide(equation, &modes, None, Refusal { reason: refusal, nearest })
+}
+
+/// Returns why a problem that one way in doubles did not solve has no solution for certain. A large one has been asked for eigenvalues on the
+/// axis before.
+fn certainly_infeasible(modes: &Modes) -> Option<Reason> {
+    let states = modes.problem.A.nrows();
+    let small = LARGE < states && states <= PRECISE_STATES;
+    reason::certainly_lost(modes)
+        .or_else(|| if small { reason::certainly_on_boundary(modes.problem) } else { None })
 }
 
 /// `nearest` is set to the eigenvalue of the Hamiltonian matrix nearest to the boundary if a large problem's is computed.

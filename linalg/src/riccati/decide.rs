@@ -4,8 +4,8 @@ use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::{
     DATA_LIMITED_STATES, EPS, NEWTON_CONTRACTS, PRECISE_STATES, RICCATI_DETERMINED,
-    RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR, RICCATI_HARDLY_REACHED, RICCATI_UNDETERMINED, SENSITIVE,
-    TRUSTED_SEPARATION,
+    RICCATI_DOUBTFUL_SEPARATION, RICCATI_ERROR, RICCATI_HARDLY_REACHED, RICCATI_RESIDUAL,
+    RICCATI_UNDETERMINED, SENSITIVE, TRUSTED_SEPARATION,
 };
 
 use super::certify::{Certified, certify_precise};
@@ -37,6 +37,14 @@ fn is_undetermined(found: &Certified) -> bool {
     let Certificate { forward_error, .. } = &found.solution.certificate;
     found.normwise_condition * EPS > RICCATI_UNDETERMINED
         && relative_step(forward_error, &found.solution.X) > SENSITIVE
+}
+
+/// Whether a small problem's approximation is no solution: 32 digits do not lead to one, and the residual is not small beside the terms. It
+/// may still be rounding beside the factors of the terms if these nearly cancel, as those of a level just below the norm of a difference of
+/// two systems do, for which there is none.
+fn is_spurious(found: &Certified) -> bool {
+    found.solution.X.nrows() <= PRECISE_STATES
+        && found.solution.certificate.relative_residual > RICCATI_RESIDUAL
 }
 
 /// The size to which a separation is compared.
@@ -88,7 +96,7 @@ pub(super) fn decide(
         return accept(better, modes, RICCATI_UNDETERMINED);
     }
     match found {
-        Some(found) if is_undetermined(&found) => {
+        Some(found) if is_undetermined(&found) || is_spurious(&found) => {
             let residual = found.solution.certificate.relative_residual;
             let reaches = found.solution.closed_loop.iter().map(|&l| reason::excess(l, kind));
             let boundary = if kind == Kind::Continuous { 0.0 } else { 1.0 };

@@ -15,14 +15,34 @@ const SMALL: f64 = f64::MIN_POSITIVE / EPS;
 vectorised! {
     /// Turns rows and columns `lo..=hi` of the Hessenberg matrix `H` into Schur form; the whole of `H` and `Z` follow.
     pub(super) fn francis<'a>(H: &'a mut Mat, Z: &'a mut Mat, lo: usize, hi: usize) -> Result<(), Error> {
-        Iteration { lo, H, Z }.run(hi)
+        Iteration { lo, H, Z, scope: Scope::Form }.run(hi)
     }
+}
+
+vectorised! {
+    /// Leaves on the diagonal of the Hessenberg matrix `H` the blocks of its Schur form, to the last bit those of [`francis`]; what lies
+    /// beside the block that is worked on is not kept up to date.
+    pub(super) fn francis_values<'a>(H: &'a mut Mat) -> Result<(), Error> {
+        let last = H.nrows() - 1;
+        let none = &mut Mat::zeros(0, H.nrows());
+        Iteration { lo: 0, H, Z: none, scope: Scope::Values }.run(last)
+    }
+}
+
+/// What the iteration keeps up to date.
+#[derive(Clone, Copy, PartialEq)]
+enum Scope {
+    /// The whole matrix and the transformation.
+    Form,
+    /// The unreduced block that is worked on.
+    Values,
 }
 
 struct Iteration<'a> {
     lo: usize,
     H: &'a mut Mat,
     Z: &'a mut Mat,
+    scope: Scope,
 }
 
 impl Iteration<'_> {
@@ -104,7 +124,7 @@ impl Iteration<'_> {
             } else if k > start {
                 self.H[(k, k - 1)] *= 1.0 - reflector.tau;
             }
-            self.reflect(&reflector, k, end);
+            self.reflect(&reflector, k, (start, end));
         }
     }
 
@@ -118,13 +138,19 @@ impl Iteration<'_> {
     }
 
     #[inline(always)]
-    fn reflect(&mut self, reflector: &Reflector, k: usize, end: usize) {
+    fn reflect(&mut self, reflector: &Reflector, k: usize, (start, end): (usize, usize)) {
         let n = self.H.nrows();
-        reflector.left(self.H.as_mut_slice(), n, k, k..n);
-        let rows = (k + 4).min(end + 1);
+        let (top, right) = match self.scope {
+            Scope::Form => (0, n),
+            Scope::Values => (start, end + 1),
+        };
+        reflector.left(self.H.as_mut_slice(), n, k, k..right);
+        let rows = top..(k + 4).min(end + 1);
         reflector.right(self.H.as_mut_slice(), n, k, rows);
-        let rows = self.Z.nrows();
-        reflector.right(self.Z.as_mut_slice(), rows, k, rows);
+        if self.scope == Scope::Form {
+            let rows = self.Z.nrows();
+            reflector.right(self.Z.as_mut_slice(), rows, k, 0..rows);
+        }
     }
 }
 
@@ -240,9 +266,9 @@ impl Reflector {
         }
     }
 
-    /// Applies the reflection to columns `k..k + size` of the first `rows` rows.
+    /// Applies the reflection to columns `k..k + size` of the rows in `rows`.
     #[inline(always)]
-    pub(super) fn right(&self, h: &mut [f64], ld: usize, k: usize, rows: usize) {
+    pub(super) fn right(&self, h: &mut [f64], ld: usize, k: usize, rows: std::ops::Range<usize>) {
         let (t1, v2, v3) = (self.tau, self.v2, self.v3);
         if t1 == 0.0 {
             return;
@@ -251,14 +277,16 @@ impl Reflector {
         let (first, rest) = h[k * ld..(k + self.size) * ld].split_at_mut(ld);
         let (second, third) = rest.split_at_mut(ld);
         if self.size == 3 {
-            for ((x, y), z) in first[..rows].iter_mut().zip(&mut second[..rows]).zip(&mut third[..rows]) {
+            let (first, second, third) =
+                (&mut first[rows.clone()], &mut second[rows.clone()], &mut third[rows]);
+            for ((x, y), z) in first.iter_mut().zip(second).zip(third) {
                 let sum = *x + v2 * *y + v3 * *z;
                 *x -= sum * t1;
                 *y -= sum * t2;
                 *z -= sum * t3;
             }
         } else {
-            Rotation::reflect_columns(&mut first[..rows], &mut second[..rows], v2, t1);
+            Rotation::reflect_columns(&mut first[rows.clone()], &mut second[rows], v2, t1);
         }
     }
 }

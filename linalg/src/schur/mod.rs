@@ -4,7 +4,7 @@ mod block;
 mod francis;
 mod swap;
 
-use crate::decomposition::hessenberg;
+use crate::decomposition::{hessenberg, hessenberg_values};
 use crate::error::{Error, check_square};
 use crate::mat::{C64, Mat};
 use crate::sylvester::sylvester;
@@ -85,15 +85,36 @@ fn connected(A: &Mat) -> Result<Schur, Error> {
 
 /// The eigenvalues of a square matrix, sorted by real part and then by imaginary part.
 ///
-/// Method: the real Schur form of the balanced matrix.
+/// Method: the diagonal blocks of the real Schur form of the balanced matrix, to the last bit, at two fifths of its cost.
 ///
 /// # Errors
 /// As for [`schur`].
 pub fn eigenvalues(A: &Mat) -> Result<Vec<C64>, Error> {
     check_square("A", A)?;
-    let mut values = schur(&crate::balance::balance(A)?.A)?.eigenvalues();
+    let balanced = crate::balance::balance(A)?.A;
+    let mut values = Vec::with_capacity(A.nrows());
+    for group in independent(&balanced) {
+        let mut H = hessenberg_values(&balanced.select(&group, &group))?;
+        if !group.is_empty() {
+            francis::francis_values(&mut H)?;
+        }
+        values.extend(diagonal(&H));
+    }
     values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
     Ok(values)
+}
+
+/// The eigenvalues of the diagonal blocks of a quasi-triangular matrix, from the top.
+fn diagonal(T: &Mat) -> Vec<C64> {
+    let mut values = Vec::with_capacity(T.nrows());
+    for (k, size) in blocks(T) {
+        if size == 1 {
+            values.push(C64::new(T[(k, k)], 0.0));
+        } else {
+            values.extend(block::pair(T[(k, k)], T[(k, k + 1)], T[(k + 1, k)], T[(k + 1, k + 1)]));
+        }
+    }
+    values
 }
 
 fn clear_below(T: &mut Mat) {
@@ -106,16 +127,7 @@ fn clear_below(T: &mut Mat) {
 impl Schur {
     /// The eigenvalues in the order of the diagonal; of a complex pair the one with positive imaginary part comes first.
     pub fn eigenvalues(&self) -> Vec<C64> {
-        let T = &self.T;
-        let mut values = Vec::with_capacity(T.nrows());
-        for (k, size) in blocks(T) {
-            if size == 1 {
-                values.push(C64::new(T[(k, k)], 0.0));
-            } else {
-                values.extend(block::pair(T[(k, k)], T[(k, k + 1)], T[(k + 1, k)], T[(k + 1, k + 1)]));
-            }
-        }
-        values
+        diagonal(&self.T)
     }
 
     /// Moves the eigenvalues that `wanted` selects to the top left, in their present order, and returns how many they

@@ -69,15 +69,74 @@ pub fn verified_loop(
     controller: &Controller,
     procedure: &Procedure,
 ) -> Result<VerifiedLoop, PipelineError> {
-    let linear = linear_plant(plant, procedure)?;
-    let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
-    let moment = plant.body().out_of_balance_kg_m;
+    let sampled = sampled_plant(plant, controller, procedure)?;
     let mut systems = plants(&sampled);
+    systems.extend(controllers(plant, &sampled, controller)?);
+    Ok(verified_on(plant, &sampled, procedure, systems))
+}
+
+/// Returns what [`verified_loop`] does without the controllers and the loop: for one of several plants under a controller.
+///
+/// # Errors
+/// As [`verified_loop`].
+pub fn plants_of(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<VerifiedLoop, PipelineError> {
+    let sampled = sampled_plant(plant, controller, procedure)?;
+    Ok(verified_on(plant, &sampled, procedure, plants(&sampled)))
+}
+
+/// Returns the controllers and the loop of [`verified_loop`]: for one of several controllers of a plant.
+///
+/// # Errors
+/// As [`verified_loop`].
+pub fn controllers_of(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<Vec<SystemResult>, PipelineError> {
+    controllers(plant, &sampled_plant(plant, controller, procedure)?, controller)
+}
+
+fn sampled_plant(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<SampledPlant, PipelineError> {
+    let linear = linear_plant(plant, procedure)?;
+    Ok(SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?)
+}
+
+fn verified_on(
+    plant: &Plant,
+    sampled: &SampledPlant,
+    procedure: &Procedure,
+    systems: Vec<SystemResult>,
+) -> VerifiedLoop {
+    VerifiedLoop {
+        systems,
+        control_delay_samples: plant.parameters().interface.output_delay_samples,
+        reading_delays_samples: delays(plant.parameters()),
+        holding_v: sampled.holding_v,
+        settle_s: procedure.settle_s,
+    }
+}
+
+/// Returns the controller with and without feedforwards, and the loop.
+fn controllers(
+    plant: &Plant,
+    sampled: &SampledPlant,
+    controller: &Controller,
+) -> Result<Vec<SystemResult>, PipelineError> {
+    let moment = plant.body().out_of_balance_kg_m;
+    let mut systems = Vec::new();
     for (arrangement, name) in
         [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
     {
         let Some(part) = arranged(controller, arrangement)? else { continue };
-        let closed = Closed::new(&sampled, Some(&part), moment)?;
+        let closed = Closed::new(sampled, Some(&part), moment)?;
         systems.extend(closed.controller.as_ref().map(|system| {
             SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])
         }));
@@ -90,41 +149,7 @@ pub fn verified_loop(
             );
         }
     }
-    Ok(VerifiedLoop {
-        systems,
-        control_delay_samples: plant.parameters().interface.output_delay_samples,
-        reading_delays_samples: delays(plant.parameters()),
-        holding_v: sampled.holding_v,
-        settle_s: procedure.settle_s,
-    })
-}
-
-/// Returns what [`verified_loop`] does without the controllers and the loop: for one of several plants under a controller.
-///
-/// # Errors
-/// As [`verified_loop`].
-pub fn plants_of(
-    plant: &Plant,
-    controller: &Controller,
-    procedure: &Procedure,
-) -> Result<VerifiedLoop, PipelineError> {
-    let mut found = verified_loop(plant, controller, procedure)?;
-    found.systems.retain(|system| system.name.contains("plant"));
-    Ok(found)
-}
-
-/// Returns the controllers and the loop of [`verified_loop`]: for one of several controllers of a plant.
-///
-/// # Errors
-/// As [`verified_loop`].
-pub fn controllers_of(
-    plant: &Plant,
-    controller: &Controller,
-    procedure: &Procedure,
-) -> Result<Vec<SystemResult>, PipelineError> {
-    let mut found = verified_loop(plant, controller, procedure)?;
-    found.systems.retain(|system| !system.name.contains("plant"));
-    Ok(found.systems)
+    Ok(systems)
 }
 
 fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {

@@ -5,14 +5,15 @@ use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 
 use crate::PipelineError;
-use crate::model::configured;
+use crate::model::named_configuration;
 
 /// Returns a mechanism with what the project's configuration fits to it; as it is if the project names none.
 ///
 /// # Errors
 /// A configuration, or a mass of it, that does not exist.
 pub fn in_configuration(project: &Project, bare: &Parameters) -> Result<Parameters, PipelineError> {
-    let fitted = configured(project)?.map(|configuration| bare.configured(configuration)).transpose()?;
+    let fitted =
+        named_configuration(project)?.map(|configuration| bare.configured(configuration)).transpose()?;
     Ok(fitted.unwrap_or_else(|| bare.clone()))
 }
 

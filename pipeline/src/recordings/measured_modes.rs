@@ -359,8 +359,8 @@ fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Opt
     }
 }
 
-/// How the structure was held, in words.
-pub fn held(support: Support) -> &'static str {
+/// How the structure was support_in_words, in words.
+pub fn support_in_words(support: Support) -> &'static str {
     match support {
         Support::Free => "free",
         Support::Pinned => "pinned at its hub",

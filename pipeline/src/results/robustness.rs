@@ -252,8 +252,8 @@ fn closed(found: &ClosedWith) -> Vec<SystemResult> {
 
 impl From<&TriedDesign> for TriedResult {
     fn from(tried: &TriedDesign) -> Self {
-        let history = tried.history.as_ref().map(|it| HistoryResult::new(it, tried.sample_time_s));
-        Self { factor: tried.factor, value: tried.value, systems: tried.systems.clone(), history }
+        let (systems, history) = (tried.systems.clone(), tried.history.clone());
+        Self { factor: tried.factor, value: tried.value, systems, history }
     }
 }
 

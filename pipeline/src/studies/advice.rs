@@ -8,11 +8,9 @@ use counterpoise_controller::Controller;
 use counterpoise_project::Project;
 use counterpoise_synth::{Specification, Weight};
 use counterpoise_verify::robust::{figures_of, history_of};
-use counterpoise_verify::{
-    Figure, History, LoopFigure, Procedure, Requirement, Value, Verdict, Verification,
-};
+use counterpoise_verify::{Figure, LoopFigure, Procedure, Requirement, Value, Verdict, Verification};
 
-use crate::exchange::{SystemResult, controllers_of};
+use crate::exchange::{HistoryResult, SystemResult, controllers_of};
 use crate::{Modelled, PipelineError, Reduced, synthesise};
 
 /// A change of one weight.
@@ -49,9 +47,7 @@ pub struct TriedDesign {
     /// The controllers and the loop.
     pub systems: Vec<SystemResult>,
     /// The time history from which the figure is measured, if it is and histories were asked for.
-    pub history: Option<History>,
-    /// Sample time of that history, s.
-    pub sample_time_s: f64,
+    pub history: Option<HistoryResult>,
 }
 
 /// What is kept of the designs that are tried.
@@ -218,8 +214,7 @@ impl Bench<'_> {
             factor: knob.1,
             value: values[0],
             systems: controllers_of(plant, &controller, procedure)?,
-            history,
-            sample_time_s: controller.sample_period_s(),
+            history: history.map(|found| HistoryResult::new(&found, controller.sample_period_s())),
         };
         Ok(Some((values, tried)))
     }

@@ -118,7 +118,7 @@ impl Judged {
 ///
 /// # Errors
 /// A project without `[verify]`, and those of the design and the verification.
-pub fn judged(
+pub fn verify_found(
     searched: &Searched,
     modelled: &Modelled,
     reduced: &Reduced,

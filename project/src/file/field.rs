@@ -178,8 +178,8 @@ impl TableField {
         Self { key, need: Need::Optional, form: Form::Inline, meaning, smallest: "" }
     }
 
-    /// The smallest content, as it is written in a file.
-    pub const fn smallest(mut self, content: &'static str) -> Self {
+    /// Sets the smallest content, as it is written in a file.
+    pub const fn with_smallest(mut self, content: &'static str) -> Self {
         self.smallest = content;
         self
     }

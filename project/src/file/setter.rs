@@ -37,7 +37,12 @@ impl Visit for Setter<'_> {
 
     fn choice(&mut self, _field: &Field, _allowed: &[&'static str], _value: &mut &'static str) {}
 
-    fn numbers(&mut self, _field: &Field, _count: Count, _value: &mut Vec<f64>) {}
+    /// A list of which every number is the same: what is assumed for a list is one number.
+    fn numbers(&mut self, field: &Field, count: Count, value: &mut Vec<f64>) {
+        if count == Count::AtLeastOne && self.paths.of(field.key) == self.path {
+            (*value, self.is_set) = (vec![self.value], true);
+        }
+    }
 
     fn texts(&mut self, _field: &Field, _value: &mut Vec<String>) {}
 

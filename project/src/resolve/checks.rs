@@ -7,7 +7,6 @@ use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
 use super::design::{LoopKind, ReductionMethod};
-use super::import::ImportedStructure;
 use super::model::StructureChoice;
 use super::{Project, base_motion_checks, beam_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
@@ -108,7 +107,7 @@ fn rotor(findings: &mut Findings<'_>, plant: &Parameters) {
     }
 }
 
-/// The structure that the model takes must be there, and imported matrices must be damped.
+/// The structure that the model takes must be there.
 fn structure(findings: &mut Findings<'_>, project: &Project) {
     let (section, there) = match project.model.structure {
         StructureChoice::Lumped => ("plant", true),
@@ -119,12 +118,6 @@ fn structure(findings: &mut Findings<'_>, project: &Project) {
         let allowed = format!("needs the section [{section}]");
         let found = format!("\"{}\"", project.model.structure.name());
         findings.add(Severity::Error, Remark::new(Problem::Missing, "model.structure", allowed).found(found));
-    }
-    let undamped =
-        |import: &ImportedStructure| import.damping.file.is_empty() && import.modal_damping.is_empty();
-    if project.import.as_ref().is_some_and(undamped) {
-        let allowed = "the structure has no damping: give modal_damping or a damping matrix";
-        findings.add(Severity::Error, Remark::new(Problem::Missing, "plant.import", allowed));
     }
 }
 

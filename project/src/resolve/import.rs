@@ -8,7 +8,7 @@ use counterpoise_models::structure::fe::Fitted;
 use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
-use super::structure::masses;
+use super::structure::{assumed_ratio, masses};
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Count, Visit, choose};
 
@@ -176,13 +176,13 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
     v.text(&Field::new("node_map", map), &mut import.node_map);
     let ratios = Field::new(
         "modal_damping",
-        "damping ratios of flexible mode 1, 2, ... if there is no damping matrix",
+        "damping ratios of flexible mode 1, 2, ... if there is no damping matrix; 0.01 for every mode if neither is there",
     );
-    v.numbers(
-        &ratios.limit(Limit::Between(0.0, 1.0)).or_empty(),
-        Count::AtLeastOne,
-        &mut import.modal_damping,
-    );
+    let ratios = ratios.limit(Limit::Between(0.0, 1.0)).or_empty();
+    v.numbers(&ratios, Count::AtLeastOne, &mut import.modal_damping);
+    if import.damping.file.is_empty() {
+        assumed_ratio(v, &ratios, &mut import.modal_damping);
+    }
     let shapes = "shapes that a structure is condensed to: its lowest modes, or those that balanced truncation ranks first";
     choose(v, &Field::new("shapes", shapes).or_text("modes"), &mut import.shapes);
     masses(v, &mut import.masses);

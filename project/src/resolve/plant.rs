@@ -119,7 +119,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     table(
         v,
         &TableField::required("interface", "converters and clock of the controller")
-            .smallest("sample_period = \"1 ms\""),
+            .with_smallest("sample_period = \"1 ms\""),
         &mut plant.interface,
         interface,
     );

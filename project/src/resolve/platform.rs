@@ -6,7 +6,7 @@ use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road
 use counterpoise_verify::signals::sea::Sea;
 use counterpoise_verify::signals::six_axes::SixAxes;
 use counterpoise_verify::signals::spectrum::{
-    Realisation, Tone, integrated, pitch_simulator, random_motion, tones,
+    Realisation, Tone, angle_tones, pitch_simulator, random_motion, tones,
 };
 use std::f64::consts::TAU;
 
@@ -166,7 +166,7 @@ impl Motion {
             MotionKind::Simulator { offset_m, sines, pitch_psd } => {
                 let sine = |s: &[f64; 2]| Tone { rate_rad_s: TAU * s[1], amplitude: s[0], phase_rad: 0.0 };
                 let mut angle: Vec<Tone> = sines.iter().map(sine).collect();
-                angle.extend(integrated(&tones(pitch_psd, how.seed, 0)?));
+                angle.extend(angle_tones(&tones(pitch_psd, how.seed, 0)?));
                 pitch_simulator(&angle, *offset_m, how)
             }
             MotionKind::IsoRoad { class, speed_m_s, vehicle } => {

@@ -19,9 +19,10 @@ const PIVOT: Field = Field::new("pivot", "position of the hub pivot along the ax
     .or(0.0);
 const MODAL_DAMPING: Field = Field::new(
     "modal_damping",
-    "damping ratios of flexible mode 1, 2, ... of the structure pinned at its hub",
+    "damping ratios of flexible mode 1, 2, ... of the structure pinned at its hub; 0.01 for every mode if absent",
 )
-.limit(Limit::Between(0.0, 1.0));
+.limit(Limit::Between(0.0, 1.0))
+.or_empty();
 const DAMPING_LAW: Field = Field::new(
     "damping",
     "law of the damping above the last ratio that is given: constant (`modal`) or growing with the frequency (`modal-stiffness`)",
@@ -235,6 +236,15 @@ fn damping(v: &mut dyn Visit, beam: &mut Beam) {
     };
     if law != Law::Rayleigh {
         v.numbers(&MODAL_DAMPING, Count::AtLeastOne, &mut beam.modal_damping);
+        assumed_ratio(v, &MODAL_DAMPING, &mut beam.modal_damping);
+    }
+}
+
+/// Assumes the damping ratio of a structure of which nothing is known, if none is written.
+pub(crate) fn assumed_ratio(v: &mut dyn Visit, field: &Field, ratios: &mut Vec<f64>) {
+    if ratios.is_empty() {
+        ratios.push(DAMPING_RATIO);
+        v.assume(&as_usual(*field), DAMPING_RATIO);
     }
 }
 

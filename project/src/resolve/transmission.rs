@@ -92,7 +92,7 @@ fn begin(gearbox: &mut Gearbox, kind: Transmission) {
 
 fn keys(v: &mut dyn Visit, plant: &mut Parameters) {
     if let Transmission::BallScrew { mut lead_m } = plant.gearbox.kind {
-        v.number(&Field::new("lead", "travel a turn").unit("m").limit(ABOVE_0), &mut lead_m);
+        v.number(&Field::new("lead", "travel a turn").unit("m/rev").limit(ABOVE_0), &mut lead_m);
         if plant.axis == Axis::Rotary {
             v.complain("lead", "must be that of a linear axis: write axis = \"linear\" in [plant]", None);
         }

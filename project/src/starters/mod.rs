@@ -161,7 +161,7 @@ impl Kind {
 ///
 /// # Errors
 /// What is wrong with the answer, in words.
-pub fn answered(document: &Document, path: &str, answer: &str) -> Result<Document, String> {
+pub fn with_answer(document: &Document, path: &str, answer: &str) -> Result<Document, String> {
     let answer = answer.trim();
     let setting = answer.parse().map_or_else(|_| Setting::Text(answer.to_owned()), Setting::Number);
     let filled = document.replace(path, &setting).map_err(|error: EditError| error.to_string())?;

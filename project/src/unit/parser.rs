@@ -138,6 +138,11 @@ struct Parser<'a> {
     factors: usize,
 }
 
+/// Units, with their prefixes, that data sheets write as one word with another behind them.
+const JOINED_FIRST: [&str; 8] = ["Nm", "N", "g", "lb", "oz", "lbf", "ozf", "V"];
+/// The units behind them, the longer ones first.
+const JOINED_SECOND: [&str; 6] = ["cm", "mm", "in", "ft", "m", "s"];
+
 /// Whether a factor stands above or below the line.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
@@ -156,7 +161,7 @@ impl Parser<'_> {
 
     /// Passes separators between factors.
     fn skip_separators(&mut self) {
-        while self.peek().is_some_and(|c| c.is_whitespace() || matches!(c, '*' | '·' | '⋅' | '-')) {
+        while self.peek().is_some_and(|c| c.is_whitespace() || matches!(c, '*' | '·' | '⋅' | '-' | '.')) {
             self.rest.next();
         }
     }
@@ -206,14 +211,23 @@ impl Parser<'_> {
                 }
                 inside
             }
-            Some('1') => {
-                self.rest.next();
-                Unit::ONE
-            }
+            Some('1') => self.one()?,
             _ => self.name()?,
         };
         let power = self.power()?;
         Ok(Unit::ONE.times(unit, power))
+    }
+
+    /// Reads `1`, or `1000` with the name that follows it, as in `V/1000 rpm`.
+    fn one(&mut self) -> Result<Unit, UnitError> {
+        let Some(after) = self.rest.as_str().strip_prefix("1000") else {
+            self.rest.next();
+            return Ok(Unit::ONE);
+        };
+        self.rest = after.chars();
+        self.skip_separators();
+        let named = self.name()?;
+        Ok(Unit { exponent: named.exponent.saturating_add(3), ..named })
     }
 
     fn name(&mut self) -> Result<Unit, UnitError> {
@@ -225,10 +239,27 @@ impl Parser<'_> {
         if name.is_empty() {
             return Err(self.malformed());
         }
+        if let Some((unit, first)) = self.joined(name) {
+            self.rest = text[first..].chars();
+            return Ok(unit);
+        }
         self.rest = rest.chars();
         Unit::named(name, self.reading).ok_or_else(|| UnitError::Unknown {
             name: name.to_owned(),
             nearest: nearest(name, UNITS.iter().map(|unit| unit.name)),
+        })
+    }
+
+    /// Returns the first of two units that are written as one word, as in `kgm²` and `gcm²`, with the length of its name.
+    fn joined(&self, name: &str) -> Option<(Unit, usize)> {
+        if Unit::named(name, self.reading).is_some() {
+            return None;
+        }
+        JOINED_SECOND.iter().find_map(|second| {
+            let first = name.strip_suffix(second)?;
+            let is_joined = JOINED_FIRST.iter().any(|known| first.ends_with(known));
+            let unit = Unit::named(first, self.reading).filter(|_| is_joined)?;
+            Some((unit, first.len()))
         })
     }
 

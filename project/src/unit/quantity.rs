@@ -55,6 +55,12 @@ impl QuantityError {
     /// Returns what to do about it, if there is something better to say than what is allowed.
     pub fn hint(&self) -> Option<String> {
         match self {
+            Self::Unit { why: UnitError::Unknown { name, .. }, .. } if LINES.contains(&name.as_str()) => {
+                Some(
+                    "write counts: an encoder of N lines or pulses gives 4 N counts if all their edges count"
+                        .to_owned(),
+                )
+            }
             Self::Unit { why: UnitError::Unknown { nearest: Some(name), .. }, .. } => {
                 Some(format!("did you mean \"{name}\"?"))
             }
@@ -63,6 +69,9 @@ impl QuantityError {
         }
     }
 }
+
+/// Names of the lines of an encoder, of which a turn has a quarter as many as counts, or as many.
+const LINES: [&str; 7] = ["line", "lines", "ppr", "PPR", "lpr", "pulse", "pulses"];
 
 fn in_unit(wanted: &str) -> String {
     if wanted.is_empty() { String::new() } else { format!(" in {wanted}") }
@@ -88,7 +97,7 @@ const LONGEST: usize = 200;
 /// Reads a quantity such as `0.5 mrad` and returns its value in the wanted unit.
 ///
 /// `kg`, `lb` and `oz` are masses, or the weights of these masses where only that fits; `g` is the gram, or the acceleration of
-/// gravity. A ratio may be written `200:1`. A number of bits fits where counts are wanted: `14 bit` are 16384 counts.
+/// gravity. A ratio may be written `200:1`. A number of bits fits where counts are wanted: `14 bit` are 16384 counts, of a turn or of anything else.
 ///
 /// # Errors
 /// [`QuantityError`].
@@ -186,6 +195,9 @@ fn scale(parts: &Parts<'_>, text: &str, wanted: &str) -> Result<Scale, QuantityE
         return Err(QuantityError::NoUnit { wanted: wanted.to_owned() });
     }
     let unit = Unit::parse(parts.unit, Reading::Mass).map_err(refused)?;
+    if is_per_minute(parts.unit) && target.dimension.without_angles().1 != unit.dimension.without_angles().1 {
+        return Err(mismatch(text, wanted, &unit.dimension.name(), unit.dimension));
+    }
     if let Some(scale) = linear(&unit, &target) {
         return Ok(scale);
     }
@@ -193,15 +205,33 @@ fn scale(parts: &Parts<'_>, text: &str, wanted: &str) -> Result<Scale, QuantityE
     if let Some(scale) = linear(&weight, &target) {
         return Ok(scale);
     }
-    let (counts, bits) = (Unit::parse("count", Reading::Mass), Unit::parse("bit", Reading::Mass));
-    let is = |one: &Unit, other: Result<Unit, UnitError>| {
-        other.is_ok_and(|other| other.dimension == one.dimension)
-    };
-    let per_turn = Unit::parse("count/rev", Reading::Mass);
-    if is(&unit, bits) && (is(&target, counts) || is(&target, per_turn)) {
-        return Ok(Scale::CountsOfBits);
+    if let Some(scale) = of_a_turn(&unit, &target) {
+        return Ok(scale);
     }
     Err(mismatch(text, wanted, &unit.dimension.name(), unit.dimension))
+}
+
+/// Whether a unit counts something a minute, without saying what.
+fn is_per_minute(unit: &str) -> bool {
+    unit.contains("min^-1") || unit.contains("1/min")
+}
+
+/// Returns the factor to a number of steps, or to a length, of a turn, whether the turn is written or not; bits count steps.
+fn of_a_turn(unit: &Unit, target: &Unit) -> Option<Scale> {
+    let is_one_of = |one: &Unit, names: [&str; 2]| {
+        names
+            .iter()
+            .any(|name| Unit::parse(name, Reading::Mass).is_ok_and(|named| named.dimension == one.dimension))
+    };
+    let (counts, bits) = (["count", "count/rev"], ["bit", "bit/rev"]);
+    if is_one_of(target, counts) && is_one_of(unit, bits) {
+        return Some(Scale::CountsOfBits);
+    }
+    if is_one_of(target, counts) && is_one_of(unit, counts) {
+        return Some(Scale::Linear { factor: 1.0, power: unit.exponent });
+    }
+    let is_lead = is_one_of(target, ["m/rev"; 2]) && is_one_of(unit, ["m"; 2]);
+    is_lead.then_some(Scale::Linear { factor: unit.factor, power: unit.exponent })
 }
 
 fn mismatch(text: &str, wanted: &str, found: &str, dimension: Dimension) -> QuantityError {
@@ -210,8 +240,14 @@ fn mismatch(text: &str, wanted: &str, found: &str, dimension: Dimension) -> Quan
     let time = Dimension([0, 0, 1, 0, 0, 0, 0, 0, 0, 0]);
     let (length, area) =
         (Dimension([1, 0, 0, 0, 0, 0, 0, 0, 0, 0]), Dimension([2, 0, 0, 0, 0, 0, 0, 0, 0, 0]));
+    let (speed_constant, back_emf) =
+        (Dimension([-2, -1, 2, 1, 0, 1, 0, 0, 0, 0]), Dimension([2, 1, -2, -1, 0, -1, 0, 0, 0, 0]));
     let decibel = Dimension([0, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
-    let meant = if dimension == frequency && target == time {
+    let meant = if is_per_minute(text) {
+        Some("write rpm for revolutions a minute, or rad/min for radians".to_owned())
+    } else if dimension == speed_constant && target == back_emf {
+        Some("that is the speed constant, the inverse: \"380 rpm/V\" are \"2.6316 mV/rpm\"".to_owned())
+    } else if dimension == frequency && target == time {
         Some("give the period, the inverse of the frequency".to_owned())
     } else if dimension == area && target == length && text.ends_with("m m") {
         Some("did you mean \"mm\"?".to_owned())

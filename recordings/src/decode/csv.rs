@@ -50,25 +50,49 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         }
         row(&record.map_err(unreadable)?, delimiter, &mut columns, file)?;
     }
-    decoded(&headings, columns, file)
+    Kept::of(headings).decoded(columns, file)
 }
 
-/// Returns the columns of numbers, and remarks on those of texts.
-///
-/// # Errors
-/// [`Error::Cell`] if a column of numbers has a cell that is none.
-fn decoded(headings: &[String], columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
-    let mut found = Decoded::default();
-    for (heading, cells) in headings.iter().zip(columns) {
-        let holds_texts = cells.holds_texts(heading, file)?;
-        let column = Column::headed(heading, cells.values);
-        if holds_texts {
-            found.remarks.push(texts(column.name));
-        } else {
-            found.columns.push(column);
-        }
+/// The columns of a file, which may be read in parts.
+#[derive(Debug)]
+struct Kept {
+    headings: Vec<String>,
+    /// What the columns held so far, without their values.
+    held: Vec<Cells>,
+    /// Which columns the first part has, and so all others.
+    kept: Vec<bool>,
+}
+
+impl Kept {
+    fn of(headings: Vec<String>) -> Self {
+        let held = vec![Cells::default(); headings.len()];
+        Self { headings, held, kept: Vec::new() }
     }
-    Ok(found)
+
+    /// Returns the columns of numbers of a part, and remarks on those of texts: those that the first part has. A column of texts is left out of
+    /// all parts; one that is all missing in the first part, and holds texts later, stays all missing.
+    ///
+    /// # Errors
+    /// [`Error::Cell`] if a column of numbers has a cell that is none, in this part or an earlier one.
+    fn decoded(&mut self, columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
+        let mut found = Decoded::default();
+        for (k, mut cells) in columns.into_iter().enumerate() {
+            cells.follow(&self.held[k]);
+            let holds_texts = cells.holds_texts(&self.headings[k], file)?;
+            self.held[k] = Cells { values: Vec::new(), numbers: cells.numbers, text: cells.text.clone() };
+            if self.kept.len() == k {
+                self.kept.push(!holds_texts);
+            }
+            let column = Column::headed(&self.headings[k], cells.values);
+            if holds_texts {
+                found.remarks.push(texts(column.name.clone()));
+            }
+            if self.kept[k] {
+                found.columns.push(column);
+            }
+        }
+        Ok(found)
+    }
 }
 
 /// Returns the remark on a column of texts.
@@ -184,15 +208,11 @@ fn number(cell: &str, delimiter: u8) -> Option<f64> {
 pub struct CsvParts<R> {
     reader: csv::Reader<R>,
     delimiter: u8,
-    headings: Vec<String>,
+    columns: Kept,
     name: String,
     rows: usize,
     read: usize,
     record: csv::StringRecord,
-    /// What the columns held so far, without their values.
-    held: Vec<Cells>,
-    /// Which columns the first part has, and so all others.
-    kept: Vec<bool>,
 }
 
 impl<R: std::io::BufRead> CsvParts<R> {
@@ -218,12 +238,12 @@ impl<R: std::io::BufRead> CsvParts<R> {
         refuse_numbers(&headings, delimiter, name)?;
         let rows = rows.min(VALUES_OF_A_PART / headings.len().max(1)).max(1);
         let record = csv::StringRecord::new();
-        let (name, held) = (name.to_owned(), vec![Cells::default(); headings.len()]);
-        Ok(Self { reader, delimiter, headings, name, rows, read: 0, record, held, kept: Vec::new() })
+        let (name, columns) = (name.to_owned(), Kept::of(headings));
+        Ok(Self { reader, delimiter, columns, name, rows, read: 0, record })
     }
 
     fn part(&mut self) -> Result<Option<Table>, Error> {
-        let mut columns = vec![Cells::default(); self.headings.len()];
+        let mut columns = vec![Cells::default(); self.columns.headings.len()];
         let mut count = 0;
         while count < self.rows {
             let more =
@@ -239,33 +259,8 @@ impl<R: std::io::BufRead> CsvParts<R> {
         }
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
-        let Decoded { columns, remarks } = self.decoded(columns)?;
+        let Decoded { columns, remarks } = self.columns.decoded(columns, &self.name)?;
         Table { name, columns, remarks }.checked().map(Some)
-    }
-
-    /// Returns the columns of a part: those that the first part has. A column of texts is left out of all parts; one that is all missing in
-    /// the first part, and holds texts later, stays all missing.
-    ///
-    /// # Errors
-    /// [`Error::Cell`] if a column of numbers has a cell that is none, in this part or an earlier one.
-    fn decoded(&mut self, columns: Vec<Cells>) -> Result<Decoded, Error> {
-        let mut found = Decoded::default();
-        for (k, mut cells) in columns.into_iter().enumerate() {
-            cells.follow(&self.held[k]);
-            let holds_texts = cells.holds_texts(&self.headings[k], &self.name)?;
-            self.held[k] = Cells { values: Vec::new(), numbers: cells.numbers, text: cells.text.clone() };
-            if self.kept.len() == k {
-                self.kept.push(!holds_texts);
-            }
-            let column = Column::headed(&self.headings[k], cells.values);
-            if holds_texts {
-                found.remarks.push(texts(column.name.clone()));
-            }
-            if self.kept[k] {
-                found.columns.push(column);
-            }
-        }
-        Ok(found)
     }
 }
 

@@ -118,6 +118,7 @@ pub struct Replayer<'a> {
     fitted: FittedStart,
     /// The structure, if it is not that of the mechanism's two inertias.
     body: Option<Body>,
+    imperfections: Imperfections,
 }
 
 impl<'a> Replayer<'a> {
@@ -141,12 +142,19 @@ impl<'a> Replayer<'a> {
         let sensed = platform::Sensed::new(parameters, recording, None);
         let platform = sensed.motion(parameters, period);
         let fitted = FittedStart::default();
-        Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY, fitted, body: None })
+        let (steps_per_sample, imperfections) = (f64::INFINITY, Imperfections::None);
+        Ok(Self { recording, sensed, platform, samples, steps_per_sample, fitted, body: None, imperfections })
     }
 
     /// Returns the same with a bound on the steps of a run: see [`Simulator::bounded`].
     pub fn bounded(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample, ..self }
+    }
+
+    /// Returns the same with readings and a control that are rounded as the project's converters do. A replay without rounding differs from it
+    /// by more than the noise floor if a loop under dry friction waits for the next count.
+    pub fn with_rounded_readings(self) -> Self {
+        Self { imperfections: Imperfections::Quantisation, ..self }
     }
 
     /// Returns the same on another structure than that of two inertias: with the modes of finite elements, for instance. The rotor behind a rigid
@@ -339,7 +347,7 @@ impl<'a> Replayer<'a> {
             demand_rad_s: Signal::Held { period_s: period, values: demand },
             injection_v: Signal::ZERO,
             platform,
-            imperfections: Imperfections::None,
+            imperfections: self.imperfections,
             initial: Initial::State(Box::new(start.clone())),
             detail: Detail::Recording,
         }

@@ -79,7 +79,7 @@ pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
 pub fn loop_shape_worker(wake: &Wake) -> LoopShapeWorker {
     Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, _: &Token| {
         let sample_period_s = design.modelled.parameters.interface.sample_period_s;
-        loop_shape(&design.broken, sample_period_s).ok()
+        loop_shape(&design.broken, &design.curves, sample_period_s).ok()
     })
 }
 

@@ -8,9 +8,9 @@ use counterpoise_linalg::C64;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_report::bode::BodeCurve;
 use counterpoise_verify::linear::loop_shape::nichols;
-use counterpoise_verify::linear::root_locus::continuous_equivalent;
 use counterpoise_verify::linear::{
-    Disk, LoopCause, LoopEffect, LoopResponse, LoopShape, RootLocus, largest_sensitivity,
+    Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, LoopShape, MarginKind, RootLocus,
+    largest_sensitivity, margins_on_path,
 };
 use egui::{Rect, Ui};
 
@@ -26,8 +26,6 @@ use crate::view::View;
 const NICHOLS_DB: (f64, f64) = (-40.0, 40.0);
 /// Ends of the Nyquist chart on each axis.
 const NYQUIST: [(f64, f64); 2] = [(-3.0, 1.5), (-2.2, 2.2)];
-/// The root locus is shown up to this many crossover frequencies from the origin.
-const LOCUS_CROSSOVERS: f64 = 5.0;
 /// What a cell has beside its plot: margins of the card, heading, numbers and labels of the axes, points.
 const CELL_FRAME: [f32; 2] = [78.0, 84.0];
 
@@ -103,16 +101,21 @@ fn phase_chart(view: &View, design: &DesignPreview) -> Chart {
     chart
 }
 
-/// Returns the margins as points of the plane of L, named.
-fn margin_points(design: &DesignPreview) -> Vec<(C64, String)> {
-    let gain = design.margins.gain_increase().filter(|gain| gain.rate_rad_s.is_finite());
-    let gain = gain.map(|gain| (C64::new(-1.0 / gain.factor, 0.0), format!("{:.1} dB", gain.db)));
-    let phase = design.margins.phase_margin();
-    let phase = phase.map(|phase| {
-        let at = C64::from_polar(1.0, (phase.deg - 180.0).to_radians());
-        (at, format!("{:.0}\u{b0}", phase.deg))
+/// A margin as a point of the plane of L, with its size in words.
+struct NamedMargin {
+    response: C64,
+    label: String,
+}
+
+fn named_margins(design: &DesignPreview) -> Vec<NamedMargin> {
+    let named = margins_on_path(&design.margins).into_iter().map(|margin| {
+        let label = match margin.kind {
+            MarginKind::Gain => format!("{:.1} dB", margin.size),
+            MarginKind::Phase => format!("{:.0}\u{b0}", margin.size),
+        };
+        NamedMargin { response: margin.response, label }
     });
-    gain.into_iter().chain(phase).collect()
+    named.collect()
 }
 
 fn nichols_chart(view: &View, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
@@ -129,8 +132,10 @@ fn nichols_chart(view: &View, design: &DesignPreview, response: &[C64], largest:
             nichols(&Disk::of_sensitivity(largest).edge()),
         )
         .with_path("L", view.theme.curves[0], Dash::Solid, nichols(response));
-    for (L, label) in margin_points(design) {
-        chart.spots.extend(nichols(&[L]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }));
+    for NamedMargin { response, label } in named_margins(design) {
+        chart
+            .spots
+            .extend(nichols(&[response]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }));
     }
     chart.levels.push(0.0);
     chart.add_mark(-180.0, "");
@@ -164,8 +169,8 @@ fn nyquist_chart(view: &View, design: &DesignPreview, response: &[C64], largest:
         chart = chart.with_path("disk margin", theme.curves[3], Dash::Dashed, plane(&disk.edge()));
     }
     chart = chart.with_path("L", theme.curves[0], Dash::Solid, plane(response));
-    for (L, label) in margin_points(design) {
-        chart.spots.push(LabelledPoint { at: [L.re, L.im], label });
+    for NamedMargin { response, label } in named_margins(design) {
+        chart.spots.push(LabelledPoint { at: [response.re, response.im], label });
     }
     chart.spots.push(LabelledPoint { at: [-1.0, 0.0], label: "-1".to_owned() });
     chart.range = NYQUIST.map(Some);
@@ -180,12 +185,9 @@ fn locus_chart(view: &View, locus: Option<&RootLocus>, crossover_hz: f64) -> Cha
     let reach = view.units.display_frequency(TAU * LOCUS_CROSSOVERS * crossover_hz.max(0.01));
     chart.range = [Some((-1.2 * reach, 0.3 * reach)), Some((-reach, reach))];
     chart.add_mark(0.0, "");
-    let Some(locus) = locus else { return chart };
-    let place = |z: &C64| {
-        let s = continuous_equivalent(*z, locus.sample_period_s);
-        let shown = |part: f64| part.signum() * view.units.display_frequency(part.abs());
-        s.map_or([f64::NAN; 2], |s| [shown(s.re), shown(s.im)])
-    };
+    let Some(locus) = locus.map(RootLocus::in_continuous_time) else { return chart };
+    let shown = |part: f64| part.signum() * view.units.display_frequency(part.abs());
+    let place = |s: &C64| [shown(s.re), shown(s.im)];
     for branch in &locus.branches {
         let path = branch.iter().map(&place).collect();
         chart = chart.with_path("", view.theme.curves[0], Dash::Solid, path);

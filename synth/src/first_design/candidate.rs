@@ -34,13 +34,21 @@ enum Modes {
 /// Shapes that are tried in order: the usual one, one with more phase at the cost of noise, one that attenuates modes, and
 /// one with the roll-off of the quickest filter and little integral action for long delays. The usual one leaves a loop of
 /// one integrator 57 degrees of phase.
-pub(super) const SHAPES: [Shape; 5] = [
+pub(super) const SHAPES: [Shape; 8] = [
     Shape { integral: 5.0, observer: 4.0, roll_off: 4.0, modes: Modes::Plain },
     Shape { integral: 8.0, observer: 8.0, roll_off: 8.0, modes: Modes::Plain },
     Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, modes: Modes::Plain },
     Shape { integral: 8.0, observer: 4.0, roll_off: 4.0, modes: Modes::Dear },
     Shape { integral: 12.0, observer: 2.5, roll_off: 4.0, modes: Modes::Dear },
+    Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, modes: Modes::Dear },
+    Shape { integral: 16.0, observer: 16.0, roll_off: 8.0, modes: Modes::Dear },
+    Shape { integral: 16.0, observer: 16.0, roll_off: 4.0, modes: Modes::Dear },
 ];
+/// The shapes that attenuate modes with the usual observer: 3 and 4.
+pub(super) const DEAR: std::ops::Range<usize> = 3..5;
+/// The shapes from here on attenuate modes and leave more phase. They are tried where 3 or 4 lacks nothing but phase, by a loop that its clock
+/// does not limit: a quick clock leaves a resonance in the phase in which it harms, where the lag of a slow one had turned it away.
+pub(super) const MORE_PHASE: usize = 5;
 
 /// Factor on the control weight at a lightly damped mode: 20 dB.
 const PEAK: f64 = 10.0;

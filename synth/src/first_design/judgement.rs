@@ -11,7 +11,7 @@ use counterpoise_lti::{
 use super::Circumstances;
 use super::neighbours::light_modes;
 use crate::sampling::sampled_plant;
-use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE};
+use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, SEEN_ABOVE};
 use crate::{DesignPlant, Error, Sampling};
 
 /// Margins that a loop must keep.
@@ -278,9 +278,6 @@ fn about(rate_rad_s: f64) -> impl Iterator<Item = f64> {
 fn near(rate_rad_s: f64) -> impl Iterator<Item = f64> {
     (-3..=3).map(move |k| rate_rad_s * (1.0 + 0.01 * f64::from(k)))
 }
-
-/// How far above a limit the sensitivity at a few frequencies must be to count as above it: beyond every rounding.
-const SEEN_ABOVE: f64 = 1e-6;
 
 /// RMS control for readings with noise of unit RMS.
 fn noise_gain(plant: &StateSpace, K: &StateSpace) -> Result<f64, Error> {

@@ -114,6 +114,7 @@ fn without_lags(plant: &DesignPlant) -> DesignPlant {
 fn above(scan: &Scan, other: &Circumstances, found: &Tried) -> Result<Option<f64>, Error> {
     let mut lifted = Scan::new(other)?;
     lifted.unknown.clone_from(&scan.unknown);
+    lifted.has_more_phase = scan.has_more_phase;
     lifted.most_missed = 1;
     let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
     let rate = highest.get(&Vec::new()).copied().unwrap_or(0.0);
@@ -163,7 +164,7 @@ fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut Highe
 /// Whether some shape keeps every limit but those that are left out at an aim.
 fn has_loop(scan: &mut Scan, aim: f64, left_out: &[LimitKind], highest: &mut Highest) -> Result<bool, Error> {
     for shape in 0..SHAPES.len() {
-        let Some(tried) = scan.attempt(aim, shape)? else { continue };
+        let Some(tried) = scan.attempt_if_worthwhile(aim, shape)? else { continue };
         let missed = scan.missed(&tried.judgement);
         let known = highest.entry(missed.iter().map(|kind| *kind as u8).collect()).or_insert(0.0);
         *known = known.max(tried.judgement.bandwidth_rad_s);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Circumstances;
-use super::candidate::{PlantGain, SHAPES, position_gain, weights};
+use super::candidate::{DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
 use crate::bandwidth::{Limit, LimitKind, Unknown};
@@ -33,6 +33,8 @@ const DECADES: i32 = 5;
 const HALVINGS: usize = 5;
 /// Above this many times the ceiling only the usual shape is tried: such aims serve to tell the other limits.
 const FAR_ABOVE: f64 = 1.5;
+/// A loop that reaches less than this share of what the clock allows is not limited by the clock; the more so at any quicker one.
+const CLOCK_SHARE: f64 = 0.5;
 /// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
 const DELAY_REACH: f64 = 2.0;
 
@@ -44,6 +46,8 @@ pub(super) struct Scan<'a> {
     pub unknown: Vec<Unknown>,
     tried: Vec<Tried>,
     best: Option<Tried>,
+    /// Whether the shapes that attenuate modes and leave more phase are tried.
+    pub has_more_phase: bool,
     /// A candidate that misses so many limits already is judged no further.
     pub most_missed: usize,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
@@ -64,7 +68,17 @@ impl<'a> Scan<'a> {
         let judge = Judge::new(circumstances, &neighbours)?;
         let attempts = BTreeMap::new();
         let most_missed = usize::MAX;
-        Ok(Self { circumstances, judge, gain, unknown, tried: Vec::new(), best: None, most_missed, attempts })
+        Ok(Self {
+            circumstances,
+            judge,
+            gain,
+            unknown,
+            tried: Vec::new(),
+            best: None,
+            has_more_phase: false,
+            most_missed,
+            attempts,
+        })
     }
 
     /// The ceiling that sample rate, ignorance and what was asked for set, rad/s.
@@ -88,15 +102,47 @@ impl<'a> Scan<'a> {
         for k in 0..DECADES * PER_DECADE {
             let aim = highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
             if let Some(found) = self.best_shape(aim)? {
-                self.best = Some(found.clone());
-                if let Some(above) = above {
-                    self.close_in(&found, above)?;
-                }
-                return Ok(());
+                self.best = Some(self.close_in(found, above)?);
+                break;
             }
             above = Some(aim);
         }
+        if self.is_free_of_clock() { self.attenuate_modes(highest) } else { Ok(()) }
+    }
+
+    /// Whether the answer is far below what the clock allows.
+    fn is_free_of_clock(&self) -> bool {
+        self.best.is_some() && self.reached() < CLOCK_SHARE * self.sample_ceiling()
+    }
+
+    /// Tries the shapes that attenuate modes and leave more phase, from the highest aim at which 3 or 4 lacks nothing but phase down to the
+    /// answer.
+    fn attenuate_modes(&mut self, highest_rad_s: f64) -> Result<(), Error> {
+        self.has_more_phase = true;
+        let step = 10f64.powf(1.0 / f64::from(PER_DECADE));
+        let mut aim = highest_rad_s;
+        while aim > self.reached() {
+            for shape in MORE_PHASE..SHAPES.len() {
+                let Some(found) = self.attempt_if_worthwhile(aim, shape)? else { continue };
+                // Between two aims the bandwidth rises no more than the aim.
+                let is_promising = found.judgement.bandwidth_rad_s * step > self.reached();
+                if is_promising && self.keeps_all(&found.judgement) {
+                    let closer = self.close_in(found, Some(aim * step))?;
+                    if closer.judgement.bandwidth_rad_s > self.reached() {
+                        self.best = Some(closer);
+                    }
+                }
+            }
+            aim /= step;
+        }
+        // Without an answer among them they are no part of the search for what limits it.
+        self.has_more_phase = self.best.as_ref().is_some_and(|best| best.shape >= MORE_PHASE);
         Ok(())
+    }
+
+    /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
+    fn reached(&self) -> f64 {
+        self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
     }
 
     /// The highest aim that is looked at, rad/s.
@@ -109,7 +155,7 @@ impl<'a> Scan<'a> {
 
     /// The first shape that keeps everything at an aim.
     fn best_shape(&mut self, aim_rad_s: f64) -> Result<Option<Tried>, Error> {
-        let count = if aim_rad_s > FAR_ABOVE * self.ceiling() { 1 } else { SHAPES.len() };
+        let count = if aim_rad_s > FAR_ABOVE * self.ceiling() { 1 } else { MORE_PHASE };
         for shape in 0..count {
             let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
             let keeps = self.keeps_all(&tried.judgement);
@@ -121,22 +167,44 @@ impl<'a> Scan<'a> {
         Ok(None)
     }
 
-    /// Halves the stretch between an aim that keeps everything and one that does not.
-    fn close_in(&mut self, found: &Tried, above: f64) -> Result<(), Error> {
-        let (mut low, mut high) = (found.aim_rad_s, above);
+    /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one. Returns the highest that keeps
+    /// everything.
+    fn close_in(&mut self, found: Tried, above: Option<f64>) -> Result<Tried, Error> {
+        let Some(mut high) = above else { return Ok(found) };
+        let mut best = found;
         for _ in 0..HALVINGS {
-            let middle = (low * high).sqrt();
-            let Some(tried) = self.attempt(middle, found.shape)? else {
-                high = middle;
-                continue;
-            };
-            if self.keeps_all(&tried.judgement) {
-                (low, self.best) = (middle, Some(tried));
-            } else {
-                high = middle;
+            let middle = (best.aim_rad_s * high).sqrt();
+            match self.attempt(middle, best.shape)? {
+                Some(tried) if self.keeps_all(&tried.judgement) => best = tried,
+                _ => high = middle,
             }
         }
-        Ok(())
+        Ok(best)
+    }
+
+    /// Returns the feedback of an aim and the number of a shape as [`Self::attempt`] does; `None` also if the shape leaves more phase and the
+    /// shapes that it stands in for miss something else.
+    ///
+    /// # Errors
+    /// Those of the design.
+    pub fn attempt_if_worthwhile(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+        if shape < MORE_PHASE {
+            return self.attempt(aim_rad_s, shape);
+        }
+        if !self.has_more_phase {
+            return Ok(None);
+        }
+        for usual in DEAR {
+            let lacks_phase = match self.attempt(aim_rad_s, usual)? {
+                Some(tried) => self.missed(&tried.judgement) == [LimitKind::Margins],
+                // Where one miss is too many, a candidate that misses the margins is not kept.
+                None => self.most_missed == 1,
+            };
+            if lacks_phase {
+                return self.attempt(aim_rad_s, shape);
+            }
+        }
+        Ok(None)
     }
 
     /// Returns the feedback of an aim and the number of a shape; `None` if there is none or its loop is not stable.

@@ -4,16 +4,16 @@
   cargo build --release -p counterpoise-tests --example hard-problems
   python3 tests/peers/linear/hinfinity.py [--first 0] [--count 30] [--show]
 
-Needs numpy, slycot and mpmath. Each controller's loop is assembled here; the frequencies of its highest peaks are found in doubles, and the gain there is
-computed with 60 digits from plant and controller as they are given (in doubles, loops near the optimum are off by up to 1e-5). A claim is too low if the norm that is found exceeds it by more than 1e-6. An answer stops above the
+Needs numpy, slycot and python-flint. The gain of each controller's loop is computed with 77 digits from plant and controller as they are given, at every
+frequency of the search, and so are the poles: near the optimum a controller may have entries of 1e14, and doubles then place peaks wrongly. A claim is too low if the norm that is found exceeds it by more than 1e-6. An answer stops above the
 reachable level if it exceeds the best norm of all programs by more than 1e-3, though some controller reaches that with a stable loop."""
 import argparse, json, os, subprocess, warnings
 
-import mpmath as mp
+import flint
 import numpy as np
 import slycot
 
-mp.mp.dps = 60
+flint.ctx.prec = 256
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
@@ -125,44 +125,57 @@ def slicot(p):
     return best
 
 
-def closed(p, K):
-    """The loop from w to z under u = K y, as A, B, C, D."""
-    Ak, Bk, Ck, Dk = (np.atleast_2d(M) for M in K)
-    m2, p2 = p['controls'], p['measurements']
-    A, B1, B2, C1, C2 = p['A'], p['B'][:, :-m2], p['B'][:, -m2:], p['C'][:-p2], p['C'][-p2:]
-    D11, D12, D21 = p['D'][:-p2, :-m2], p['D'][:-p2, -m2:], p['D'][-p2:, :-m2]
-    return (np.block([[A + B2 @ Dk @ C2, B2 @ Ck], [Bk @ C2, Ak]]), np.vstack([B1 + B2 @ Dk @ D21, Bk @ D21]),
-            np.hstack([C1 + D12 @ Dk @ C2, D12 @ Ck]), D11 + D12 @ Dk @ D21)
-
-
 def gain(p, K, w):
-    """The largest singular value of P11 + P12 K (I - P22 K)^-1 P21 at a frequency, with 60 digits."""
-    long = lambda M: mp.matrix(np.atleast_2d(M).tolist())
-    response = lambda A, B, C, D: long(C) * mp.inverse(mp.mpc(0, w) * mp.eye(len(A)) - long(A)) * long(B) + long(D)
-    P, K = response(*(p[k] for k in 'ABCD')), response(*K)
-    z, q = P.rows - p['measurements'], P.cols - p['controls']
-    H = P[:z, :q] + P[:z, q:] * K * mp.inverse(mp.eye(p['measurements']) - P[z:, q:] * K) * P[z:, :q]
-    return float(max(mp.svd_c(H, compute_uv=False)))
+    """The largest singular value of P11 + P12 K (I - P22 K)^-1 P21 at a frequency, with 77 digits; zero at a pole of plant or
+    controller, which the frequencies beside it cover."""
+    def response(A, B, C, D):
+        shifted = long([[w * 1j if i == j else 0 for j in range(len(A))] for i in range(len(A))]) - long(A)
+        return long(C) * shifted.solve(long(B)) + long(D)
+    try:
+        P, K = response(*(p[k] for k in 'ABCD')), response(*K)
+        z, q = P.nrows() - p['measurements'], P.ncols() - p['controls']
+        part = lambda rows, cols: flint.acb_mat([[P[i, j] for j in cols] for i in rows])
+        up, down, left, right = range(z), range(z, P.nrows()), range(q), range(q, P.ncols())
+        inner = long(np.eye(p['measurements'])) - part(down, right) * K
+        H = part(up, left) + part(up, right) * (K * inner.solve(part(down, left)))
+    except ZeroDivisionError:
+        return 0.0
+    return np.linalg.svd([[complex(H[i, j]) for j in range(q)] for i in range(z)], compute_uv=False)[0]
+
+
+def long(M):
+    return flint.acb_mat([[flint.acb(float(np.real(e)), float(np.imag(e))) for e in row] for row in np.atleast_2d(M)])
+
+
+def poles(p, K):
+    """The poles of the loop, assembled with 77 digits (P22 has no direct path)."""
+    Ak, Bk, Ck, Dk = map(long, K)
+    A, B2, C2 = long(p['A']), long(p['B'][:, -p['controls']:]), long(p['C'][-p['measurements']:])
+    blocks = [[A + B2 * Dk * C2, B2 * Ck], [Bk * C2, Ak]]
+    rows = [[e for block in row for e in block.tolist()[i]] for row in blocks for i in range(row[0].nrows())]
+    return np.array([complex(e) for e in flint.acb_mat(rows).eig(algorithm='approx')])
 
 
 def norm(p, K):
     """The peak of the largest singular value; None for a loop that is not stable."""
     K = [np.atleast_2d(M) for M in K]
-    A, B, C, D = closed(p, K)
-    if not all(np.isfinite(M).all() for M in (A, B, C, D)) or np.linalg.eigvals(A).real.max() >= 0:
+    if not all(np.isfinite(M).all() for M in K):
         return None
-    sizes = np.abs(np.linalg.eigvals(A))
-    rates = np.unique(np.r_[0, sizes, np.logspace(np.log10(sizes.min() + 1e-12) - 2, np.log10(sizes.max()) + 2, 400)])
-    values = lambda rates: np.array([np.linalg.svd(C @ np.linalg.solve(1j * w * np.eye(len(A)) - A, B) + D, compute_uv=False)[0] for w in rates])
+    roots = poles(p, K)
+    if roots.real.max() >= 0:
+        return None
+    sizes = np.r_[np.abs(roots), np.abs(roots.imag)]
+    rates = np.unique(np.r_[0, sizes, np.logspace(np.log10(np.abs(roots).min() + 1e-12) - 2, np.log10(sizes.max()) + 2, 400)])
+    values = lambda rates: np.array([gain(p, K, w) for w in rates])
     found = values(rates)
-    best = np.linalg.svd(D, compute_uv=False)[0]
+    best = found.max()
     for k in np.argsort(found)[-2:]:
         low, high = rates[max(k - 1, 0)], rates[min(k + 1, len(rates) - 1)]
         for _ in range(8):
             inner = np.linspace(low, high, 9)
             at = int(np.argmax(values(inner)))
             low, high = inner[max(at - 1, 0)], inner[min(at + 1, 8)]
-        best = max(best, gain(p, K, float(inner[at])))
+        best = max(best, values(inner).max())
     return best
 
 

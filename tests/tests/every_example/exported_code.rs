@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use counterpoise_controller::{Controller, READINGS, SampledController};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::board::{CORES, Core};
-use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, differing, requests, rust_replay};
+use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, count_differing, requests, rust_replay};
 use counterpoise_export::{
     File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan, rust_crate,
     single_precision,
@@ -308,7 +308,7 @@ impl Design {
         let output = Command::new(folder.join("replay")).stdin(readings).output().unwrap();
         let samples: usize = records.iter().map(|record| record.controls_v.len()).sum();
         assert!(samples > 1000);
-        assert_eq!(differing(records, None, &output.stdout), Some((samples, 0)), "{}", self.name);
+        assert_eq!(count_differing(records, None, &output.stdout), Some((samples, 0)), "{}", self.name);
     }
 
     /// Every kind of numbers is there. Deviations stay within what was predicted and not far below, and the closed loop where

@@ -35,44 +35,37 @@ trait Target: SampledController {
     fn expected(&self) -> u32;
 }
 
+/// Passes on to what both runners call alike.
+macro_rules! pass_on {
+    ($expected:expr) => {
+        fn set(&mut self, out_of_balance_kg_m: f64) {
+            self.set_out_of_balance(out_of_balance_kg_m);
+        }
+
+        fn hand_over(&mut self) {
+            self.use_sensors(Sensors::FeedbackAlone);
+        }
+
+        fn says(&self) -> Status {
+            self.status()
+        }
+
+        fn expected(&self) -> u32 {
+            $expected
+        }
+    };
+}
+
 impl<N: Number> Target for Runner<N>
 where
     Self: SampledController,
 {
-    fn set(&mut self, out_of_balance_kg_m: f64) {
-        self.set_out_of_balance(out_of_balance_kg_m);
-    }
-
-    fn hand_over(&mut self) {
-        self.use_sensors(Sensors::FeedbackAlone);
-    }
-
-    fn says(&self) -> Status {
-        self.status()
-    }
-
-    fn expected(&self) -> u32 {
-        ALONE | REFUSED
-    }
+    pass_on!(ALONE | REFUSED);
 }
 
+/// A setting in fixed point is an integer, so none can be no number.
 impl Target for FixedRunner {
-    fn set(&mut self, out_of_balance_kg_m: f64) {
-        self.set_out_of_balance(out_of_balance_kg_m);
-    }
-
-    fn hand_over(&mut self) {
-        self.use_sensors(Sensors::FeedbackAlone);
-    }
-
-    fn says(&self) -> Status {
-        self.status()
-    }
-
-    /// A setting in fixed point is an integer, so none can be no number.
-    fn expected(&self) -> u32 {
-        ALONE
-    }
+    pass_on!(ALONE);
 }
 
 /// The application: it tries a setting that is no number, and hands over as soon as a sensor is flagged.

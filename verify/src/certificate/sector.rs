@@ -181,7 +181,7 @@ impl<'a> Scaled<'a> {
             teeth,
             multiplier: None,
             units: self.units,
-            pulled: self.pulled.parts(),
+            pulled: self.pulled.pulled_loop(),
         };
         for most in [Criterion::Passivity, Criterion::Circle, Criterion::Popov, Criterion::ZamesFalb] {
             found.criterion = most;

@@ -1,11 +1,10 @@
 //! The loop as a path in the complex plane: for Nyquist and Nichols charts, with the regions that it must avoid.
 
 use counterpoise_linalg::C64;
-use counterpoise_lti::{Response, StateSpace};
+use counterpoise_lti::{Margins, Response, StateSpace};
 
-use super::RootLocus;
-use super::frequency::grid_hz;
 use super::root_locus::root_locus;
+use super::{Curves, RootLocus};
 use crate::tolerance::{LOWEST_PATH_GAIN, MOST_PATH_POINTS, PATH_LOGARITHM, PATH_STEP};
 use crate::{Error, Figure, LoopFigure, Requirement};
 
@@ -36,26 +35,68 @@ pub struct Disk {
     pub radius: f64,
 }
 
-/// Returns path and root locus of a sampled loop under negative feedback.
+/// The kind of a margin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MarginKind {
+    /// Of the gain, dB.
+    Gain,
+    /// Of the phase, degrees.
+    Phase,
+}
+
+/// A margin, with the value of L at which it is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MarginOnPath {
+    /// Which margin.
+    pub kind: MarginKind,
+    /// Its size, dB or degrees.
+    pub size: f64,
+    /// Where it is read, rad/s.
+    pub rate_rad_s: f64,
+    /// L there.
+    pub response: C64,
+}
+
+/// Returns path and root locus of a sampled loop under negative feedback, with its response in `curves`.
 ///
 /// # Errors
 /// A response that does not exist because of a pole on the unit circle, and those of the eigenvalues.
-pub fn loop_shape(broken: &StateSpace, sample_period_s: f64) -> Result<LoopShape, Error> {
-    Ok(LoopShape { path: loop_path(broken, sample_period_s)?, locus: root_locus(broken, sample_period_s)? })
+pub fn loop_shape(broken: &StateSpace, curves: &Curves, sample_period_s: f64) -> Result<LoopShape, Error> {
+    let coarse =
+        LoopPath { frequency_hz: curves.frequency_hz.clone(), response: curves.broken.response.clone() };
+    Ok(LoopShape { path: loop_path(broken, &coarse)?, locus: root_locus(broken, sample_period_s)? })
 }
 
-/// Returns L at the frequencies of the curves, and between them where L turns fast: neighbours are at most
+/// Returns the nearest gain margins, upwards and downwards, and the nearest phase margin; a margin at zero or unbounded frequency is no point of
+/// the path.
+pub fn margins_on_path(margins: &Margins) -> Vec<MarginOnPath> {
+    let gains = [margins.gain_increase(), margins.gain_decrease()].into_iter().flatten();
+    let gains =
+        gains.filter(|gain| gain.rate_rad_s > 0.0 && gain.rate_rad_s.is_finite()).map(|gain| MarginOnPath {
+            kind: MarginKind::Gain,
+            size: gain.db,
+            rate_rad_s: gain.rate_rad_s,
+            response: C64::new(-1.0 / gain.factor, 0.0),
+        });
+    let phase = margins.phase_margin().map(|phase| MarginOnPath {
+        kind: MarginKind::Phase,
+        size: phase.deg,
+        rate_rad_s: phase.rate_rad_s,
+        response: C64::from_polar(1.0, (phase.deg - 180.0).to_radians()),
+    });
+    gains.chain(phase).collect()
+}
+
+/// Returns L at the frequencies of `coarse`, which is a part of the response of `broken`, and between them where L turns fast: neighbours are at most
 /// [`PATH_STEP`] apart on the Riemann sphere and [`PATH_LOGARITHM`] in the logarithm, unless the limit of points is reached.
 ///
 /// # Errors
 /// A response that does not exist because of a pole on the unit circle.
-pub fn loop_path(broken: &StateSpace, sample_period_s: f64) -> Result<LoopPath, Error> {
+pub fn loop_path(broken: &StateSpace, coarse: &LoopPath) -> Result<LoopPath, Error> {
     let response = Response::of(broken)?;
     let value = |hz: f64| -> Result<C64, Error> { Ok(response.at(std::f64::consts::TAU * hz)?[(0, 0)]) };
-    let mut ahead: Vec<(f64, C64)> = Vec::new();
-    for hz in grid_hz(sample_period_s).into_iter().rev() {
-        ahead.push((hz, value(hz)?));
-    }
+    let known = coarse.frequency_hz.iter().copied().zip(coarse.response.iter().copied());
+    let mut ahead: Vec<(f64, C64)> = known.rev().collect();
     let mut path = LoopPath { frequency_hz: Vec::new(), response: Vec::new() };
     while let Some((hz, L)) = ahead.pop() {
         let last = path.frequency_hz.last().copied().zip(path.response.last().copied());

@@ -17,7 +17,9 @@ pub mod time;
 pub use closed::{Closed, arranged};
 pub use frequency::{Curve, Curves, PlantResponse, rejection_db};
 pub use loop_responses::{LoopCause, LoopEffect, LoopResponse};
-pub use loop_shape::{Disk, LoopPath, LoopShape, largest_sensitivity, loop_shape};
+pub use loop_shape::{
+    Disk, LoopPath, LoopShape, MarginKind, MarginOnPath, largest_sensitivity, loop_shape, margins_on_path,
+};
 pub use plant::SampledPlant;
-pub use root_locus::{RootLocus, root_locus};
+pub use root_locus::{ContinuousLocus, LOCUS_CROSSOVERS, RootLocus, root_locus};
 pub use time::{disturbance, step, triangle};

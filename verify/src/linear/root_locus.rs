@@ -27,9 +27,58 @@ pub struct RootLocus {
 /// The smallest gain of a root locus; its reciprocal is the largest.
 pub const LEAST_GAIN: f64 = 1e-2;
 
+/// A root locus at the equivalents of poles and zeros in continuous time, ln(z)/T in rad/s. A zero or pole at z = 0 has none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContinuousLocus {
+    /// One branch a pole. A point that is not a number breaks the curve: at z = 0, and where a branch passes the negative real axis of the z-plane
+    /// and its equivalent jumps to the other side.
+    pub branches: Vec<Vec<C64>>,
+    /// Poles of the open loop.
+    pub open_poles: Vec<C64>,
+    /// Finite zeros of the open loop.
+    pub open_zeros: Vec<C64>,
+    /// Poles of the closed loop.
+    pub closed_poles: Vec<C64>,
+}
+
+/// A root locus is shown up to this many crossover frequencies from the origin.
+pub const LOCUS_CROSSOVERS: f64 = 5.0;
+
+impl RootLocus {
+    /// Returns the locus in the s-plane.
+    pub fn in_continuous_time(&self) -> ContinuousLocus {
+        let equivalent = |z: &C64| continuous_equivalent(*z, self.sample_period_s);
+        let all = |places: &[C64]| places.iter().filter_map(equivalent).collect();
+        let point = |z: &C64| equivalent(z).unwrap_or(BREAK);
+        ContinuousLocus {
+            branches: self.branches.iter().map(|branch| with_breaks(branch.iter().map(point))).collect(),
+            open_poles: all(&self.open_poles),
+            open_zeros: all(&self.open_zeros),
+            closed_poles: all(&self.closed_poles),
+        }
+    }
+}
+
+const BREAK: C64 = C64::new(f64::NAN, f64::NAN);
+
 /// Returns the equivalent in the s-plane of a pole or zero in the z-plane, ln(z)/T in rad/s; `None` at z = 0, which has none.
 pub fn continuous_equivalent(z: C64, sample_period_s: f64) -> Option<C64> {
     (z.norm() > 0.0).then(|| z.ln() / sample_period_s)
+}
+
+/// The points with a break where a branch reaches the negative real axis of the z-plane and its equivalent jumps to the other side.
+fn with_breaks(points: impl Iterator<Item = C64>) -> Vec<C64> {
+    let mut all: Vec<C64> = Vec::new();
+    for at in points {
+        let jumps = all.last().is_some_and(|last| {
+            last.im * at.im < 0.0 && (last.im - at.im).abs() > 0.5 * last.norm().max(at.norm())
+        });
+        if jumps {
+            all.push(BREAK);
+        }
+        all.push(at);
+    }
+    all
 }
 
 /// Returns the root locus of a sampled loop L under negative feedback:
@@ -120,4 +169,18 @@ fn in_order(last: &[C64], next: &[C64]) -> Vec<C64> {
         }
     }
     matched.into_iter().zip(last).map(|(pole, old)| pole.unwrap_or(*old)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn branches_break_where_they_pass_to_the_other_side() {
+        let branch = |points: [[f64; 2]; 4]| with_breaks(points.into_iter().map(|[re, im]| C64::new(re, im)));
+        let points = branch([[-1.0, 3.0], [-1.0, 3.1], [-1.0, -3.1], [-1.0, -3.0]]);
+        assert_eq!(points.len(), 5);
+        assert!(points[2].re.is_nan());
+        assert_eq!(branch([[-4.0, 0.1], [-4.0, -0.1], [-4.0, -0.2], [-4.0, -0.3]]).len(), 4);
+    }
 }

@@ -23,7 +23,7 @@ pub fn add(
     let Some(road) = procedure.road.as_ref().filter(|road| road.further.is_some() && tangent != 0.0) else {
         return Ok(());
     };
-    let acting = acting(plant, arrangement);
+    let acting = acting_arrangement(plant, arrangement);
     let Some((_, closed)) = loops.iter().find(|(of, _)| *of == acting) else { return Ok(()) };
     let motion = |time_s: f64| (-tangent * road.surge_at(time_s), 0.0);
     let duration_s = procedure.duration_of(Source::Road);
@@ -44,7 +44,7 @@ pub fn add(
 
 /// Returns the arrangement whose loop meets surge: an accelerometer that stands upright does not see it, so that the heave feedforward does nothing
 /// against it.
-pub fn acting(plant: &SampledPlant, arrangement: Arrangement) -> Arrangement {
+pub fn acting_arrangement(plant: &SampledPlant, arrangement: Arrangement) -> Arrangement {
     match arrangement {
         Arrangement::Compensated if !plant.surge_is_measured => Arrangement::Feedback,
         other => other,

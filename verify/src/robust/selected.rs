@@ -182,7 +182,7 @@ impl<'a> Linear<'a> {
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.
     fn surging(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<(Arrangement, Closed)>, Error> {
-        let meets = surge::acting(&self.sampled, arrangement);
+        let meets = surge::acting_arrangement(&self.sampled, arrangement);
         let mut loops = vec![(arrangement, closed)];
         if meets != arrangement {
             loops.push((meets, self.closed(meets)?));

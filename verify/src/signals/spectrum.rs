@@ -138,7 +138,7 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, E
 
 /// Tones of the angle whose rate the given tones are.
 #[must_use]
-pub fn integrated(rate: &[Tone]) -> Vec<Tone> {
+pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
     let turned = |tone: &Tone| Tone {
         amplitude: tone.amplitude / tone.rate_rad_s,
         phase_rad: tone.phase_rad - std::f64::consts::FRAC_PI_2,

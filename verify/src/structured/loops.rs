@@ -152,7 +152,7 @@ impl UncertainLoop {
     }
 
     /// Returns the systems of which M is made.
-    pub fn parts(&self) -> PulledLoop {
+    pub fn pulled_loop(&self) -> PulledLoop {
         let [mechanism, sampled, controller] = self.made_of.clone();
         PulledLoop {
             structure: self.structure.clone(),

@@ -175,20 +175,18 @@ impl<'a> Problem<'a> {
         Ok((without_dry(&parameters, dry), Dry { viscous: dry, springs }))
     }
 
+    /// The errors at phases that they have at a rate, `scale` times the stated ones.
+    fn gain_errors(&self, (phases, rate_rad_s): ([C64; 2], f64), scale: f64) -> GainErrors {
+        GainErrors { at: [0, 1].map(|k| phases[k] * (scale * self.errors[k])), rate_rad_s }
+    }
+
     /// The outermost pole at a perturbation.
     pub(super) fn pole(&self, deltas: &[f64], phases: [C64; 2], scale: f64) -> Result<C64, Error> {
         self.pole_at(deltas, (phases, 1.0), scale)
     }
 
-    pub(super) fn pole_at(
-        &self,
-        deltas: &[f64],
-        (phases, rate_rad_s): ([C64; 2], f64),
-        scale: f64,
-    ) -> Result<C64, Error> {
-        let (parameters, dry) = self.perturbed(deltas, scale)?;
-        let at = [0, 1].map(|k| phases[k] * (scale * self.errors[k]));
-        let errors = GainErrors { at, rate_rad_s };
+    pub(super) fn pole_at(&self, deltas: &[f64], with: ([C64; 2], f64), scale: f64) -> Result<C64, Error> {
+        let ((parameters, dry), errors) = (self.perturbed(deltas, scale)?, self.gain_errors(with, scale));
         outermost_pole(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
@@ -196,12 +194,10 @@ impl<'a> Problem<'a> {
     pub(super) fn closed_at(
         &self,
         deltas: &[f64],
-        (phases, rate_rad_s): ([C64; 2], f64),
+        with: ([C64; 2], f64),
         scale: f64,
     ) -> Result<ClosedWith, Error> {
-        let (parameters, dry) = self.perturbed(deltas, scale)?;
-        let at = [0, 1].map(|k| phases[k] * (scale * self.errors[k]));
-        let errors = GainErrors { at, rate_rad_s };
+        let ((parameters, dry), errors) = (self.perturbed(deltas, scale)?, self.gain_errors(with, scale));
         closed_with(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 

@@ -96,7 +96,7 @@ pub fn robust_stability_in(
         dry_friction_at_rad_s: problem.dry_at,
         errors: problem.errors,
         proof: BoundProof {
-            pulled: problem.pulled.parts(),
+            pulled: problem.pulled.pulled_loop(),
             ranges: problem.entering.clone(),
             scalings: scanned.iter().map(|at| at.upper.clone()).collect(),
             perturbations: scanned.into_iter().map(|at| at.lower).collect(),

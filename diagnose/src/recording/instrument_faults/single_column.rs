@@ -2,7 +2,8 @@
 
 use crate::tolerance::recording::{
     CLIPPED_SHARE, COARSER_CONVERTER, CONVERTER_LIMIT_SHARE, EVEN_RUNS_SHARE, FEWEST_RUNS, FLAT_TOP_SAMPLES,
-    FLAT_TOP_STEPS, NOISY_COLUMN_SHARE, STUCK_READINGS,
+    FLAT_TOP_STEPS, GRID_DEVIATION, GRID_DIFFERENCES, GRID_SHARE, GRID_STEPS, NOISY_COLUMN_SHARE,
+    STUCK_READINGS,
 };
 use counterpoise_models::Parameters;
 
@@ -112,7 +113,17 @@ fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
 pub(super) fn coarse(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
     let expected = column.converter_step(base).filter(|_| Column::SENSORS.contains(&column))?;
     let step = step(series);
-    (step.is_finite() && step > COARSER_CONVERTER * expected).then_some(FaultKind::Coarse { step, expected })
+    let coarser = step.is_finite() && step > COARSER_CONVERTER * expected && is_grid(series, step);
+    coarser.then_some(FaultKind::Coarse { step, expected })
+}
+
+/// Returns whether the readings lie on a grid of a step: the small differences of neighbours are whole multiples of it. Readings without a
+/// converter have a smallest difference too, which means nothing.
+fn is_grid(series: &[f64], step: f64) -> bool {
+    let differences = series.windows(2).map(|w| (w[1] - w[0]).abs() / step);
+    let small: Vec<f64> = differences.filter(|d| (0.5..GRID_STEPS).contains(d)).collect();
+    let whole = small.iter().filter(|d| (*d - d.round()).abs() < GRID_DEVIATION).count();
+    small.len() >= GRID_DIFFERENCES && whole as f64 > GRID_SHARE * small.len() as f64
 }
 
 /// Returns the smallest difference between two different neighbouring readings; infinite if there are none.
@@ -124,6 +135,7 @@ fn step(series: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::expect_used, clippy::panic)]
     use super::*;
     use counterpoise_models::reference;
 
@@ -142,6 +154,22 @@ mod tests {
     fn told(series: &[f64]) -> Vec<FaultKind> {
         let rig = reference::rig();
         seen(Column::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
+    }
+
+    #[test]
+    fn a_continuous_reading_has_no_steps() {
+        let mut rig = reference::rig();
+        rig.interface.input_bits = 40;
+        let step = 20.0 / 65536.0 / 10.0;
+        let smooth: Vec<f64> = reading(5000)
+            .iter()
+            .zip(reading(12_000).iter().skip(7000))
+            .map(|(a, b)| a + 0.318_309_886 * b + 1e-4 * step * (b * 1e7).sin())
+            .collect();
+        assert_eq!(coarse(Column::HubRate, &smooth, &rig), None);
+        let stepped = coarse(Column::HubRate, &reading(5000), &rig);
+        let FaultKind::Coarse { step: found, .. } = stepped.expect("steps") else { panic!("another fault") };
+        assert!((found / step - 1.0).abs() < 1e-6, "{found}");
     }
 
     #[test]
