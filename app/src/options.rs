@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use counterpoise_host::stages::Progress;
 use counterpoise_pipeline::recordings::ReplayLength;
+use counterpoise_pipeline::studies::assumptions::LoopSystems;
 
 /// Arguments of `studio`, handed to the studio's own program as they are.
 #[derive(Args, Default)]
@@ -30,6 +31,11 @@ impl Results {
     /// Returns whether progress is printed.
     pub fn progress(&self) -> Progress {
         if self.quiet { Progress::Quiet } else { Progress::Shown }
+    }
+
+    /// Returns whether a result contains systems for other programs: if it is written as JSON.
+    pub fn loop_systems(&self) -> LoopSystems {
+        if self.json.is_some() { LoopSystems::Included } else { LoopSystems::LeftOut }
     }
 }
 

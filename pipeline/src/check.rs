@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
-use crate::studies::assumptions::{AssumptionEffect, assumption_effects, with_those_of_design};
+use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
 
 /// What a project file was understood to say.
@@ -78,7 +78,7 @@ const PURPOSES: [Purpose; 10] = [
 ];
 
 /// Returns what a file was understood to say. The design is computed, if there is one, to rank the assumptions.
-pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
+pub fn check(document: &Document, parsed: &Parsed, systems: LoopSystems) -> CheckResult {
     let project = &parsed.project;
     let mut problems = Vec::new();
     let (plant, (assumptions, effects)) = match model(project) {
@@ -87,7 +87,8 @@ pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
             (None, (parsed.assumptions.clone(), Vec::new()))
         }
         Ok(modelled) => {
-            let ranked = rank_assumptions(project, &modelled, &parsed.assumptions).unwrap_or_else(|error| {
+            let ranked = rank_assumptions(project, &modelled, &parsed.assumptions, systems);
+            let ranked = ranked.unwrap_or_else(|error| {
                 problems.push(format!("assumptions are not ranked, because there is no design: {error}"));
                 RankedAssumptions { assumptions: parsed.assumptions.clone(), ..RankedAssumptions::default() }
             });
@@ -118,7 +119,7 @@ pub struct RankedAssumptions {
     pub assumptions: Vec<Assumption>,
     /// How much those of the plant matter that have a usual range, the largest effect first: what is first is worth measuring next.
     pub effects: Vec<AssumptionEffect>,
-    /// The loop at the assumed values, from which effects are counted; `None` without effects.
+    /// The loop at the assumed values, from which effects are counted; `None` without effects, or if the systems are left out.
     pub assumed_loop: Option<VerifiedLoop>,
 }
 
@@ -131,6 +132,7 @@ pub fn rank_assumptions(
     project: &Project,
     modelled: &Modelled,
     assumptions: &[Assumption],
+    systems: LoopSystems,
 ) -> Result<RankedAssumptions, PipelineError> {
     let has_usual = assumptions.iter().any(|assumption| assumption.usual.is_some());
     if !has_usual && !modelled.parameters.sensors.measured.is_position() {
@@ -144,7 +146,7 @@ pub fn rank_assumptions(
     };
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
-    let found = assumption_effects(project, modelled, &synthesised, assumptions)?;
+    let found = assumption_effects(project, modelled, &synthesised, assumptions, systems)?;
     let assumptions = with_those_of_design(assumptions, &synthesised);
     Ok(RankedAssumptions { assumptions, effects: found.effects, assumed_loop: found.assumed_loop })
 }

@@ -19,6 +19,9 @@ use counterpoise_project::Project;
 pub struct PlantViews {
     /// The modes of the beam, one set a support; empty without a beam.
     pub modes: Vec<ModeSet>,
+    /// The finite elements of which these are the modes; none without a flexible structure.
+    #[serde(skip)]
+    pub elements: Option<FeModel>,
     /// What few elements make of the beam; none without a beam.
     pub meshes: Option<Meshes>,
     /// Friction at the motor and at the pivot, where there is any.
@@ -121,7 +124,8 @@ const KEPT: usize = 5;
 /// Those of the structure and the friction laws.
 pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, PipelineError> {
     let meshes = project.plant.beam.as_ref().map(meshes).transpose()?;
-    let mut out = PlantViews { modes: Vec::new(), meshes, frictions: Vec::new(), learned: Vec::new() };
+    let mut out =
+        PlantViews { modes: Vec::new(), elements: None, meshes, frictions: Vec::new(), learned: Vec::new() };
     out.learned = read_elements(&modelled.parameters.learned);
     if let Some(structure) = finite_elements_of(project) {
         let fe = match &modelled.elements {
@@ -132,6 +136,7 @@ pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, 
         for (support, name) in supports {
             out.modes.push(ModeSet { support: name, modes: shown(&fe, &modes(&fe, support)?) });
         }
+        out.elements = Some(fe);
     }
     let p = &modelled.parameters;
     let places = [("motor", &p.motor_friction, p.gearbox.ratio), ("pivot", &p.pivot_friction, 1.0)];

@@ -19,7 +19,8 @@ use crate::exchange::error_budget::ErrorBudgetResult;
 use crate::exchange::systems::stored_frequencies_hz;
 use crate::exchange::verified::{histories, responses};
 use crate::exchange::{
-    BalanceResult, HistoryResult, ResponseResult, SCHEMA, SystemResult, TransferFunctionResult, VerifiedLoop,
+    BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult,
+    TransferFunctionResult, VerifiedLoop,
 };
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
@@ -63,6 +64,9 @@ pub struct ModelResult {
     /// The loop at the assumed values, from which effects are counted; absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub assumed_loop: Option<VerifiedLoop>,
+    /// The finite elements of the structure with their modes; absent if it has none, or in the results of `design`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<StructureResult>,
 }
 
 /// The reduction.
@@ -298,6 +302,7 @@ impl From<&Modelled> for ModelResult {
             assumptions: Vec::new(),
             assumption_effects: Vec::new(),
             assumed_loop: None,
+            structure: None,
             balance: BalanceResult::of(&modelled.plant, linear),
         }
     }

@@ -99,16 +99,33 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let still = |_: f64| Platform::default();
     let moving = |t: f64| moved(&procedure, t);
     let exported = (&modelled.parameters, controller);
-    let rest = run(&truth, exported, (&still, 0.0), &mut dice);
-    let motion = run(&truth, exported, (&moving, 0.0), &mut dice);
+    let rest = run(&truth, exported, (&still, Start::Rest), &mut dice);
+    let motion = run(&truth, exported, (&moving, Start::Rest), &mut dice);
     let certificate = found.cases[0].clone();
-    let kicked = match certificate.stability {
-        Stability::LimitCycle { amplitude_rad_s, .. } => {
-            Some(run(&truth, exported, (&still, amplitude_rad_s), &mut dice))
-        }
-        _ => None,
-    };
+    let kicked = start(&certificate).map(|start| run(&truth, exported, (&still, start), &mut dice));
     Some(Row { seed, blocks, certificate, rest, motion, kicked })
+}
+
+/// How the motion of a run starts, once the controller has settled.
+#[derive(Debug, Clone, Copy)]
+enum Start {
+    /// Not at all.
+    Rest,
+    /// With this rate of hub, beam and motor, the gear's teeth moving along, rad/s.
+    Rate(f64),
+    /// By three periods of a sine that is added to the control.
+    Burst { volts: f64, hz: f64 },
+}
+
+/// How the certified limit cycle was started in the product's simulator; `None` if none is certified. One that its run from rest meets starts
+/// at its amplitude.
+fn start(certificate: &CaseCertificate) -> Option<Start> {
+    let Stability::LimitCycle { amplitude_rad_s, .. } = certificate.stability else { return None };
+    let own = certificate.orbits.iter().find(|orbit| orbit.amplitude_rad_s == amplitude_rad_s);
+    Some(own.map_or(Start::Rate(amplitude_rad_s), |orbit| Start::Burst {
+        volts: orbit.burst_v,
+        hz: orbit.start_hz,
+    }))
 }
 
 /// A mechanism and a controller from seeded numbers: sizes, friction, weights, observer, schedule and adaptation.
@@ -215,12 +232,11 @@ fn moved(procedure: &Procedure, t: f64) -> Platform {
     }
 }
 
-/// The exported controller on the independent simulator, with noise and converters. Once it has settled, the whole mechanism is set moving at a
-/// rate of the hub, with the gear's teeth moving along.
+/// The exported controller on the independent simulator, with noise and converters. Once it has settled, the motion starts.
 fn run(
     truth: &Machine,
     (p, controller): (&Parameters, &Controller),
-    (platform, kick_rad_s): (&dyn Fn(f64) -> Platform, f64),
+    (platform, start): (&dyn Fn(f64) -> Platform, Start),
     dice: &mut Dice,
 ) -> Seen {
     let (period, mut runner, mut x) = (p.interface.sample_period_s, controller.runner(), truth.at_rest());
@@ -234,7 +250,9 @@ fn run(
     for k in 0..samples {
         let t = k as f64 * period;
         let now = platform(t);
-        if k == settled {
+        if let Start::Rate(kick_rad_s) = start
+            && k == settled
+        {
             x[MOTOR_RATE] += p.gearbox.ratio * kick_rad_s;
             x[HUB_RATE] += kick_rad_s;
             x[BEAM_RATE] += kick_rad_s;
@@ -251,7 +269,7 @@ fn run(
             read(others[1], x[4] - now.angle, bits, dice),
             0.0,
         ];
-        let control = quantised(runner.step_array(&readings), p.interface.output_bits);
+        let control = quantised(runner.step_array(&readings) + added_v(start, t), p.interface.output_bits);
         let h = period / STEPS as f64;
         for s in 0..STEPS {
             let from = t + s as f64 * h;
@@ -265,6 +283,16 @@ fn run(
         }
     }
     seen(&rates, period)
+}
+
+/// What is added to the control, V.
+fn added_v(start: Start, t: f64) -> f64 {
+    match start {
+        Start::Burst { volts, hz } if (0.0..3.0 / hz).contains(&(t - SETTLE_S)) => {
+            volts * (TAU * hz * (t - SETTLE_S)).sin()
+        }
+        _ => 0.0,
+    }
 }
 
 /// The rates of motor, hub and beam among the states.

@@ -31,6 +31,18 @@ fn certificates_do_not_contradict_an_independent_simulator() {
     }
 }
 
+/// Both mechanisms have another motion beside the certified limit cycle, and a run that starts at the cycle's amplitude with the teeth moving
+/// along meets that one.
+#[test]
+fn a_certified_limit_cycle_is_that_of_an_independent_simulator_from_the_same_burst() {
+    let base = base();
+    for seed in [1203, 1259] {
+        let [amplitude, frequency] =
+            trial(seed, &base).unwrap().cycle_errors().expect("the limit cycle stays");
+        assert!(amplitude.abs() <= 0.2 && frequency.abs() <= 0.05, "seed {seed}: {amplitude} {frequency}");
+    }
+}
+
 #[test]
 fn the_reference_rig_is_stable_in_every_regime() {
     let found = certified(&base());

@@ -45,7 +45,7 @@ pub fn run(options: &CheckOptions) -> Done {
     }
     match Project::resolve(&document, &attachments) {
         Ok(parsed) => {
-            let found = check(&document, &parsed);
+            let found = check(&document, &parsed, options.results.loop_systems());
             if !output::json(&options.results, &found)? {
                 lines(&found).iter().for_each(|line| say!("{line}"));
             }

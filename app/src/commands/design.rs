@@ -45,7 +45,8 @@ pub fn run(options: &DesignOptions) -> Done {
     let code = &designed.targets.code;
     let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
     let compiled = compiled(&proofs, &costs);
-    let ranked = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions);
+    let systems = options.results.loop_systems();
+    let ranked = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions, systems);
     let assumptions = with_those_of_design(&loaded.assumptions, &designed.stages.synthesised);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {

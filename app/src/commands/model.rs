@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use counterpoise_pipeline::check::rank_assumptions;
+use counterpoise_pipeline::exchange::StructureResult;
 use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, view_plant};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::accuracy;
@@ -45,7 +46,8 @@ pub fn run(options: &ModelOptions) -> Done {
     watched.finish();
     let modelled = modelled?;
     let mut result = ModelResult::from(&modelled);
-    let ranked = rank_assumptions(&loaded.project, &modelled, &loaded.assumptions);
+    let ranked =
+        rank_assumptions(&loaded.project, &modelled, &loaded.assumptions, options.results.loop_systems());
     let unranked = ranked.as_ref().err().map(ToString::to_string);
     match ranked {
         Ok(ranked) => {
@@ -55,6 +57,7 @@ pub fn run(options: &ModelOptions) -> Done {
         Err(_) => result.assumptions.clone_from(&loaded.assumptions),
     }
     let views = view_plant(&loaded.project, &modelled)?;
+    result.structure = StructureResult::of(&views, loaded.project.plant.beam.as_ref());
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
         let workers = Workers::new(options.results.progress());

@@ -3,12 +3,14 @@
 //! A system has its matrices as lists of rows, its signals by name and unit, and its sample time in seconds, 0 for continuous time: what
 //! `control.ss(A, B, C, D, dt)` of python-control and `ss(A, B, C, D, Ts)` of MATLAB take.
 //!
-//! Modules in reading order: [`systems`], [`balance`], [`verified`], [`pulled_loop`], [`error_budget`], [`controller_file`].
+//! Modules in reading order: [`systems`], [`balance`], [`structure`], [`verified`], [`pulled_loop`], [`error_budget`],
+//! [`controller_file`].
 
 pub mod balance;
 pub mod controller_file;
 pub mod error_budget;
 pub mod pulled_loop;
+pub mod structure;
 pub mod systems;
 pub mod verified;
 
@@ -16,6 +18,7 @@ pub use balance::BalanceResult;
 pub use controller_file::ControllerResult;
 pub use error_budget::{ErrorBudgetResult, SightValues};
 pub use pulled_loop::PulledLoopResult;
+pub use structure::StructureResult;
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
 pub use verified::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};
 

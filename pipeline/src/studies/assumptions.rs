@@ -42,9 +42,19 @@ pub struct EffectAt {
     pub sensitivity_change_db: Option<f64>,
     /// Largest change of the hub rate that heave or pitch leaves, dB.
     pub residual_change_db: Option<f64>,
-    /// The plant there; absent if none can be built.
+    /// The plant there; absent if none can be built, or if the systems are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured_on: Option<VerifiedLoop>,
+}
+
+/// Whether a result contains the systems from which its effects can be recomputed. They are asked for by whoever writes the result for
+/// another program: two sampled plants for each assumption take as long as the effects themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoopSystems {
+    /// The plants at both ends of each usual range, and the loop at the assumed values.
+    Included,
+    /// None.
+    LeftOut,
 }
 
 /// The effects of assumptions, with the loop from which they are counted.
@@ -52,7 +62,7 @@ pub struct EffectAt {
 pub struct AssumptionEffects {
     /// The effects, the largest first.
     pub effects: Vec<AssumptionEffect>,
-    /// The loop at the assumed values; `None` without effects.
+    /// The loop at the assumed values; `None` without effects, or if the systems are left out.
     pub assumed_loop: Option<VerifiedLoop>,
 }
 
@@ -77,6 +87,7 @@ pub fn assumption_effects(
     modelled: &Modelled,
     synthesised: &Synthesised,
     assumptions: &[Assumption],
+    systems: LoopSystems,
 ) -> Result<AssumptionEffects, PipelineError> {
     let procedure = Procedure {
         operating_point: project.model.operating_point,
@@ -85,6 +96,7 @@ pub fn assumption_effects(
         ..Procedure::default()
     };
     let controller = &synthesised.sampled.controller;
+    let is_included = systems == LoopSystems::Included;
     let nominal = figures(&modelled.plant, synthesised, &procedure)?;
     let effect = |assumption: &Assumption| {
         let [low, high] = assumption.usual?;
@@ -92,7 +104,8 @@ pub fn assumption_effects(
             let changed = project.with_number(&assumption.key, value)?;
             let made = model(&changed).ok();
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
-            let measured_on = made.and_then(|made| plants_of(&made.plant, controller, &procedure).ok());
+            let plants = |made: Modelled| plants_of(&made.plant, controller, &procedure).ok();
+            let measured_on = made.filter(|_| is_included).and_then(plants);
             Some(EffectAt { measured_on, ..compared(value, varied, nominal) })
         };
         let at = [at(low)?, at(high)?];
@@ -103,7 +116,7 @@ pub fn assumption_effects(
     let mut effects: Vec<AssumptionEffect> = assumptions.iter().filter_map(effect).collect();
     effects.sort_by(|a, b| b.largest_change_db.total_cmp(&a.largest_change_db));
     let assumed = || verified_loop(&modelled.plant, controller, &procedure);
-    let assumed_loop = (!effects.is_empty()).then(assumed).transpose()?;
+    let assumed_loop = (is_included && !effects.is_empty()).then(assumed).transpose()?;
     Ok(AssumptionEffects { effects, assumed_loop })
 }
 
@@ -118,8 +131,10 @@ pub fn effects_on_design(
     project: &Project,
     stages: &Stages,
     assumptions: &[Assumption],
+    systems: LoopSystems,
 ) -> AssumptionEffects {
-    assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions).unwrap_or_default()
+    assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions, systems)
+        .unwrap_or_default()
 }
 
 fn figures(

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use counterpoise_pipeline::Modelled;
 use counterpoise_pipeline::check::{RankedAssumptions, rank_assumptions};
+use counterpoise_pipeline::studies::assumptions::LoopSystems;
 use counterpoise_project::{Assumption, Project};
 
 /// A project whose assumptions are ranked.
@@ -20,6 +21,6 @@ pub struct RankingRequest {
 /// Ranks the assumptions of a project; if it has no design, they are listed without their effects.
 pub fn rank(request: RankingRequest) -> RankedAssumptions {
     let RankingRequest { project, modelled, assumptions } = request;
-    rank_assumptions(&project, &modelled, &assumptions)
+    rank_assumptions(&project, &modelled, &assumptions, LoopSystems::LeftOut)
         .unwrap_or(RankedAssumptions { assumptions, ..RankedAssumptions::default() })
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::files::{self, Folder};
 use counterpoise_pipeline::results::DesignResult;
-use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
+use counterpoise_pipeline::studies::assumptions::{LoopSystems, effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, design};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
@@ -39,13 +39,14 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
     let result = DesignResult::from(&designed);
     let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
     let first_design = designed.first_design.as_ref().map(FirstDesignResult::from);
+    let (stages, left_out) = (&designed.stages, LoopSystems::LeftOut);
     let run = DesignRun {
         origin: &Origin { command: format!("counterpoise design {project}"), project },
         times: &[],
         proofs: &proofs::proofs(code, &designed.targets.compared),
         costs: &processor::costs(code),
         assumptions: &with_those_of_design(&request.assumptions, &designed.stages.synthesised),
-        effects: &effects_on_design(&request.project, &designed.stages, &request.assumptions).effects,
+        effects: &effects_on_design(&request.project, stages, &request.assumptions, left_out).effects,
         first_design: first_design.as_ref(),
     };
     files::write(&request.output, html(&of_design(&designed, &result, &run)).as_bytes())

@@ -18,7 +18,7 @@ import numpy as np
 
 import certificates
 import stages
-from responses import at, bisect, crossings, decibels, golden, largest, named, system
+from responses import at, bisect, crossings, decibels, golden, largest, named, same_response, system
 
 # Margins are found here by another method than in the program (a dense grid, then bisection).
 LOOP_TOLERANCE = 1e-7
@@ -67,12 +67,16 @@ def pole_radius(verify):
 
 
 def rejection_db(verify, source, arrangement, hertz):
+    return decibels(abs(rejection(verify, source, arrangement, hertz)))
+
+
+def rejection(verify, source, arrangement, hertz):
     dt = named(verify["systems"], "sampled_plant")["sample_time_s"]
     rate = 2.0 * math.pi * hertz
     G = at(system(named(verify["systems"], "plant_with_sensors")), np.array([rate]), 0.0)[0]
     source_input = {"heave": 1, "pitch": 2}[source]
     if arrangement == "uncontrolled":
-        return decibels(abs(G[0, source_input]))
+        return G[0, source_input]
     sampled = system(named(verify["systems"], "sampled_plant"))
     name = "controller" if arrangement == "compensated" else "controller_feedback_alone"
     K = at(system(named(verify["systems"], name)), np.array([rate]), dt)[0][0]
@@ -82,7 +86,7 @@ def rejection_db(verify, source, arrangement, hertz):
     tone = (K @ R) / (1.0 - K @ P)
     hold = (1.0 - np.exp(-1j * rate * dt)) / (1j * rate * dt)
     hold *= np.exp(-1j * rate * dt * verify["control_delay_samples"])
-    return decibels(abs(G[0, source_input] + G[0, 0] * hold * tone))
+    return G[0, source_input] + G[0, 0] * hold * tone
 
 
 def rms(values):
@@ -289,6 +293,7 @@ def verify_rows(verify):
     yield from verdict_rows(verify, mine)
     yield from certificate_rows(verify)
     yield from robustness_rows(verify)
+    yield from response_rows_of(verify)
     for advice in verify.get("advice", []):
         yield from advice_rows(verify, advice)
     if verify.get("error_budget"):
@@ -302,6 +307,8 @@ def verdict_rows(verify, mine):
             yield f"verdict on {verdict['figure']}", verdict["value"], values[verdict["figure"]], 0.0
     holds = sum(verdict["verdict"] == "holds" for verdict in verify["verdicts"])
     yield "requirements that hold", float(holds), float(sum(map(is_held, verify["verdicts"]))), 0.0
+    judged = [verdict for verdict in verify["verdicts"] if verdict["value"] is not None]
+    yield "passes", float(verify["passes"]), float(all(map(is_held, judged))), 0.0
 
 
 def is_held(verdict):
@@ -377,6 +384,30 @@ def certificate_rows(verify):
         yield from certificates.orbits(case, dt, case["noise_floor_rad_s"])
 
 
+def response_row(verify, one):
+    """A stored response of the plant, the controller, the loop, its sensitivities, or the hub's rate over the platform's motion."""
+    name, hertz = one["name"], np.array(one["frequency_hz"])
+    rates, dt = 2.0 * math.pi * hertz, named(verify["systems"], "loop")["sample_time_s"]
+    if name.startswith("plant from "):
+        column = ["control", "heave", "pitch"].index(name.removeprefix("plant from "))
+        return at(system(named(verify["systems"], "plant_with_sensors")), rates, 0.0)[:, 0, column]
+    if name.startswith("controller, "):
+        reading = {"feedback": 1, "heave feedforward": 3, "pitch feedforward": 2}[name.removeprefix("controller, ")]
+        # the feedback is drawn as what acts on the error
+        sign = -1.0 if reading == 1 else 1.0
+        return sign * at(system(named(verify["systems"], "controller")), rates, dt)[:, 0, reading]
+    if name.startswith("hub rate over platform, "):
+        source, arrangement = name.removeprefix("hub rate over platform, ").split("_")
+        return np.array([rejection(verify, source, arrangement, hz) for hz in hertz])
+    L = at(system(named(verify["systems"], "loop")), rates, dt)[:, 0, 0]
+    return {"loop": L, "sensitivity": 1.0 / (1.0 + L), "complementary sensitivity": L / (1.0 + L)}[name]
+
+
+def response_rows_of(verify):
+    for one in verify["responses"]:
+        yield from same_response(one, response_row(verify, one))
+
+
 def robustness_rows(verify):
     for one in verify.get("robustness", []):
         name = f"{one['case']}, {one['joints']}"
@@ -413,6 +444,12 @@ def rows_of(result):
         yield from verify_rows(result)
 
 
+def difference_of(value, mine, allowed):
+    """The relative difference of two numbers; those of order 1 differ by rounding below 1e-12."""
+    scale = abs(value) + (ROUNDING / allowed if allowed > 0.0 else 0.0) or 1.0
+    return 0.0 if mine == value else abs(mine - value) / scale
+
+
 def main(path):
     with open(path, encoding="utf-8") as file:
         result = json.load(file)
@@ -423,9 +460,7 @@ def main(path):
             cannot.append(f"  {name}: {mine}")
             continue
         count += 1
-        # differences of numbers of order 1 are rounding below 1e-12
-        scale = abs(value) + (ROUNDING / allowed[0] if allowed[0] > 0.0 else 0.0) or 1.0
-        off = 0.0 if mine == value else abs(mine - value) / scale
+        off = difference_of(value, mine, allowed[0])
         worst = max(worst, off / allowed[0] if allowed[0] > 0.0 else off)
         if not off <= allowed[0]:
             wrong.append(f"  WRONG {name}: {value!r} in the result, {mine!r} here")

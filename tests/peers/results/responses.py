@@ -28,6 +28,20 @@ def at(sys_, rates, dt):
     return np.concatenate(parts)
 
 
+def response_rows(sys_, responses, columns):
+    """Stored responses of one output against those of a system: the place of each response's input among its inputs is in `columns`."""
+    for one, column in zip(responses, columns):
+        mine = at(sys_, 2.0 * math.pi * np.array(one["frequency_hz"]), sys_.dt)[:, 0, column]
+        yield from same_response(one, mine)
+
+
+def same_response(one, mine):
+    told = np.array(one["real"]) + 1j * np.array(one["imaginary"])
+    # where a response passes through nothing, its size there is that of its neighbours
+    size = np.maximum(np.abs(told), 1e-12 * np.max(np.abs(told)))
+    yield f"response, {one['name']}", 1.0, 1.0 + float(np.max(np.abs(mine - told) / np.maximum(size, 1e-300))), 1e-6
+
+
 def bisect(function, low, high):
     sign = function(low) > 0
     for _ in range(200):

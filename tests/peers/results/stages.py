@@ -9,7 +9,8 @@ import math
 import control
 import numpy as np
 
-from responses import at, bisect, crossings, decibels, golden, largest, system
+import structure
+from responses import at, bisect, crossings, decibels, golden, largest, response_rows, system
 
 # Eigenvalues of a badly scaled matrix by another library.
 POLES = 1e-7
@@ -32,9 +33,8 @@ def model(result):
             yield "frequency of a pole, Hz", abs(a) / (2.0 * math.pi), abs(b) / (2.0 * math.pi), POLES
             yield "damping of a pole", -a.real / abs(a), -b.real / abs(b), POLES * abs(a) / max(abs(a.real), 1e-12)
     yield "holding_v", result["holding_v"], *holding(result)
-    for one in result.get("modes", []) + ([result["meshes"]] if result.get("meshes") else []):
-        yield "natural frequencies of the finite elements", math.nan, "the matrices of the elements are not part of the result"
-        del one
+    yield from structure.rows(result)
+    yield from response_rows(plant, result["responses"], range(3))
 
 
 def holding(result):
@@ -72,6 +72,7 @@ def largest_singular_value(before, after):
 
 def reduce(result):
     before, after = system(result["plant_before"]), system(result["plant"])
+    yield from response_rows(after, result["responses"], range(3))
     yield "order before", result["order"][0], before.nstates, 0.0
     yield "order after", result["order"][1], after.nstates, 0.0
     if result["error"] is not None:

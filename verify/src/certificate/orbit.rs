@@ -23,6 +23,8 @@ pub struct Orbit {
     pub start_rad_s: f64,
     /// Frequency at which it started, Hz.
     pub start_hz: f64,
+    /// Amplitude of the sine that is added to the control for three of its periods to start it, V.
+    pub burst_v: f64,
     /// RMS of the hub's rate that stays, rad/s; 0 if the motion faded, infinite if it diverged.
     pub rms_rad_s: f64,
     /// Half the range of the hub's rate, rad/s.
@@ -67,6 +69,7 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
     let mut found = Orbit {
         start_rad_s: start.rate_rad_s,
         start_hz: start.hz,
+        burst_v: burst_v(subject, start),
         rms_rad_s: 0.0,
         amplitude_rad_s: 0.0,
         frequency_hz: 0.0,
@@ -193,20 +196,26 @@ fn still(subject: &Subject<'_>, duration_s: f64) -> Scenario {
 /// A burst of a sine after the settling time, as large as the sliding plant needs for the wanted rate, within a tenth of the
 /// controller's limit at most.
 fn burst(subject: &Subject<'_>, start: Start) -> Result<Signal, Error> {
-    let parameters = subject.case.plant.parameters();
-    let period_s = parameters.interface.sample_period_s;
+    let period_s = subject.case.plant.parameters().interface.sample_period_s;
     let rate = std::f64::consts::TAU * start.hz;
-    let (volts_per_nm, inertia) = volts(subject);
-    let wanted = volts_per_nm
-        * (inertia * rate * start.rate_rad_s
-            + parameters.pivot_friction.coulomb_nm().min(stiffness(subject) * start.rate_rad_s / rate));
-    let volts = wanted.min(0.3 * subject.controller.limit_v());
+    let volts = burst_v(subject, start);
     let first = (SETTLING_S / period_s) as usize;
     let count = (BURST_PERIODS / start.hz / period_s).ceil() as usize;
     let mut values = vec![0.0; first];
     values.extend((0..count).map(|k| volts * (rate * period_s * k as f64).sin()));
     values.push(0.0);
     Ok(Signal::Held { period_s, values })
+}
+
+/// Amplitude of that sine, V.
+fn burst_v(subject: &Subject<'_>, start: Start) -> f64 {
+    let parameters = subject.case.plant.parameters();
+    let rate = std::f64::consts::TAU * start.hz;
+    let (volts_per_nm, inertia) = volts(subject);
+    let wanted = volts_per_nm
+        * (inertia * rate * start.rate_rad_s
+            + parameters.pivot_friction.coulomb_nm().min(stiffness(subject) * start.rate_rad_s / rate));
+    wanted.min(0.3 * subject.controller.limit_v())
 }
 
 /// Volts for one N m at the hub, and the inertia that they move, kg m^2.
