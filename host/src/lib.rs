@@ -5,7 +5,7 @@
 //! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
 //!
 //! Modules in reading order: [`terminal`], [`files`], [`journals`], [`large_recordings`], [`projects`], [`code_files`], [`shards`],
-//! [`interrupt`], [`worker`], [`progress`],
+//! [`interrupt`], [`worker`], [`time_left`], [`progress`],
 //! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
 //!
 //! ```
@@ -28,5 +28,6 @@ pub mod projects;
 pub mod shards;
 pub mod stages;
 pub mod terminal;
+pub mod time_left;
 pub mod worker;
 pub mod workers;

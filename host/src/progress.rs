@@ -5,22 +5,38 @@ use std::sync::{Arc, Mutex};
 
 use counterpoise_diagnose::simulator_access::Pool;
 
+use crate::time_left::TimeLeft;
 use crate::worker::{Token, Wake};
 
 /// How far a job is, in words that two threads share.
 #[derive(Debug, Clone, Default)]
-pub struct Progress(Arc<Mutex<String>>);
+pub struct Progress(Arc<Mutex<Said>>);
+
+/// The last words, and how far a diagnosis is.
+#[derive(Debug, Clone, Default)]
+struct Said {
+    text: String,
+    left: TimeLeft,
+}
 
 impl Progress {
     /// The last words.
     pub fn said(&self) -> String {
-        self.0.lock().map(|text| text.clone()).unwrap_or_default()
+        self.0.lock().map(|said| said.text.clone()).unwrap_or_default()
     }
 
     /// Says how far it is.
     pub fn say(&self, text: String) {
         if let Ok(mut said) = self.0.lock() {
-            *said = text;
+            said.text = text;
+        }
+    }
+
+    /// Says the stage of a diagnosis, how far it is, and the time left.
+    fn say_stage(&self, stage: &str, done: usize, of: usize) {
+        if let Ok(mut said) = self.0.lock() {
+            said.left.update(stage, done, of);
+            said.text = said.left.line(stage, done, of);
         }
     }
 }
@@ -56,7 +72,7 @@ impl Pool for Watch<'_> {
     }
 
     fn progress(&self, stage: &str, done: usize, of: usize) {
-        self.progress.say(format!("{stage} {}/{of}", done + 1));
+        self.progress.say_stage(stage, done, of);
         (self.wake)();
     }
 }

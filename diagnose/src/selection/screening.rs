@@ -12,7 +12,7 @@ use crate::selection::perturbations::{Combination, Perturbation, moved, perturba
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weighted,
 };
-use crate::simulator_access::{Assessment, Span, map};
+use crate::simulator_access::{Assessment, Span, map_with_progress};
 use crate::tolerance::selection::STARTS_VISITED;
 
 /// Screens every effect of the library but those already in the model; returns signatures, best first.
@@ -21,14 +21,19 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
         effects.iter().partition(|e| e.is_ripple() && e.starts.is_empty());
     let mut perturbations: Vec<Perturbation> =
         plain.iter().flat_map(|effect| perturbations_of(effect, scene.base, scene.sizes)).collect();
-    for effect in repeating {
+    let scans = repeating.len() + effects.len();
+    for (k, effect) in repeating.into_iter().enumerate() {
+        scene.pool.progress("scanning", k, scans);
         perturbations.extend(scan_ripple_orders(scene, effect));
     }
-    perturbations.extend(effects.iter().filter_map(|effect| scan_parameter(scene, effect)));
+    for (k, effect) in effects.iter().enumerate() {
+        scene.pool.progress("scanning", scans - effects.len() + k, scans);
+        perturbations.extend(scan_parameter(scene, effect));
+    }
     let here = weighted(scene.judged);
     let all: Vec<usize> = (0..scene.judged.len()).collect();
     let span = if scene.reach == ScreeningDepth::Full { Span::Whole } else { Span::Head };
-    let found = map(scene.pool, perturbations.len(), |t| {
+    let found = map_with_progress(scene.pool, "screening", perturbations.len(), |t| {
         measure_signature(scene, &here, &perturbations[t], &all, span).map(|look| (t, look))
     });
     let mut found: Vec<(usize, EffectSignature)> = found.into_iter().flatten().collect();
@@ -55,7 +60,7 @@ fn visited(
     let goes = |k: usize| {
         thorough && perturbations[found[k].0].combine == Combination::Towards && of_effect(k) < STARTS_VISITED
     };
-    map(scene.pool, found.len(), |k| {
+    map_with_progress(scene.pool, "sizing", found.len(), |k| {
         let (t, look) = &found[k];
         if goes(k) { gone_there(scene, &perturbations[*t], look.clone()) } else { look.clone() }
     })

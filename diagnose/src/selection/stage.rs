@@ -1,7 +1,5 @@
 //! One stage of the search: every effect screened on top of a model, the best fitted, the best of those fitted again.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::assess;
 use crate::library::Effect;
@@ -13,7 +11,7 @@ use crate::selection::parameter_scan::scan_backlash;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
 use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth, is_close};
-use crate::simulator_access::{Assessment, map};
+use crate::simulator_access::{Assessment, map_with_progress};
 use crate::tolerance::{
     EFFECTS_AT_MOST, FINAL_REACH, FINALISTS, GAIN_NEEDED, JOINT_PARAMETERS, PAIRS, PROMISE_SHARE, RIVALS,
     SHORTLIST, THROWN_OFF,
@@ -168,12 +166,8 @@ impl Searcher<'_> {
         proposals: &[Vec<EffectSignature>],
         judged: &[Assessment],
     ) -> Vec<Candidate> {
-        let done = AtomicUsize::new(0);
-        let fitted = map(self.pool, proposals.len(), |t| {
-            let candidate = self.fit_candidate(present, &proposals[t], judged);
-            self.pool.progress("fitting", done.fetch_add(1, Ordering::Relaxed), proposals.len());
-            candidate
-        });
+        let one = |t: usize| self.fit_candidate(present, &proposals[t], judged);
+        let fitted = map_with_progress(self.pool, "fitting", proposals.len(), one);
         fitted.into_iter().flatten().collect()
     }
 
@@ -216,7 +210,7 @@ impl Searcher<'_> {
     ) -> Vec<Candidate> {
         let recordings: Vec<usize> = (0..self.simulator.count()).collect();
         let selection = FitSelection::searching(recordings);
-        let again = map(self.pool, candidates.len(), |c| {
+        let again = map_with_progress(self.pool, "comparing", candidates.len(), |c| {
             let candidate = &candidates[c];
             let fixed = present.filter(|p| p.fit.values.len() > JOINT_PARAMETERS);
             let effects = candidate.fit.effects[fixed.map_or(0, |f| f.fit.effects.len())..].to_vec();

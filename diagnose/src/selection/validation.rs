@@ -6,7 +6,7 @@ use crate::fitting::score::{Score, score};
 use crate::selection::baseline::level;
 use crate::selection::candidate::{Candidate, whole_parts};
 use crate::selection::searcher::Searcher;
-use crate::simulator_access::{Assessment, map};
+use crate::simulator_access::{Assessment, map_with_progress};
 use crate::tolerance::{
     FITTED_SHARE, GAIN_BEYOND_NULL, GAIN_NEEDED, JOINT_PARAMETERS, NULL_GAIN_MULTIPLE, SOLE_EVIDENCE_SHARE,
 };
@@ -29,7 +29,7 @@ impl Searcher<'_> {
         let alone = |r: usize| {
             candidate.needed.contains(&r) || candidate.whole.gain_in(r, smaller) > SOLE_EVIDENCE_SHARE * all
         };
-        let predicted = map(self.pool, count, |r| {
+        let predicted = map_with_progress(self.pool, "validating", count, |r| {
             if alone(r) {
                 self.continue_recording(&candidate, r)
             } else {

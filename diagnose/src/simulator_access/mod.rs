@@ -8,4 +8,4 @@ pub mod objective;
 mod pool;
 
 pub use access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift};
-pub use pool::{Pool, Serial, map};
+pub use pool::{Pool, Serial, map, map_with_progress};

@@ -1,5 +1,7 @@
 //! Many independent jobs at once, on processors that the caller hands in.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 /// Runs independent jobs, in any order, on as many processors as the caller has.
 pub trait Pool: Sync {
     /// Calls `job(0) .. job(count - 1)`, each once.
@@ -34,4 +36,20 @@ pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sy
         }
     });
     slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
+}
+
+/// The same as [`map`], and says how many of the jobs of a stage are done.
+pub fn map_with_progress<T: Send>(
+    pool: &dyn Pool,
+    stage: &str,
+    count: usize,
+    job: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let done = AtomicUsize::new(0);
+    pool.progress(stage, 0, count);
+    map(pool, count, |index| {
+        let result = job(index);
+        pool.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, count);
+        result
+    })
 }
