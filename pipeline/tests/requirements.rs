@@ -23,7 +23,11 @@ fn with_every_figure(drop_road: &str) -> Project {
     let (head, rest) = text.split_once("[[verify.requirement]]").unwrap();
     let tail = rest.split_once("[export]").unwrap().1;
     let head = if drop_road.is_empty() { head } else { head.split_once(drop_road).unwrap().0 };
-    let mut all = format!("{head}[verify.triangle]\nrate = 0.1\nperiod = 4.0\n\n[verify.line_of_sight]\n\n");
+    let mut all = format!(
+        "{head}[verify.triangle]\nrate = 0.1\nperiod = 4.0\n\n[verify.line_of_sight]\n\n\
+         [verify.line_of_sight.coincidence]\nwindow = 5e-3\ntarget = 5e-3\n\n\
+         [verify.line_of_sight.optics]\nfocal_length = 0.1\nspatial_frequency = 3e4\n\n"
+    );
     for figure in Figure::all() {
         let key = figure.key();
         write!(all, "[[verify.requirement]]\nfigure = \"{key}\"\nat_most = 1e6\n\n").unwrap();

@@ -169,4 +169,21 @@ fn the_line_of_sight_survives_the_file() {
     assert_eq!(project.verify.as_ref().unwrap().procedure.line_of_sight.unwrap().exposure_s, 0.005);
     assert_eq!(read(&project.to_text()).unwrap(), project);
     assert_eq!(read(&file(UNIT, &[])).unwrap().verify.unwrap().procedure.line_of_sight, None);
+    let section = "[verify.line_of_sight]\nsettle = \"500 ms\"\n\
+                   [verify.line_of_sight.coincidence]\nwindow = \"0.3 mrad\"\ndelay = 0.012\ntarget = 4e-4\n\
+                   [verify.line_of_sight.optics]\nfocal_length = \"150 mm\"\nspatial_frequency = \"33 1/mm\"\n";
+    let project = read(&format!("{}\n{section}", file(UNIT, &[]))).unwrap();
+    let sight = project.verify.as_ref().unwrap().procedure.line_of_sight.unwrap();
+    assert_eq!(sight.settle_s, Some(0.5));
+    let coincidence = sight.coincidence.unwrap();
+    assert!((coincidence.window_rad - 3e-4).abs() < 1e-15 && coincidence.dispersion_rad == 0.0);
+    let optics = sight.optics.unwrap();
+    assert!(
+        (optics.focal_length_m - 0.15).abs() < 1e-15 && (optics.spatial_frequency_m - 3.3e4).abs() < 1e-9
+    );
+    assert_eq!(read(&project.to_text()).unwrap(), project);
+    let without = section.replace("target = 4e-4\n", "");
+    assert!(told(&format!("{}\n{without}", file(UNIT, &[]))).contains("target"));
+    let negative = section.replace("window = \"0.3 mrad\"", "window = -1.0");
+    assert!(told(&format!("{}\n{negative}", file(UNIT, &[]))).contains("above 0"));
 }

@@ -1,17 +1,23 @@
 //! The error budget of the line of sight in words: what the error is, and what it is made of.
 
-use counterpoise_verify::{ErrorBudget, SightFigure, Verification};
+use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
 
 use crate::{Cell, Column, Section, Table};
 
 /// Microradians in a radian.
 const MICRO: f64 = 1e6;
 
+/// Millimetres in a metre, as a factor of a spatial frequency.
+const PER_MILLIMETRE: f64 = 1e-3;
+
 /// Returns the section on the line of sight; `None` if the verification did not ask for it.
 pub fn section(found: &Verification) -> Option<Section> {
     let budget = found.error_budget.as_ref()?;
-    let section = Section::new("Line of sight")
-        .saying(summary(budget, exposure_s(found)))
+    let settled = format!("The figures are read from {} s on.", found.evidence.procedure.sight_settle_s());
+    let start = Section::new("Line of sight").saying(summary(budget, exposure_s(found))).saying(settled);
+    let section = purposes(found)
+        .into_iter()
+        .fold(start, Section::saying)
         .saying(
             "Shares come from runs in which the sources are switched on one after the other, in one order and in the opposite one; they add up to \
              the mean square of the run with all of them. A negative share belongs to a source that reduces the error of the others.",
@@ -22,7 +28,8 @@ pub fn section(found: &Verification) -> Option<Section> {
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.
 pub fn lines(found: &Verification) -> Vec<String> {
-    let Some(budget) = &found.error_budget else { return Vec::new() };
+    let mut purposes = purposes(found);
+    let Some(budget) = &found.error_budget else { return purposes };
     let total = total_square(budget, SightFigure::Hub);
     let share = |one: &counterpoise_verify::Contribution| {
         let hub = place(SightFigure::Hub);
@@ -34,8 +41,39 @@ pub fn lines(found: &Verification) -> Vec<String> {
         )
     };
     let mut lines = vec![summary(budget, exposure_s(found)), superposition(budget)];
+    lines.append(&mut purposes);
     lines.extend(budget.contributions.iter().map(share));
     lines
+}
+
+/// Returns what the error of the line of sight means to a gunner and to an observer, as far as the verification asks for it.
+fn purposes(found: &Verification) -> Vec<String> {
+    let sight = found.evidence.procedure.line_of_sight.unwrap_or_default();
+    let value = |figure| found.value(Figure::Sight(figure));
+    let mut all = Vec::new();
+    let fired = [SightFigure::Coincidence, SightFigure::Wait, SightFigure::Hit].map(value);
+    if let (Some(asked), [Some(inside), Some(wait_s), Some(hit)]) = (sight.coincidence, fired) {
+        all.push(format!(
+            "The hub is within the coincidence window of {:.0} urad during {:.1} % of the time; a trigger waits {wait_s:.3} s on the average. A shot \
+             that leaves the tip {} s later hits a target of +/- {:.0} urad with a probability of {hit:.3}.",
+            MICRO * asked.window_rad,
+            100.0 * inside,
+            asked.delay_s,
+            MICRO * asked.target_rad
+        ));
+    }
+    let lost = [SightFigure::HubTransferLoss, SightFigure::TipTransferLoss].map(value);
+    if let (Some(optics), [Some(hub), Some(tip)]) = (sight.optics, lost) {
+        all.push(format!(
+            "At {} periods a millimetre and a focal length of {} m, motion during an exposure takes {:.2} % of the modulation of the image at the \
+             hub and {:.2} % at the tip.",
+            PER_MILLIMETRE * optics.spatial_frequency_m,
+            optics.focal_length_m,
+            100.0 * hub,
+            100.0 * tip
+        ));
+    }
+    all
 }
 
 fn exposure_s(found: &Verification) -> f64 {
@@ -43,7 +81,7 @@ fn exposure_s(found: &Verification) -> f64 {
 }
 
 fn place(figure: SightFigure) -> usize {
-    SightFigure::ALL.iter().position(|one| *one == figure).unwrap_or(0)
+    SightFigure::ANGLES.iter().position(|one| *one == figure).unwrap_or(0)
 }
 
 fn total_square(budget: &ErrorBudget, figure: SightFigure) -> f64 {
@@ -54,11 +92,12 @@ fn summary(budget: &ErrorBudget, exposure_s: f64) -> String {
     let of = |figure| MICRO * budget.total_rad[place(figure)];
     format!(
         "On the nonlinear plant in motion the line of sight has an RMS of {:.1} urad at the hub and {:.1} urad at the tip; the jitter within \
-         {exposure_s} s is {:.2} and {:.2} urad.",
+         {exposure_s} s is {:.2} and {:.2} urad. The tip moves against the hub by {:.1} urad.",
         of(SightFigure::Hub),
         of(SightFigure::Tip),
         of(SightFigure::HubJitter),
-        of(SightFigure::TipJitter)
+        of(SightFigure::TipJitter),
+        of(SightFigure::Bending)
     )
 }
 
@@ -80,11 +119,13 @@ fn table(budget: &ErrorBudget) -> Table {
         Column::Number("alone, jitter, hub [urad]"),
         Column::Number("share of the mean square, tip [%]"),
         Column::Number("alone, tip [urad]"),
+        Column::Number("share of the mean square, tip against hub [%]"),
+        Column::Number("alone, tip against hub [urad]"),
     ];
     let mut table = Table::new("Error budget of the line of sight", &columns);
     for one in &budget.contributions {
         let mut row = vec![Cell::text(one.source.name())];
-        for figure in [SightFigure::Hub, SightFigure::HubJitter, SightFigure::Tip] {
+        for figure in [SightFigure::Hub, SightFigure::HubJitter, SightFigure::Tip, SightFigure::Bending] {
             let (at, total) = (place(figure), total_square(budget, figure));
             row.push(Cell::number(if total > 0.0 { 100.0 * one.share_rad2[at] / total } else { 0.0 }));
             row.push(Cell::number(MICRO * one.alone_rad[at]));

@@ -269,3 +269,27 @@ fn findings_read_like_an_engineer_s() {
     );
     assert!(text.contains("use K / (a s + 1)"), "{text}");
 }
+
+/// A slide of 25 kg on a ball screw of 90 N/um and 10 mm lead, its position read at the motor (1.06 kg cm^2): states are the motor's rate,
+/// the wind-up, the slide's rate and its position, in rad/s, m, m/s and m.
+#[test]
+fn a_stiff_axis_in_metres_and_newtons_is_reached_and_seen() {
+    let (k, d, mass, inertia, per_m) = (9e7, 950.0, 25.0, 1.06e-4, 628.3);
+    let A = Mat::from_rows(&[
+        &[-d / (per_m * per_m * inertia), -k / (per_m * inertia), d / (per_m * inertia), 0.0],
+        &[1.0 / per_m, 0.0, -1.0, 0.0],
+        &[d / (per_m * mass), k / mass, -d / mass, 0.0],
+        &[0.0, 0.0, 1.0, 0.0],
+    ]);
+    let B = Mat::col(&[0.13 / inertia, 0.0, 0.0, 0.0]);
+    let C = Mat::row(&[0.0, 1.0, 0.0, 1.0]);
+    let system = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    let plant = DesignPlant { system, control: 0, rate: 0, heave: Vec::new(), pitch: Vec::new(), ..rig() };
+    let mut specification = weights();
+    (specification.heave, specification.pitch) = (None, None);
+    specification.feedback.disturbances.clear();
+    let found = preflight(&plant, &specification).unwrap();
+    let refused: Vec<&Finding> =
+        found.iter().filter(|finding| finding.part == Part::Plant && finding.is_refusal()).collect();
+    assert!(refused.is_empty(), "{refused:?}");
+}

@@ -123,18 +123,39 @@ fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
                 procedure.duration_s
             )
         }
-        Figure::Sight(figure) => {
-            let place = match figure {
-                SightFigure::Hub | SightFigure::HubJitter => "hub",
-                SightFigure::Tip | SightFigure::TipJitter => "tip",
-            };
+        Figure::Sight(figure) => sight_test(*figure, procedure),
+    }
+}
+
+fn sight_test(figure: SightFigure, procedure: &Procedure) -> String {
+    let recorded = match figure {
+        SightFigure::Hub | SightFigure::HubJitter => {
+            "record the image of a fixed target by a camera at the hub, and measure how it moves".to_owned()
+        }
+        SightFigure::Tip | SightFigure::TipJitter => {
+            "record the image of a fixed target by a camera at the tip, and measure how it moves".to_owned()
+        }
+        SightFigure::Bending => {
+            "record the images of a fixed target by cameras at hub and tip, and measure how the second moves against the first".to_owned()
+        }
+        SightFigure::Coincidence | SightFigure::Wait => {
+            "record the signal of coincidence of the fire control at every sample".to_owned()
+        }
+        SightFigure::Hit => {
+            "press the trigger at many random instants; record the angle of the tip by a camera when the projectile would leave, and count".to_owned()
+        }
+        SightFigure::HubTransferLoss | SightFigure::TipTransferLoss => {
+            let at = if figure == SightFigure::HubTransferLoss { "hub" } else { "tip" };
             format!(
-                "move the platform: {}; record the image of a fixed target by a camera at the {place} from {} s on, and measure how it moves",
-                sight_run(procedure),
-                procedure.settle_s
+                "record the image of a bar target by the sight at the {at}; compare its modulation with that at rest"
             )
         }
-    }
+    };
+    format!(
+        "move the platform: {}; from {} s on, {recorded}",
+        sight_run(procedure),
+        procedure.sight_settle_s()
+    )
 }
 
 fn sight_source(procedure: &Procedure) -> Source {

@@ -90,25 +90,25 @@ pub struct Contribution {
     /// The source.
     pub source: ErrorSource,
     /// Its share of the mean square, rad^2; negative if it reduces the error of the others.
-    pub share_rad2: [f64; 4],
+    pub share_rad2: [f64; 5],
     /// RMS with this source alone, rad.
-    pub alone_rad: [f64; 4],
+    pub alone_rad: [f64; 5],
 }
 
 /// The error of the line of sight and what it is made of: values in the order of [`SightError::values`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorBudget {
     /// RMS with all sources, rad.
-    pub total_rad: [f64; 4],
+    pub total_rad: [f64; 5],
     /// RMS with none: what the start of the run leaves, rad.
-    pub none_rad: [f64; 4],
+    pub none_rad: [f64; 5],
     /// Every source that the machine and its motion have.
     pub contributions: Vec<Contribution>,
 }
 
 impl ErrorBudget {
     /// Returns the root of the sum of all shares, rad: the simulated RMS.
-    pub fn sum_rad(&self) -> [f64; 4] {
+    pub fn sum_rad(&self) -> [f64; 5] {
         std::array::from_fn(|j| {
             let shares: f64 = self.contributions.iter().map(|one| one.share_rad2[j]).sum();
             (shares + self.none_rad[j].powi(2)).max(0.0).sqrt()
@@ -116,7 +116,7 @@ impl ErrorBudget {
     }
 
     /// Returns the root of the sum of squares of what each source makes alone, rad: the RMS if superposition held.
-    pub fn superposed_rad(&self) -> [f64; 4] {
+    pub fn superposed_rad(&self) -> [f64; 5] {
         std::array::from_fn(|j| {
             self.contributions.iter().map(|one| one.alone_rad[j].powi(2)).sum::<f64>().sqrt()
         })
@@ -164,7 +164,7 @@ impl Runs<'_> {
         let mut contributions = Vec::with_capacity(n);
         for (k, source) in present.iter().enumerate() {
             let (on, back) = (&forwards[k..k + 2], &backwards[n - 1 - k..n + 1 - k]);
-            let grown = |j: usize, pair: &[[f64; 4]]| square(pair[1][j]) - square(pair[0][j]);
+            let grown = |j: usize, pair: &[[f64; 5]]| square(pair[1][j]) - square(pair[0][j]);
             contributions.push(Contribution {
                 source: *source,
                 share_rad2: std::array::from_fn(|j| 0.5 * (grown(j, on) + grown(j, back))),
@@ -175,11 +175,11 @@ impl Runs<'_> {
     }
 
     /// Returns the errors with none of the sources, with the first, with the first two, and so on.
-    fn switched_on(&self, order: &[ErrorSource]) -> Result<Vec<[f64; 4]>, Error> {
+    fn switched_on(&self, order: &[ErrorSource]) -> Result<Vec<[f64; 5]>, Error> {
         (0..=order.len()).map(|count| self.error(&order[..count])).collect()
     }
 
-    fn error(&self, on: &[ErrorSource]) -> Result<[f64; 4], Error> {
+    fn error(&self, on: &[ErrorSource]) -> Result<[f64; 5], Error> {
         let mut parameters = self.plant.parameters().clone();
         let mut procedure = self.procedure.clone();
         for source in ErrorSource::ALL.into_iter().filter(|source| !on.contains(source)) {
@@ -190,7 +190,7 @@ impl Runs<'_> {
         let history =
             nonlinear::history(&mut simulator, self.controller, &procedure, experiment(&procedure))?;
         let sight = procedure.line_of_sight.unwrap_or_default();
-        let error: SightError = sight_error(&history, procedure.settle_s, sight);
+        let error: SightError = sight_error(&history, procedure.sight_settle_s(), sight);
         Ok(error.values())
     }
 

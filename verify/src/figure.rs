@@ -135,11 +135,36 @@ pub enum SightFigure {
     Tip,
     /// RMS of the tip's angle about its mean in each exposure.
     TipJitter,
+    /// RMS of the tip's angle against the hub's, about its mean.
+    Bending,
+    /// Share of the time during which the hub's error is within the coincidence window.
+    Coincidence,
+    /// Mean time from the trigger to the release of a shot.
+    Wait,
+    /// Probability that a shot hits.
+    Hit,
+    /// Share of an image's modulation that motion of the hub takes.
+    HubTransferLoss,
+    /// Share of an image's modulation that motion of the tip takes.
+    TipTransferLoss,
 }
 
 impl SightFigure {
     /// Every figure.
-    pub const ALL: [Self; 4] = [Self::Hub, Self::HubJitter, Self::Tip, Self::TipJitter];
+    pub const ALL: [Self; 10] = [
+        Self::Hub,
+        Self::HubJitter,
+        Self::Tip,
+        Self::TipJitter,
+        Self::Bending,
+        Self::Coincidence,
+        Self::Wait,
+        Self::Hit,
+        Self::HubTransferLoss,
+        Self::TipTransferLoss,
+    ];
+    /// Those that are an RMS of an angle, which an error budget divides.
+    pub const ANGLES: [Self; 5] = [Self::Hub, Self::HubJitter, Self::Tip, Self::TipJitter, Self::Bending];
 }
 
 /// Anything that a requirement can limit.
@@ -236,11 +261,17 @@ const REST: [(RestFigure, Words); 2] = [
     (RestFigure::Drift, ("rest_drift_rad", "drift at rest", "rad")),
 ];
 
-const SIGHT: [(SightFigure, Words); 4] = [
+const SIGHT: [(SightFigure, Words); 10] = [
     (SightFigure::Hub, ("line_of_sight_rms_rad", "RMS line of sight", "rad")),
     (SightFigure::HubJitter, ("line_of_sight_jitter_rad", "line-of-sight jitter", "rad")),
     (SightFigure::Tip, ("tip_line_of_sight_rms_rad", "RMS line of sight of the tip", "rad")),
     (SightFigure::TipJitter, ("tip_line_of_sight_jitter_rad", "line-of-sight jitter of the tip", "rad")),
+    (SightFigure::Bending, ("tip_against_hub_rms_rad", "RMS angle of the tip against the hub", "rad")),
+    (SightFigure::Coincidence, ("coincidence_fraction", "time within the coincidence window", "of the time")),
+    (SightFigure::Wait, ("coincidence_wait_s", "mean wait for coincidence", "s")),
+    (SightFigure::Hit, ("hit_probability", "hit probability", "")),
+    (SightFigure::HubTransferLoss, ("line_of_sight_mtf_loss", "MTF loss by motion", "")),
+    (SightFigure::TipTransferLoss, ("tip_line_of_sight_mtf_loss", "MTF loss by motion of the tip", "")),
 ];
 
 fn words<K: PartialEq>(table: &[(K, Words)], key: &K) -> Words {

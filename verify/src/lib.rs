@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`line_of_sight`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`nonlinear`], [`measure`], [`coincidence`], [`image_motion`], [`line_of_sight`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`acceptance`] (requirements traced to runs and to tests on the machine),
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
@@ -20,11 +20,13 @@
 
 pub mod acceptance;
 pub mod certificate;
+pub mod coincidence;
 pub mod difference;
 pub mod error;
 pub mod error_budget;
 pub mod figure;
 pub mod history;
+pub mod image_motion;
 pub mod line_of_sight;
 pub mod linear;
 pub mod measure;
@@ -39,6 +41,7 @@ pub mod structured;
 pub mod tolerance;
 pub mod verification;
 
+pub use coincidence::Coincidence;
 pub use error::Error;
 pub use error_budget::{Contribution, ErrorBudget, ErrorSource, error_budget};
 pub use figure::{
@@ -46,6 +49,7 @@ pub use figure::{
     TriangleFigure,
 };
 pub use history::{Experiment, History};
+pub use image_motion::Optics;
 pub use line_of_sight::LineOfSight;
 pub use measure::{Measured, Value};
 pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};

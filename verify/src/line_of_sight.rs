@@ -6,23 +6,71 @@
 
 use counterpoise_models::Plant;
 
+use crate::coincidence::{Coincidence, shots};
 use crate::history::{Experiment, History, integrated};
+use crate::image_motion::Optics;
 use crate::measure::{Measured, Value};
 use crate::signals::rms;
 use crate::signals::statistics::centred;
-use crate::{Arrangement, Figure, Procedure, SightFigure, Source};
+use crate::{Arrangement, Error, Figure, Procedure, SightFigure, Source};
 
 /// How the line of sight is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineOfSight {
     /// Length of one exposure, s.
     pub exposure_s: f64,
+    /// Time at the beginning that the figures of the line of sight leave out, s; `None` for that of the procedure.
+    pub settle_s: Option<f64>,
+    /// The window within which shots are released; `None` if none are.
+    pub coincidence: Option<Coincidence>,
+    /// The optics whose image moves; `None` if nobody looks.
+    pub optics: Option<Optics>,
 }
 
 impl Default for LineOfSight {
     /// 20 ms: the exposure of a camera at 50 Hz.
     fn default() -> Self {
-        Self { exposure_s: 0.02 }
+        Self { exposure_s: 0.02, settle_s: None, coincidence: None, optics: None }
+    }
+}
+
+impl LineOfSight {
+    /// Refuses what cannot be measured in a run of a duration.
+    ///
+    /// # Errors
+    /// [`Error::Range`].
+    pub fn check(&self, duration_s: f64, settle_s: f64) -> Result<(), Error> {
+        if !(self.exposure_s > 0.0 && self.exposure_s.is_finite()) {
+            return Err(Error::Range { what: "exposure in s", value: self.exposure_s, allowed: "positive" });
+        }
+        let settle_s = self.settle_s.unwrap_or(settle_s);
+        if !(0.0..duration_s).contains(&settle_s) {
+            return Err(Error::Range {
+                what: "settling time of the line of sight in s",
+                value: settle_s,
+                allowed: "0 or more, below the duration",
+            });
+        }
+        if let Some(optics) = &self.optics {
+            optics.check()?;
+        }
+        let Some(coincidence) = &self.coincidence else { return Ok(()) };
+        coincidence.check()?;
+        if coincidence.delay_s >= duration_s - settle_s {
+            return Err(Error::Range {
+                what: "delay of the shot in s",
+                value: coincidence.delay_s,
+                allowed: "below what the settling time leaves of the run",
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Procedure {
+    /// Returns the time at the beginning that the figures of the line of sight leave out, s.
+    pub fn sight_settle_s(&self) -> f64 {
+        self.line_of_sight.and_then(|sight| sight.settle_s).unwrap_or(self.settle_s)
     }
 }
 
@@ -37,12 +85,14 @@ pub struct SightError {
     pub tip_rad: f64,
     /// RMS of the tip's angle about its mean in each exposure.
     pub tip_jitter_rad: f64,
+    /// RMS of the tip's angle against the hub's, about its mean: what bending makes.
+    pub bending_rad: f64,
 }
 
 impl SightError {
-    /// Returns the values in the order of [`SightFigure`]: hub, jitter of the hub, tip, jitter of the tip.
-    pub fn values(&self) -> [f64; 4] {
-        [self.hub_rad, self.hub_jitter_rad, self.tip_rad, self.tip_jitter_rad]
+    /// Returns the values in the order of [`SightFigure::ANGLES`].
+    pub fn values(&self) -> [f64; 5] {
+        [self.hub_rad, self.hub_jitter_rad, self.tip_rad, self.tip_jitter_rad, self.bending_rad]
     }
 }
 
@@ -52,25 +102,61 @@ pub fn experiment(procedure: &Procedure) -> Experiment {
     Experiment::Disturbance(source, Arrangement::Compensated)
 }
 
+/// The error of the line of sight in samples: the angle less the demanded one, about its mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SightAngles {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// At the hub, rad.
+    pub hub_rad: Vec<f64>,
+    /// At the tip, rad.
+    pub tip_rad: Vec<f64>,
+}
+
+impl SightAngles {
+    /// Returns the angles of a history from a time on; `None` if it has fewer than two samples.
+    pub fn of(history: &History, settle_s: f64) -> Option<Self> {
+        let first = history.index_at(settle_s);
+        let period_s = match history.time_s.get(..2) {
+            Some([a, b]) => b - a,
+            _ => return None,
+        };
+        let of = |rates: &[f64]| {
+            let errors =
+                rates.iter().zip(&history.demand_rad_s).skip(first).map(|(rate, demand)| rate - demand);
+            centred(&integrated(errors, period_s))
+        };
+        Some(Self { period_s, hub_rad: of(&history.hub_rate_rad_s), tip_rad: of(&history.tip_rate_rad_s) })
+    }
+
+    /// Returns the number of samples in an exposure: at least 2, and no more than there are.
+    fn samples_in(&self, exposure_s: f64) -> usize {
+        let exposure = ((exposure_s / self.period_s).round() as usize).max(2);
+        // a run that is shorter than an exposure is one
+        exposure.min(self.hub_rad.len()).max(1)
+    }
+
+    /// Returns the sizes of the error; jitter is that within exposures of a length.
+    pub fn error(&self, exposure_s: f64) -> SightError {
+        let window = self.samples_in(exposure_s);
+        let jitter = |angle: &[f64]| {
+            let windows: Vec<f64> = angle.chunks_exact(window).flat_map(centred).collect();
+            rms(&windows)
+        };
+        let bending: Vec<f64> = self.tip_rad.iter().zip(&self.hub_rad).map(|(tip, hub)| tip - hub).collect();
+        SightError {
+            hub_rad: rms(&self.hub_rad),
+            hub_jitter_rad: jitter(&self.hub_rad),
+            tip_rad: rms(&self.tip_rad),
+            tip_jitter_rad: jitter(&self.tip_rad),
+            bending_rad: rms(&bending),
+        }
+    }
+}
+
 /// Returns the error of the line of sight from the settling time on.
 pub fn sight_error(history: &History, settle_s: f64, sight: LineOfSight) -> SightError {
-    let first = history.index_at(settle_s);
-    let period_s = match history.time_s.get(..2) {
-        Some([a, b]) => b - a,
-        _ => return SightError::default(),
-    };
-    let exposure = ((sight.exposure_s / period_s).round() as usize).max(2);
-    let of = |rates: &[f64]| {
-        let errors = rates.iter().zip(&history.demand_rad_s).skip(first).map(|(rate, demand)| rate - demand);
-        let angle = integrated(errors, period_s);
-        // a run that is shorter than an exposure is one
-        let window = exposure.min(angle.len()).max(1);
-        let windows: Vec<f64> = angle.chunks_exact(window).flat_map(centred).collect();
-        [rms(&centred(&angle)), rms(&windows)]
-    };
-    let ([hub_rad, hub_jitter_rad], [tip_rad, tip_jitter_rad]) =
-        (of(&history.hub_rate_rad_s), of(&history.tip_rate_rad_s));
-    SightError { hub_rad, hub_jitter_rad, tip_rad, tip_jitter_rad }
+    SightAngles::of(history, settle_s).map(|angles| angles.error(sight.exposure_s)).unwrap_or_default()
 }
 
 /// Returns the figures of the line of sight from the run on which it is judged; none if nobody asks for them.
@@ -78,17 +164,64 @@ pub(crate) fn figures(history: &History, procedure: &Procedure, loop_holds: Loop
     let Some(sight) = procedure.line_of_sight.filter(|_| history.experiment == experiment(procedure)) else {
         return Vec::new();
     };
-    let values = sight_error(history, procedure.settle_s, sight).values();
-    let measured = |(figure, value): (SightFigure, f64)| Measured {
-        figure: Figure::Sight(figure),
-        value: match loop_holds {
-            LoopHolds::InertialRate => Value::Is(value),
-            LoopHolds::Position => Value::Absent {
-                why: "the loop holds a position on the platform: its line of sight moves with it".to_owned(),
-            },
-        },
+    let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
+    if loop_holds == LoopHolds::Position {
+        let why = "the loop holds a position on the platform: its line of sight moves with it".to_owned();
+        let absent =
+            |figure| Measured { figure: Figure::Sight(figure), value: Value::Absent { why: why.clone() } };
+        return asked.map(absent).collect();
+    }
+    let values = values(history, procedure.sight_settle_s(), sight);
+    let value = |figure: SightFigure| {
+        let found = values.iter().find(|(known, _)| *known == figure).map(|(_, value)| *value);
+        found.map_or_else(|| Value::Absent { why: "the run is too short for it".to_owned() }, Value::Is)
     };
-    SightFigure::ALL.into_iter().zip(values).map(measured).collect()
+    asked.map(|figure| Measured { figure: Figure::Sight(figure), value: value(figure) }).collect()
+}
+
+impl LineOfSight {
+    /// Returns whether a figure is measured.
+    pub fn has(&self, figure: SightFigure) -> bool {
+        match figure {
+            SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => self.coincidence.is_some(),
+            SightFigure::HubTransferLoss | SightFigure::TipTransferLoss => self.optics.is_some(),
+            SightFigure::Hub
+            | SightFigure::HubJitter
+            | SightFigure::Tip
+            | SightFigure::TipJitter
+            | SightFigure::Bending => true,
+        }
+    }
+}
+
+/// Returns why a figure that a project's `[verify.line_of_sight]` does not have was not measured.
+pub(crate) fn missing_section(figure: SightFigure) -> &'static str {
+    match figure {
+        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => {
+            "this figure was not measured: the project has no [verify.line_of_sight.coincidence]"
+        }
+        _ => "this figure was not measured: the project has no [verify.line_of_sight.optics]",
+    }
+}
+
+/// Returns every figure that a run gives.
+fn values(history: &History, settle_s: f64, sight: LineOfSight) -> Vec<(SightFigure, f64)> {
+    let error = sight_error(history, settle_s, sight).values();
+    let mut all: Vec<(SightFigure, f64)> = SightFigure::ANGLES.into_iter().zip(error).collect();
+    let Some(angles) = SightAngles::of(history, settle_s) else { return all };
+    if let Some(optics) = &sight.optics {
+        let exposure = angles.samples_in(sight.exposure_s);
+        all.push((SightFigure::HubTransferLoss, optics.loss(&angles.hub_rad, exposure)));
+        all.push((SightFigure::TipTransferLoss, optics.loss(&angles.tip_rad, exposure)));
+    }
+    let fired =
+        sight.coincidence.and_then(|asked| shots(&angles.hub_rad, &angles.tip_rad, angles.period_s, &asked));
+    if let Some(fired) = fired {
+        all.push((SightFigure::Coincidence, fired.inside));
+        all.push((SightFigure::Wait, fired.wait_s));
+        all.push((SightFigure::Hit, fired.hit));
+    }
+    all
 }
 
 /// What the loop holds still.
@@ -106,11 +239,18 @@ impl From<&Plant> for LoopHolds {
     }
 }
 
-/// Returns the figures of a run that diverges.
+/// Returns the figures of a run that diverges: the error is infinite, nothing is within the window, and no image is left.
 pub(crate) fn diverged(procedure: &Procedure, ran: Experiment) -> Vec<Measured> {
-    let asked = procedure.line_of_sight.is_some() && ran == experiment(procedure);
-    let infinite = |figure| Measured { figure: Figure::Sight(figure), value: Value::Is(f64::INFINITY) };
-    SightFigure::ALL.into_iter().filter(|_| asked).map(infinite).collect()
+    let Some(sight) = procedure.line_of_sight.filter(|_| ran == experiment(procedure)) else {
+        return Vec::new();
+    };
+    let worst = |figure| match figure {
+        SightFigure::Coincidence | SightFigure::Hit => 0.0,
+        SightFigure::HubTransferLoss | SightFigure::TipTransferLoss => 1.0,
+        _ => f64::INFINITY,
+    };
+    let measured = |figure| Measured { figure: Figure::Sight(figure), value: Value::Is(worst(figure)) };
+    SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure)).map(measured).collect()
 }
 
 #[cfg(test)]
@@ -144,20 +284,28 @@ mod tests {
         let expected = 0.3 / (TAU * 2.0) / 2f64.sqrt();
         assert!((found.hub_rad / expected - 1.0).abs() < 1e-3, "{found:?}");
         assert!((found.tip_rad / (2.0 * expected) - 1.0).abs() < 1e-3, "{found:?}");
+        // the tip moves twice as far as the hub, so against the hub as far as the hub
+        assert!((found.bending_rad / expected - 1.0).abs() < 1e-3, "{found:?}");
     }
 
     #[test]
     fn an_exposure_longer_than_the_run_is_the_run() {
-        let found =
-            sight_error(&history(|t| 0.3 * (TAU * 2.0 * t).cos()), 2.0, LineOfSight { exposure_s: 1e3 });
+        let found = sight_error(
+            &history(|t| 0.3 * (TAU * 2.0 * t).cos()),
+            2.0,
+            LineOfSight { exposure_s: 1e3, ..LineOfSight::default() },
+        );
         assert_eq!(found.hub_jitter_rad, found.hub_rad);
     }
 
     /// Within an exposure T a slow sine is a straight line of slope w: its RMS about the mean is w T / sqrt(12).
     #[test]
     fn jitter_is_what_moves_within_an_exposure() {
-        let found =
-            sight_error(&history(|t| 0.3 * (TAU * 0.5 * t).cos()), 2.0, LineOfSight { exposure_s: 0.1 });
+        let found = sight_error(
+            &history(|t| 0.3 * (TAU * 0.5 * t).cos()),
+            2.0,
+            LineOfSight { exposure_s: 0.1, ..LineOfSight::default() },
+        );
         let expected = 0.3 / 2f64.sqrt() * 0.1 / 12f64.sqrt();
         assert!((found.hub_jitter_rad / expected - 1.0).abs() < 0.01, "{found:?} {expected}");
     }

@@ -4,7 +4,7 @@ use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_simulate::Signal;
 
 use crate::signals::{check_finite, check_length};
-use crate::{Error, LineOfSight};
+use crate::{Error, LineOfSight, Source};
 
 /// Everything that a verification does.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,11 +187,6 @@ impl Procedure {
                 allowed: "positive",
             });
         }
-        if let Some(exposure_s) = self.line_of_sight.map(|sight| sight.exposure_s)
-            && !(exposure_s > 0.0 && exposure_s.is_finite())
-        {
-            return Err(Error::Range { what: "exposure in s", value: exposure_s, allowed: "positive" });
-        }
         check_finite("triangle in rad/s", &[self.triangle.map_or(0.0, |triangle| triangle.rate_rad_s)])?;
         check_finite("amplitudes", &[self.heave.amplitude, self.pitch.amplitude, self.step.rate_rad_s])?;
         if self.step.rate_rad_s == 0.0 {
@@ -204,7 +199,12 @@ impl Procedure {
                 allowed: "0 or more, below the duration",
             });
         }
-        self.road.as_ref().map_or(Ok(()), |road| self.check_road(road))
+        if let Some(road) = &self.road {
+            self.check_road(road)?;
+        }
+        let source = if self.road.is_some() { Source::Road } else { Source::Both };
+        let sight = self.line_of_sight.as_ref();
+        sight.map_or(Ok(()), |sight| sight.check(self.duration_of(source), self.settle_s))
     }
 
     fn check_road(&self, road: &Road) -> Result<(), Error> {

@@ -343,3 +343,6 @@ pub const PATH_LOGARITHM: f64 = 0.15;
 pub const LOWEST_PATH_GAIN: f64 = 1e-3;
 /// Most points of such a path: four times as many as its grid, for lightly damped modes.
 pub const MOST_PATH_POINTS: usize = 3000;
+
+/// Beyond so many standard deviations the tail of a normal distribution is below half a unit in the last place of 1.
+pub const FARTHEST_DEVIATIONS: f64 = 8.3;

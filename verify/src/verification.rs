@@ -123,6 +123,11 @@ impl Verification {
             Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => {
                 "this figure was not measured: the project has no [verify.line_of_sight]"
             }
+            Figure::Sight(figure)
+                if self.evidence.procedure.line_of_sight.is_some_and(|sight| !sight.has(figure)) =>
+            {
+                line_of_sight::missing_section(figure)
+            }
             Figure::Triangle(..) if !self.saw_a_triangle() => {
                 "this experiment was not run: the verification has no triangle"
             }

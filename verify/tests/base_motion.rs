@@ -7,10 +7,11 @@ use counterpoise_controller::signal::HUB_POSITION;
 use counterpoise_controller::{Controller, Projection};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_models::{AccelerometerAxis, Friction, FrictionLaw, Parameters};
+use counterpoise_verify::line_of_sight::SightAngles;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
-    Arrangement, ErrorSource, Figure, FurtherRoad, Limit, LineOfSight, Model, Procedure, Quantity,
-    Requirement, Road, SightFigure, Source, Value, Verdict, verify,
+    Arrangement, Coincidence, ErrorSource, Figure, FurtherRoad, Limit, LineOfSight, Model, Optics, Procedure,
+    Quantity, Requirement, Road, SightFigure, Source, Value, Verdict, verify,
 };
 use support::{controller, rig};
 
@@ -136,7 +137,7 @@ fn a_sweep_has_surge_in_its_linear_figures() {
 #[test]
 fn the_error_budget_adds_up_to_the_simulated_error() {
     let plant = Plant::lumped(&rig()).unwrap();
-    let asked = Procedure { line_of_sight: Some(LineOfSight { exposure_s: 0.02 }), ..procedure(road()) };
+    let asked = Procedure { line_of_sight: Some(LineOfSight::default()), ..procedure(road()) };
     let figure = Figure::Sight(SightFigure::Hub);
     let limit = [Requirement::new(figure, Limit::AtMost(1.0)).unwrap()];
     let verified = verify(&plant, &controller(), &asked, &limit).unwrap();
@@ -152,6 +153,57 @@ fn the_error_budget_adds_up_to_the_simulated_error() {
     assert_eq!(share(ErrorSource::RollAndYaw), None, "this base does not roll");
     assert!(share(ErrorSource::Surge).unwrap() > 0.2 * budget.total_rad[0].powi(2), "{budget:?}");
     assert!(share(ErrorSource::HubGyro).unwrap().abs() < 0.1 * budget.total_rad[0].powi(2), "{budget:?}");
+}
+
+/// Coincidence, hits and blur are measured where their sections are, and a requirement that asks for one without its section says so.
+#[test]
+fn gunner_and_observer_get_their_figures() {
+    let plant = Plant::lumped(&rig()).unwrap();
+    let coincidence =
+        Coincidence { window_rad: 1e-3, delay_s: 0.01, target_rad: 1.5e-3, dispersion_rad: 2e-4 };
+    let sight = LineOfSight {
+        settle_s: Some(2.5),
+        coincidence: Some(coincidence),
+        optics: Some(Optics { focal_length_m: 0.1, spatial_frequency_m: 3e4 }),
+        ..LineOfSight::default()
+    };
+    let of = |sight: LineOfSight| {
+        let asked = Procedure { line_of_sight: Some(sight), ..procedure(road()) };
+        let limit = [Requirement::new(Figure::Sight(SightFigure::Hit), Limit::AtLeast(0.0)).unwrap()];
+        verify(&plant, &controller(), &asked, &limit).unwrap().into_parts().1
+    };
+    let found = of(sight);
+    let value = |figure| found.value(Figure::Sight(figure)).unwrap();
+    assert!(matches!(found.verdicts[0].1, Verdict::Holds { .. }), "{:?}", found.verdicts);
+    let history = found
+        .history(Model::Nonlinear, counterpoise_verify::line_of_sight::experiment(&found.evidence.procedure))
+        .unwrap();
+    let angles = SightAngles::of(history, 2.5).unwrap();
+    let inside = angles.hub_rad.iter().filter(|error| error.abs() <= 1e-3).count();
+    assert_eq!(value(SightFigure::Coincidence), inside as f64 / angles.hub_rad.len() as f64);
+    assert!((0.05..0.999).contains(&value(SightFigure::Coincidence)), "{}", value(SightFigure::Coincidence));
+    assert!((0.0..=1.0).contains(&value(SightFigure::Hit)) && value(SightFigure::Wait) > 0.0);
+    // motion within an exposure that is small beside a period of detail takes 2 (pi f F)^2 times its mean square
+    let small = 2.0 * (std::f64::consts::PI * 3e4 * 0.1 * value(SightFigure::HubJitter)).powi(2);
+    assert!((value(SightFigure::HubTransferLoss) / small - 1.0).abs() < 0.1, "{small}");
+    assert!(value(SightFigure::Bending) < value(SightFigure::Tip));
+    let larger = Coincidence { target_rad: 3e-3, ..coincidence };
+    let easier = of(LineOfSight { coincidence: Some(larger), ..sight });
+    assert!(easier.value(Figure::Sight(SightFigure::Hit)).unwrap() > value(SightFigure::Hit));
+    let without = of(LineOfSight { coincidence: None, ..sight });
+    let Verdict::NotApplicable { why } = &without.verdicts[0].1 else { panic!("{:?}", without.verdicts) };
+    assert!(why.contains("[verify.line_of_sight.coincidence]"), "{why}");
+}
+
+#[test]
+fn a_shot_that_leaves_after_the_end_is_refused() {
+    let coincidence = Coincidence { delay_s: 4.5, ..Coincidence::default() };
+    let sight = LineOfSight { coincidence: Some(coincidence), ..LineOfSight::default() };
+    let asked = Procedure { line_of_sight: Some(sight), ..procedure(road()) };
+    assert!(asked.check().unwrap_err().to_string().contains("delay of the shot"));
+    let late = LineOfSight { settle_s: Some(6.5), ..LineOfSight::default() };
+    let asked = Procedure { line_of_sight: Some(late), ..procedure(road()) };
+    assert!(asked.check().unwrap_err().to_string().contains("settling time of the line of sight"));
 }
 
 /// Without anything that is nonlinear, sources that do not move together superpose.

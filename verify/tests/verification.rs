@@ -5,8 +5,8 @@ use crate::support;
 
 use counterpoise_controller::Controller;
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Procedure, Quantity, Requirement,
-    Road, Source, StepFigure, Triangle, Verdict, verify, verify_linear,
+    Arrangement, Coincidence, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Optics, Procedure,
+    Quantity, Requirement, Road, Source, StepFigure, Triangle, Verdict, verify, verify_linear,
 };
 use support::{controller, plant};
 
@@ -89,7 +89,11 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
         settle_s: 0.5,
         road: Some(road()),
         triangle: Some(TRIANGLE),
-        line_of_sight: Some(LineOfSight::default()),
+        line_of_sight: Some(LineOfSight {
+            coincidence: Some(Coincidence { window_rad: 5e-3, target_rad: 5e-3, ..Coincidence::default() }),
+            optics: Some(Optics::default()),
+            ..LineOfSight::default()
+        }),
         ..Procedure::default()
     };
     let first = verify(&plant(), &controller(), &procedure, &[]).unwrap();

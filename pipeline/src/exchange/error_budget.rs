@@ -14,6 +14,8 @@ pub struct SightValues {
     pub tip: f64,
     /// Tip, about its mean in each exposure.
     pub tip_jitter: f64,
+    /// Tip against hub, about its mean.
+    pub tip_against_hub: f64,
 }
 
 /// What the error of the line of sight is made of.
@@ -42,9 +44,9 @@ pub struct ContributionResult {
     pub alone_rad: SightValues,
 }
 
-impl From<[f64; 4]> for SightValues {
-    fn from([hub, hub_jitter, tip, tip_jitter]: [f64; 4]) -> Self {
-        Self { hub, hub_jitter, tip, tip_jitter }
+impl From<[f64; 5]> for SightValues {
+    fn from([hub, hub_jitter, tip, tip_jitter, tip_against_hub]: [f64; 5]) -> Self {
+        Self { hub, hub_jitter, tip, tip_jitter, tip_against_hub }
     }
 }
 

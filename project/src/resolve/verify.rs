@@ -1,7 +1,7 @@
 //! The `[verify]` section: what is done to the loop, and the limits that its figures must keep.
 
 use counterpoise_verify::{
-    Figure, Limit as Bound, LineOfSight, Procedure, Requirement, Sine, Step, Triangle,
+    Coincidence, Figure, Limit as Bound, LineOfSight, Optics, Procedure, Requirement, Sine, Step, Triangle,
 };
 
 use super::model::Modelling;
@@ -113,6 +113,48 @@ pub(crate) fn verify(
 fn line_of_sight(v: &mut dyn Visit, sight: &mut LineOfSight) {
     let exposure = Field::new("exposure", "length of one exposure, within which jitter blurs").unit("s");
     v.number(&exposure.limit(ABOVE_0).or(LineOfSight::default().exposure_s).shown(), &mut sight.exposure_s);
+    let settle = "time at the beginning that the line of sight leaves out; that of [verify] if absent";
+    maybe_number(v, &Field::new("settle", settle).unit("s").limit(AT_LEAST_0), &mut sight.settle_s);
+    optional(
+        v,
+        &TableField::optional("coincidence", "window within which a shot is released, and its target"),
+        &mut sight.coincidence,
+        Coincidence::default(),
+        coincidence,
+    );
+    optional(
+        v,
+        &TableField::optional("optics", "sight whose image the motion blurs"),
+        &mut sight.optics,
+        Optics::default(),
+        optics,
+    );
+}
+
+fn coincidence(v: &mut dyn Visit, asked: &mut Coincidence) {
+    let window = Field::new("window", "largest error of the hub at which a shot is released").unit("rad");
+    v.number(&window.limit(ABOVE_0), &mut asked.window_rad);
+    let delay = Field::new("delay", "time from the release to the instant at which the shot leaves the tip");
+    v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0).shown(), &mut asked.delay_s);
+    let target = Field::new(
+        "target",
+        "largest error of the tip that hits: half the target's height over its distance",
+    );
+    v.number(&target.unit("rad").limit(ABOVE_0), &mut asked.target_rad);
+    let dispersion = Field::new("dispersion", "RMS angle of the rounds about the direction of the tip");
+    v.number(&dispersion.unit("rad").limit(AT_LEAST_0).or(0.0).shown(), &mut asked.dispersion_rad);
+}
+
+fn optics(v: &mut dyn Visit, optics: &mut Optics) {
+    v.number(
+        &Field::new("focal_length", "focal length").unit("m").limit(ABOVE_0),
+        &mut optics.focal_length_m,
+    );
+    let detail = "spatial frequency in the image at which the loss is stated, in periods; 1/2 over the pitch of the pixels is the finest that they resolve";
+    v.number(
+        &Field::new("spatial_frequency", detail).unit("1/m").limit(ABOVE_0),
+        &mut optics.spatial_frequency_m,
+    );
 }
 
 /// A seed of random numbers.

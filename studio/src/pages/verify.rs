@@ -1,5 +1,6 @@
 //! The page Verify: verdicts on the full plant while the runs come in, and the evidence behind each one; then export.
 
+use counterpoise_report::error_budget;
 use counterpoise_verify::{Figure, Limit, Verdict, Verification};
 use egui::{RichText, Ui};
 
@@ -50,7 +51,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     widgets::side_panel("verdicts", &view.theme, SIDE_WIDTH).show(ui, |ui| {
         show_actions(ui, view, queue, state);
         ui.add_space(space::SMALL);
-        egui::ScrollArea::vertical().show(ui, |ui| show_verdicts(ui, view, queue, found));
+        egui::ScrollArea::vertical().show(ui, |ui| {
+            show_verdicts(ui, view, queue, found);
+            show_line_of_sight(ui, view, found);
+        });
     });
     ui.horizontal(|ui| {
         for tab in VerificationTab::ALL {
@@ -121,6 +125,22 @@ fn show_verdicts(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: 
                 let tab = evidence_tab(requirement.figure);
                 queue.push(Command::ShowVerification { tab });
             }
+        }
+    });
+}
+
+/// Shows the line of sight and its error budget; nothing if the project does not ask for them.
+fn show_line_of_sight(ui: &mut Ui, view: &View, found: &Verification) {
+    let lines = error_budget::lines(found);
+    if lines.is_empty() {
+        return;
+    }
+    ui.add_space(space::SMALL);
+    view.theme.card().show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.label(RichText::new("Line of sight").strong());
+        for line in lines {
+            ui.label(RichText::new(line).color(view.theme.text));
         }
     });
 }

@@ -8,7 +8,8 @@ use gain::Gain;
 
 use counterpoise_linalg::{C64, CMat, Mat, csingular_values};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{StateSpace, poles, zeros};
+use counterpoise_lti::scaling::balance;
+use counterpoise_lti::{StateSpace, Timebase, poles, zeros};
 
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
@@ -249,8 +250,20 @@ fn axis_roots(roots: &[C64]) -> Vec<f64> {
     roots.iter().filter(|root| root.re == 0.0 && root.im >= 0.0).map(|root| root.im).collect()
 }
 
-/// Whether \[A - pI, B\] has full rank: B reaches the mode p.
+/// Whether \[A - pI, B\] has full rank: B reaches the mode p. What the units of the states hide (a stiff ball screw in metres and
+/// newtons) shows once these are scaled.
 fn reaches(A: &Mat, B: &Mat, pole: C64) -> Result<bool, Error> {
+    if has_full_rank(A, B, pole)? {
+        return Ok(true);
+    }
+    let (n, m) = B.shape();
+    let system =
+        StateSpace::new(A.clone(), B.clone(), Mat::zeros(1, n), Mat::zeros(1, m), Timebase::Continuous)?;
+    let (scaled, _) = balance(&system);
+    has_full_rank(&scaled.A, &scaled.B, pole)
+}
+
+fn has_full_rank(A: &Mat, B: &Mat, pole: C64) -> Result<bool, Error> {
     let n = A.nrows();
     let (size, input) = (A.norm_fro(), B.norm_fro());
     if input == 0.0 {

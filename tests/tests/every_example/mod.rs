@@ -8,6 +8,7 @@ pub(crate) mod support;
 #[path = "../../../export/tests/support/target.rs"]
 mod target;
 
+mod error_budgets;
 mod exported_code;
 mod fault_injection;
 mod fmi_units;

@@ -1,10 +1,11 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`four_wheels`], [`iso_road`], [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`].
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`four_wheels`], [`iso_road`], [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`], `normal`.
 
 pub mod filter;
 pub mod four_wheels;
 pub mod iso_road;
+pub(crate) mod normal;
 pub mod periodic;
 pub mod sea;
 pub mod six_axes;
