@@ -65,9 +65,27 @@ fn rendered(errors: &[Diagnostic], document: &Document) -> String {
 
 /// Reads a project file, or the project.toml of a folder, with the files that it names.
 pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
-    let path = if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() };
+    let path = project_file(path);
     let (document, attachments) = read_as_written(&path)?;
-    let resolved = Project::resolve_for(&document, &attachments, purpose);
+    load_document(path, document, &attachments, purpose)
+}
+
+/// Returns the path of a project file: the project.toml of a folder, or the file itself.
+pub fn project_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() }
+}
+
+/// Does what [`load`] does after reading: resolves a project file that stands, or would stand, at a path.
+///
+/// # Errors
+/// [`BadProject`], and a design that does not exist where the purpose needs one.
+pub fn load_document(
+    path: PathBuf,
+    document: Document,
+    attachments: &Attachments,
+    purpose: Purpose,
+) -> Result<Loaded> {
+    let resolved = Project::resolve_for(&document, attachments, purpose);
     let bad = |errors| BadProject { errors, document: document.clone() };
     let Parsed { project, warnings, assumptions } = resolved.map_err(bad)?;
     let chosen = if purpose.needs_weights() { with_chosen_weights(&project)? } else { None };
@@ -137,9 +155,13 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// Writes the project with an improved mechanism; everything else of the file stays as it is.
 pub fn save_improved(loaded: &Loaded, plant: &Parameters, path: &Path) -> Result<()> {
+    write(path, improved_document(loaded, plant)?.text().as_bytes())
+}
+
+/// Returns the project file with an improved mechanism; everything else of the file stays as it is.
+pub fn improved_document(loaded: &Loaded, plant: &Parameters) -> Result<Document> {
     let improved = Project { plant: plant.clone(), ..loaded.project.clone() };
-    let document = improved.update(&loaded.document, &loaded.project)?;
-    write(path, document.text().as_bytes())
+    Ok(improved.update(&loaded.document, &loaded.project)?)
 }
 
 /// Writes a file whole or not at all, as the studio does.

@@ -170,6 +170,11 @@ impl Document {
         }
     }
 
+    /// Returns whether a text, quoted, stands at a path.
+    pub fn is_text(&self, path: &str) -> bool {
+        self.text_at(path).is_some()
+    }
+
     /// Returns the node at a path, if it is there.
     pub(crate) fn node_at(&self, path: &str) -> Option<&Node> {
         let (node, found) = tree::find(&self.entries, path);

@@ -1,0 +1,124 @@
+"""Projects from Python: editing, designing, simulating, and the text of a mistake."""
+
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import counterpoise as cp
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture(scope="session")
+def gimbal():
+    return cp.Project.load(EXAMPLES / "direct-gimbal")
+
+
+@pytest.fixture(scope="session")
+def design(gimbal):
+    return gimbal.design()
+
+
+def test_values_are_read_and_changed_by_key(gimbal):
+    key = "plant.inertia"
+    before = gimbal.get(key)
+    changed = gimbal.set(key, 0.75)
+    assert gimbal.get(key) == before and gimbal.get("plant.nothing") is None
+    assert changed.get(key) != before and changed.text != gimbal.text
+    assert changed.set("plant.name", "another").get("plant.name") == "another"
+    assert changed.remove("plant.name").get("plant.name") is None
+    assert changed.set("plant.inertia", "4000 kg cm^2").get("plant.inertia") == "4000 kg cm^2"
+
+
+def test_a_design_is_verified_and_its_systems_are_arrays(design):
+    assert design.passes is True and all(row["verdict"] == "holds" for row in design.verdicts())
+    systems = design.systems()
+    assert systems["controller"].A.shape == (len(systems["controller"].states),) * 2
+    loop = design.to_control("loop")
+    assert loop.dt == systems["loop"].sample_time_s
+    gain, _, _, _ = cp.margin(loop)
+    assert np.isfinite(gain)
+    figures = {row["figure"]: row["value"] for row in design.figures()}
+    assert figures["gain_margin_db"] == pytest.approx(20 * np.log10(gain), abs=1e-6)
+    assert "<table>" in design._repr_html_() and len(design.to_pandas()) == len(figures)
+
+
+def test_a_run_follows_its_demand(gimbal):
+    demand = np.full(1500, 0.05)
+    run = gimbal.simulate(demand)
+    assert len(run["time_s"]) == 1500
+    assert abs(run["hub_rate_rad_s"][-100:].mean() - 0.05) < 2e-3
+    noisy = gimbal.simulate(demand, seed=3)
+    again = gimbal.simulate(demand, seed=3)
+    assert np.array_equal(noisy["measured_hub_rate_rad_s"], again["measured_hub_rate_rad_s"])
+    with pytest.raises(cp.CounterpoiseError, match="different lengths"):
+        gimbal.simulate(demand, np.zeros(10))
+
+
+def test_a_mistake_names_file_line_and_remedy(gimbal):
+    with pytest.raises(cp.ProjectError) as caught:
+        gimbal.set("plant.inertia", -1.0).model()
+    finding = caught.value.findings[0]
+    assert finding.severity == "error" and finding.line > 0 and finding.file.endswith("project.toml")
+    assert "inertia" in finding.path and "-1" in finding.found
+    with pytest.raises(cp.CounterpoiseError, match="no-such-folder"):
+        cp.Project.load("no-such-folder/project.toml")
+
+
+def test_other_threads_go_on_and_progress_is_told(gimbal):
+    ticks, stages, is_done = [], [], threading.Event()
+
+    def tick():
+        while not is_done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    gimbal.design(progress=lambda stage, done, of: stages.append(stage))
+    is_done.set()
+    thread.join()
+    assert len(ticks) > 20 and len(stages) >= 3
+
+
+def test_ctrl_c_ends_long_work():
+    call = f"import counterpoise as cp; p = cp.Project.load({str(EXAMPLES / 'reference-rig')!r}); print('go', flush=True); p.design()"
+    work = subprocess.Popen([sys.executable, "-c", call], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    work.stdout.readline()
+    time.sleep(0.5)
+    work.send_signal(signal.SIGINT)
+    start = time.perf_counter()
+    _, said = work.communicate(timeout=60)
+    assert "KeyboardInterrupt" in said and time.perf_counter() - start < 5.0
+
+
+def test_code_is_written(gimbal, tmp_path):
+    names = {pathlib.Path(path).name for path in gimbal.export(tmp_path)}
+    assert {"controller.c", "controller.h", "controller.json"} <= names
+    assert all((tmp_path / name).stat().st_size > 0 for name in ("controller.c", "controller.json"))
+
+
+def test_a_project_is_saved_as_it_was_written(gimbal, tmp_path):
+    gimbal.save(tmp_path / "project.toml")
+    saved = cp.Project.load(tmp_path)
+    assert saved.text == gimbal.text and saved.check()["warnings"] == []
+
+
+def test_reading_a_key_and_a_small_equation_cost_little(gimbal):
+    def seconds(call, count=2000):
+        call()
+        start = time.perf_counter()
+        for _ in range(count):
+            call()
+        return (time.perf_counter() - start) / count
+
+    # figures, not limits: a busy machine is slower
+    print(f"get {1e6 * seconds(lambda: gimbal.get('plant.inertia')):.1f} us")
+    A, B, Q = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.eye(2)
+    print(f"care {1e6 * seconds(lambda: cp.care(A, B, Q)):.1f} us")
