@@ -115,10 +115,14 @@ def margins(sys) -> dict[str, Any]:
     return _native.loop_margins(*_system(sys))
 
 
+# A loop with integrators crosses the negative real axis at zero frequency, where its gain is infinite: no change of gain reaches that.
+_LARGEST_FACTOR = 1e10
+
+
 def margin(sys):
     """Returns gain margin, phase margin in degrees, and their frequencies in rad/s, as `control.margin` does."""
     found = margins(sys)
-    rises = [(factor, rate) for factor, rate in found["gain"] if factor > 0]
+    rises = [(factor, rate) for factor, rate in found["gain"] if 1 / _LARGEST_FACTOR < factor < _LARGEST_FACTOR]
     gm, wcg = min(rises, key=lambda one: abs(np.log(one[0])), default=(np.inf, np.nan))
     pm, wcp = min(found["phase"], key=lambda one: abs(one[0]), default=(np.inf, np.nan))
     return gm, pm, wcg, wcp

@@ -10,7 +10,9 @@ use crate::generalised::Generalised;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, Normal};
 use crate::refusal::attempt;
-use crate::tolerance::{HINF_FIRST_RAISE, HINF_NORM, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED};
+use crate::tolerance::{
+    HINF_FIRST_RAISE, HINF_NORM, HINF_NOTHING, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED,
+};
 
 /// An H-infinity controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,11 +102,12 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Brings the ends together to the tolerance.
+    /// Brings the ends together to the tolerance, or the upper one down to what counts as nothing.
     fn narrow(&mut self, tolerance: f64) -> Result<(), Error> {
+        let first = self.high.map_or(0.0, |high| high.bound);
         while let Some(high) = self.high {
             let close = high.bound <= self.low.bound * (1.0 + tolerance);
-            if close || high.bound < f64::MIN_POSITIVE.sqrt() || self.trials >= HINF_TRIALS {
+            if close || high.bound < HINF_NOTHING * first || self.trials >= HINF_TRIALS {
                 return Ok(());
             }
             self.attempt(between(self.low, high, tolerance))?;

@@ -76,6 +76,10 @@ pub(crate) const HINF_FIRST_RAISE: f64 = 1e-6;
 /// Bounds tried at most, upward and in the bisection.
 pub(crate) const HINF_TRIALS: usize = 80;
 
+/// Share of the first bound that was reached below which a bound counts as nothing: where the controller can cancel all of w, the optimum is zero,
+/// no bound is the last, and a loop in doubles is exact to about 1e-15.
+pub(crate) const HINF_NOTHING: f64 = 1e-10;
+
 /// X and Y count as indefinite below minus this, relatively. A loose test: the loop itself is looked at afterwards.
 pub(crate) const HINF_INDEFINITE: f64 = 1e-7;
 

@@ -204,3 +204,20 @@ fn broken_conditions_are_named() {
         at_any_bound.findings()
     );
 }
+
+/// z = x + u and y = x + w with x' = -x + w + u: the controller -1/(s + 3), python-control's example, leaves nothing of w.
+#[test]
+fn a_plant_whose_disturbance_can_be_cancelled_has_a_controller() {
+    let system = StateSpace::new(
+        Mat::from_rows(&[&[-1.0]]),
+        Mat::from_rows(&[&[1.0, 1.0]]),
+        Mat::from_rows(&[&[1.0], &[1.0]]),
+        Mat::from_rows(&[&[0.0, 1.0], &[1.0, 0.0]]),
+        Timebase::Continuous,
+    );
+    let found = hinf(&Generalised::new(system.unwrap(), 1, 1).unwrap(), 1e-4);
+    assert!(found.achieved_norm < 1e-9 && found.unreachable < 1e-9, "{found:?}");
+    let pole = found.controller.A[(0, 0)];
+    let gain = found.controller.B[(0, 0)] * found.controller.C[(0, 0)];
+    assert!((pole + 3.0).abs() < 1e-8 && (gain + 1.0).abs() < 1e-8, "{pole} {gain}");
+}

@@ -58,6 +58,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     structure(&mut findings, project);
     map(&mut findings, plant);
     coupling(&mut findings, plant);
+    compliance(&mut findings, plant);
     rotor(&mut findings, plant);
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
@@ -216,6 +217,27 @@ fn coupling(findings: &mut Findings<'_>, plant: &Parameters) {
     if value.abs() < 1.0 && value != 0.0 {
         let remark = Remark::new(Problem::OutOfRange, "plant.motor.platform_coupling", "must be -1, 0 or 1");
         findings.add(Severity::Error, remark.found(value.to_string()));
+    }
+}
+
+/// A gap, losses and errors of the mesh act through a transmission that gives.
+fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
+    let gearbox = &plant.gearbox;
+    let of_mesh = [
+        ("backlash", gearbox.backlash_rad, 0.0),
+        ("mesh_efficiency", gearbox.mesh_efficiency, 1.0),
+        ("hysteresis", gearbox.hysteresis_nm, 0.0),
+        ("kinematic_error", gearbox.kinematic_error.amplitude, 0.0),
+    ];
+    for (key, value, ideal) in of_mesh.into_iter().filter(|_| gearbox.is_rigid()) {
+        let stated = ["gearbox", "ball_screw", "harmonic_drive"].map(|kind| format!("plant.{kind}.{key}"));
+        let Some(path) = stated.iter().find(|path| findings.document.has(path) && value != ideal) else {
+            continue;
+        };
+        let section = path.trim_end_matches(key);
+        let allowed = format!("acts through a transmission that gives: state {section}stiffness as well");
+        let remark = Remark::new(Problem::Conflict, path, allowed).found(value.to_string());
+        findings.add(Severity::Error, remark);
     }
 }
 
