@@ -19,6 +19,8 @@ use crate::failures::numerical;
 type Array<'py> = PyReadonlyArray2<'py, f64>;
 type Complex<'py> = Bound<'py, PyArray1<Complex64>>;
 type Owned<'py> = Bound<'py, PyArray2<f64>>;
+/// Matrices, Hankel values, bound, measured error.
+type Reduced<'py> = ([Owned<'py>; 4], Vec<f64>, Option<f64>, f64);
 
 /// Which of two equations is meant.
 #[pyclass(eq, from_py_object, module = "counterpoise._native")]
@@ -228,7 +230,7 @@ fn balanced_reduction<'py>(
     period_s: Option<f64>,
     order: usize,
     kept: Kept,
-) -> PyResult<([Owned<'py>; 4], Vec<f64>, Option<f64>, f64)> {
+) -> PyResult<Reduced<'py>> {
     let g = system(&A, &B, &C, &D, period_s)?;
     let method = match kept {
         Kept::HighFrequencies => Method::SquareRoot,

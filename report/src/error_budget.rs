@@ -34,6 +34,8 @@ pub fn lines(found: &Verification) -> Vec<String> {
     let share = |one: &counterpoise_verify::Contribution| {
         let hub = place(SightFigure::Hub);
         let percent = if total > 0.0 { 100.0 * one.share_rad2[hub] / total } else { 0.0 };
+        // a share just below zero is written as zero, without a sign
+        let percent = (10.0 * percent).round() / 10.0 + 0.0;
         format!(
             "{}: {percent:.1} % of the mean square, {:.1} urad alone",
             one.source.name(),

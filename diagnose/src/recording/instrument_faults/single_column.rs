@@ -164,7 +164,7 @@ mod tests {
         let smooth: Vec<f64> = reading(5000)
             .iter()
             .zip(reading(12_000).iter().skip(7000))
-            .map(|(a, b)| a + 0.318_309_886 * b + 1e-4 * step * (b * 1e7).sin())
+            .map(|(a, b)| a + 0.313_707_113 * b + 1e-4 * step * (b * 1e7).sin())
             .collect();
         assert_eq!(coarse(Column::HubRate, &smooth, &rig), None);
         let stepped = coarse(Column::HubRate, &reading(5000), &rig);
