@@ -12,7 +12,7 @@ use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::{causes, tell};
 use counterpoise_host::terminal::{escape_controls, harmless_json};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::first_findings;
@@ -41,13 +41,7 @@ pub(crate) use say;
 
 /// An error and its causes, one below the other; a cause that the line above it quotes is not said twice.
 pub fn error_chain(error: &anyhow::Error) -> String {
-    let mut lines = vec![format!("error: {error}")];
-    for cause in error.chain().skip(1).map(ToString::to_string) {
-        if !lines.iter().any(|line| line.contains(&cause)) {
-            lines.push(format!("  because: {cause}"));
-        }
-    }
-    lines.join("\n")
+    format!("error: {}", causes(error).join("\n  because: "))
 }
 
 /// A number of a printed line: five significant digits, a plain minus sign, and a word for what has no bound.

@@ -25,6 +25,17 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> String {
     out
 }
 
+/// Returns what an error and its causes say, the error first; a cause that a line before it quotes is left out.
+pub fn causes(error: &anyhow::Error) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !lines.iter().any(|line| line.contains(&cause)) {
+            lines.push(cause);
+        }
+    }
+    lines
+}
+
 /// Writes lines to the standard error stream, harmless, each cut at [`LONGEST_LINE`]. Nobody can be told that this stream is lost.
 pub fn tell(text: &str) {
     use std::io::Write;

@@ -101,18 +101,18 @@ def _control(matrices, dt):
 
 def linfnorm(sys, tol: float = 1e-10):
     """Returns the largest gain over frequency, and that frequency in rad/s, as `control.linfnorm` does."""
-    low, _, rate = _native.peak_gain(*_system(sys), tol)
+    low, _, rate = _native.peak_gain(_system(sys), tol)
     return low, rate
 
 
 def h2norm(sys) -> float:
     """Returns the H2 norm; infinite for an unstable system, and for a continuous one with a direct path."""
-    return _native.h2_norm(*_system(sys))
+    return _native.h2_norm(_system(sys))
 
 
 def margins(sys) -> dict[str, Any]:
     """Returns every gain and phase crossing of a loop under negative feedback, the delay margin in s, the peaks of S and T, and the disk margin."""
-    return _native.loop_margins(*_system(sys))
+    return _native.loop_margins(_system(sys))
 
 
 # A loop with integrators crosses the negative real axis at zero frequency, where its gain is infinite: no change of gain reaches that.
@@ -134,30 +134,29 @@ def balred(sys, orders, method: str = "truncate"):
         raise NumericalError(f"method '{method}': write 'truncate' or 'matchdc'")
     if np.ndim(orders) > 0:
         return [balred(sys, int(order), method) for order in orders]
-    *matrices, period = _system(sys)
+    given = _system(sys)
     kept = _native.Kept.ZeroFrequency if method == "matchdc" else _native.Kept.HighFrequencies
-    reduced, _, _, _ = _native.balanced_reduction(*matrices, period, int(orders), kept)
-    return _control(reduced, period)
+    reduced, _, _, _ = _native.balanced_reduction(given, int(orders), kept)
+    return _control(reduced, given[-1])
 
 
 def h2syn(P, nmeas: int, ncon: int):
     """Returns the controller u = K y that makes the H2 norm from w to z smallest, for the last `nmeas` outputs and `ncon` inputs of P."""
-    *matrices, period = _continuous(P)
-    K, _ = _native.h2_synthesis(*matrices, nmeas, ncon)
-    return _control(K, period)
+    K, _ = _native.h2_synthesis(_continuous(P), nmeas, ncon)
+    return _control(K, None)
 
 
 def hinfsyn(P, nmeas: int, ncon: int, tolerance: float = 1e-4):
     """Returns K, the closed loop, its norm and the largest bound found not to be reachable; the norm is within `tolerance` of the smallest."""
-    *matrices, period = _continuous(P)
-    K, norm, unreachable = _native.hinf_synthesis(*matrices, nmeas, ncon, tolerance)
-    controller = _control(K, period)
-    closed = _control(matrices, period).lft(controller)
+    given = _continuous(P)
+    K, norm, unreachable = _native.hinf_synthesis(given, nmeas, ncon, tolerance)
+    controller = _control(K, None)
+    closed = _control(given[:4], None).lft(controller)
     return controller, closed, norm, unreachable
 
 
 def _continuous(P):
-    *matrices, period = _system(P)
-    if period is not None:
-        raise NumericalError("the plant must be continuous: transform it with control.sample_system's inverse or design in continuous time")
-    return (*matrices, period)
+    given = _system(P)
+    if given[-1] is not None:
+        raise NumericalError("the plant must be continuous: a sampled plant is not offered here")
+    return given

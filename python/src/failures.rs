@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use counterpoise_host::projects::BadProject;
+use counterpoise_host::terminal::causes;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -29,7 +30,7 @@ create_exception!(
 /// Returns an exception for work that failed.
 pub fn exception(py: Python<'_>, error: &anyhow::Error) -> PyErr {
     let Some(bad) = error.downcast_ref::<BadProject>() else {
-        return CounterpoiseError::new_err(chain(error));
+        return CounterpoiseError::new_err(causes(error).join(": "));
     };
     let raised = ProjectError::new_err(bad.to_string());
     let findings = serde_json::to_string(&bad.errors).unwrap_or_default();
@@ -42,15 +43,4 @@ pub fn exception(py: Python<'_>, error: &anyhow::Error) -> PyErr {
 /// Returns an exception for an equation, a norm or a synthesis without an answer.
 pub fn numerical(why: impl Display) -> PyErr {
     NumericalError::new_err(why.to_string())
-}
-
-fn chain(error: &anyhow::Error) -> String {
-    let mut lines: Vec<String> = Vec::new();
-    for cause in error.chain().map(ToString::to_string) {
-        // a cause that the line above quotes is not said twice
-        if !lines.last().is_some_and(|line| line.contains(&cause)) {
-            lines.push(cause);
-        }
-    }
-    lines.join(": ")
 }

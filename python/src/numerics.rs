@@ -73,15 +73,16 @@ fn complex<'py>(py: Python<'py>, values: &[C64]) -> Complex<'py> {
     PyArray1::from_iter(py, values.iter().map(|z| Complex64::new(z.re, z.im)))
 }
 
-fn system(
-    A: &Array<'_>,
-    B: &Array<'_>,
-    C: &Array<'_>,
-    D: &Array<'_>,
-    period_s: Option<f64>,
-) -> PyResult<StateSpace> {
-    let timebase = period_s.map_or(Timebase::Continuous, |period_s| Timebase::Discrete { period_s });
-    StateSpace::new(matrix(A), matrix(B), matrix(C), matrix(D), timebase).map_err(numerical)
+/// A system as a tuple: A, B, C, D and the sample period in s, `None` in continuous time.
+#[derive(FromPyObject)]
+struct Given<'py>(Array<'py>, Array<'py>, Array<'py>, Array<'py>, Option<f64>);
+
+impl Given<'_> {
+    fn system(&self) -> PyResult<StateSpace> {
+        let Self(A, B, C, D, period_s) = self;
+        let timebase = period_s.map_or(Timebase::Continuous, |period_s| Timebase::Discrete { period_s });
+        StateSpace::new(matrix(A), matrix(B), matrix(C), matrix(D), timebase).map_err(numerical)
+    }
 }
 
 fn matrices<'py>(py: Python<'py>, g: &StateSpace) -> PyResult<[Owned<'py>; 4]> {
@@ -168,45 +169,23 @@ fn two_sided<'py>(
 
 /// The largest gain over frequency, from below and from above, and where it is, rad/s.
 #[pyfunction]
-fn peak_gain(
-    py: Python<'_>,
-    A: Array<'_>,
-    B: Array<'_>,
-    C: Array<'_>,
-    D: Array<'_>,
-    period_s: Option<f64>,
-    tolerance: f64,
-) -> PyResult<(f64, f64, f64)> {
-    let g = system(&A, &B, &C, &D, period_s)?;
+fn peak_gain(py: Python<'_>, given: Given<'_>, tolerance: f64) -> PyResult<(f64, f64, f64)> {
+    let g = given.system()?;
     let found = py.detach(|| linfnorm_bounds(&g, tolerance)).map_err(numerical)?;
     Ok((found.lower.value, found.upper, found.lower.rate_rad_s))
 }
 
 /// The H2 norm.
 #[pyfunction]
-fn h2_norm(
-    py: Python<'_>,
-    A: Array<'_>,
-    B: Array<'_>,
-    C: Array<'_>,
-    D: Array<'_>,
-    period_s: Option<f64>,
-) -> PyResult<f64> {
-    let g = system(&A, &B, &C, &D, period_s)?;
+fn h2_norm(py: Python<'_>, given: Given<'_>) -> PyResult<f64> {
+    let g = given.system()?;
     py.detach(|| h2norm(&g)).map_err(numerical)
 }
 
 /// All margins of a loop of one input and output under negative feedback.
 #[pyfunction]
-fn loop_margins<'py>(
-    py: Python<'py>,
-    A: Array<'py>,
-    B: Array<'py>,
-    C: Array<'py>,
-    D: Array<'py>,
-    period_s: Option<f64>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let g = system(&A, &B, &C, &D, period_s)?;
+fn loop_margins<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Bound<'py, PyDict>> {
+    let g = given.system()?;
     let found = py.detach(|| margins(&g)).map_err(numerical)?;
     let dict = PyDict::new(py);
     dict.set_item("gain", found.gain.iter().map(|m| (m.factor, m.rate_rad_s)).collect::<Vec<_>>())?;
@@ -223,15 +202,11 @@ fn loop_margins<'py>(
 #[pyfunction]
 fn balanced_reduction<'py>(
     py: Python<'py>,
-    A: Array<'py>,
-    B: Array<'py>,
-    C: Array<'py>,
-    D: Array<'py>,
-    period_s: Option<f64>,
+    given: Given<'py>,
     order: usize,
     kept: Kept,
 ) -> PyResult<Reduced<'py>> {
-    let g = system(&A, &B, &C, &D, period_s)?;
+    let g = given.system()?;
     let method = match kept {
         Kept::HighFrequencies => Method::SquareRoot,
         Kept::ZeroFrequency => Method::MatchDc,
@@ -240,26 +215,19 @@ fn balanced_reduction<'py>(
     Ok((matrices(py, &found.system)?, found.hankel, found.bound, found.measured_error.value))
 }
 
-fn generalised(
-    (A, B, C, D): (Array<'_>, Array<'_>, Array<'_>, Array<'_>),
-    measurements: usize,
-    controls: usize,
-) -> PyResult<Generalised> {
-    Generalised::new(system(&A, &B, &C, &D, None)?, controls, measurements).map_err(numerical)
+fn generalised(given: &Given<'_>, measurements: usize, controls: usize) -> PyResult<Generalised> {
+    Generalised::new(given.system()?, controls, measurements).map_err(numerical)
 }
 
 /// The controller u = K y that makes the H2 norm smallest, and that norm.
 #[pyfunction]
 fn h2_synthesis<'py>(
     py: Python<'py>,
-    A: Array<'py>,
-    B: Array<'py>,
-    C: Array<'py>,
-    D: Array<'py>,
+    given: Given<'py>,
     measurements: usize,
     controls: usize,
 ) -> PyResult<([Owned<'py>; 4], f64)> {
-    let plant = generalised((A, B, C, D), measurements, controls)?;
+    let plant = generalised(&given, measurements, controls)?;
     let found = py.detach(|| h2syn(&plant)).map_err(numerical)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm))
 }
@@ -269,15 +237,12 @@ fn h2_synthesis<'py>(
 #[pyfunction]
 fn hinf_synthesis<'py>(
     py: Python<'py>,
-    A: Array<'py>,
-    B: Array<'py>,
-    C: Array<'py>,
-    D: Array<'py>,
+    given: Given<'py>,
     measurements: usize,
     controls: usize,
     tolerance: f64,
 ) -> PyResult<([Owned<'py>; 4], f64, f64)> {
-    let plant = generalised((A, B, C, D), measurements, controls)?;
+    let plant = generalised(&given, measurements, controls)?;
     let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(numerical)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm, found.unreachable))
 }
