@@ -57,7 +57,7 @@ impl Pool for Surroundings {
     }
 
     fn progress(&self, stage: &str, done: usize, of: usize) {
-        (self.tell)(stage, done + 1, of);
+        (self.tell)(stage, done, of);
     }
 }
 

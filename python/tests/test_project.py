@@ -81,10 +81,25 @@ def test_other_threads_go_on_and_progress_is_told(gimbal):
 
     thread = threading.Thread(target=tick)
     thread.start()
-    gimbal.design(progress=lambda stage, done, of: stages.append(stage))
+    gimbal.design(progress=lambda *step: stages.append(step))
     is_done.set()
     thread.join()
     assert len(ticks) > 20 and len(stages) >= 3
+    assert all(0 <= done <= of for _, done, of in stages)
+
+
+def test_a_diagnosis_tells_no_more_than_all_of_a_stage():
+    project = cp.Project.load(EXAMPLES / "left-out-friction")
+    steps = []
+
+    def stop_after_screening(stage, done, of):
+        steps.append((stage, done, of))
+        if stage == "screening" and done == of:
+            raise StopIteration
+
+    with pytest.raises(StopIteration):
+        project.diagnose([EXAMPLES / "left-out-friction"], progress=stop_after_screening)
+    assert steps and all(0 <= done <= of for _, done, of in steps)
 
 
 def test_ctrl_c_ends_long_work():

@@ -10,7 +10,7 @@ pub trait Pool: Sync {
     fn cancelled(&self) -> bool {
         false
     }
-    /// Says how far the work is.
+    /// Says how many parts of a stage are done, from none to all of them.
     fn progress(&self, _stage: &str, _done: usize, _of: usize) {}
 }
 
