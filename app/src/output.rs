@@ -9,12 +9,12 @@ use serde::{Serialize, Serializer};
 
 use crate::options::Results;
 use counterpoise_host::files::state_folder;
-use counterpoise_host::json::json_text;
 use counterpoise_host::journals::has_unsaved_edits;
+use counterpoise_host::json::json_text;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
-use counterpoise_host::terminal::{causes, tell};
 use counterpoise_host::terminal::escape_controls;
+use counterpoise_host::terminal::{causes, tell};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::first_findings;
 

@@ -12,9 +12,7 @@ use counterpoise_pipeline::results::AdaptResult;
 use counterpoise_pipeline::studies::adapt::adapt;
 use counterpoise_pipeline::studies::adaptation_trials::trials;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
-use counterpoise_pipeline::studies::sweep::{
-    BesideSamples, CampaignResult, campaign_is_stated, worst_cases,
-};
+use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
 use counterpoise_pipeline::{self as pipeline, campaign, families, robust_stability, run_stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::{SweepFigure, figures};

@@ -46,6 +46,9 @@ def test_a_design_is_verified_and_its_systems_are_arrays(design):
     assert np.isfinite(gain)
     figures = {row["figure"]: row["value"] for row in design.figures()}
     assert figures["gain_margin_db"] == pytest.approx(20 * np.log10(gain), abs=1e-6)
+    assert "verify.systems.loop" in systems and cp.margins(loop)["is_stable"]
+    with pytest.raises(KeyError, match="synth.controllers.feedback, synth.paths.feedback"):
+        design.to_control("feedback")
     assert "<table>" in design._repr_html_() and len(design.to_pandas()) == len(figures)
 
 
@@ -174,11 +177,14 @@ def test_a_map_is_that_of_the_linear_model_where_the_machine_is_linear(gimbal):
         gimbal.frequency_response_map([0.05], [])
 
 
-def test_triangle_waves_tell_of_friction():
-    project = cp.Project.load(EXAMPLES / "left-out-friction")
-    found, better = project.identify(EXAMPLES / "left-out-friction" / "triangle.parquet")
+def test_triangle_waves_tell_of_friction_and_amplifier():
+    folder = EXAMPLES / "amplifier-curve"
+    project = cp.Project.load(folder)
+    found, better = project.identify(folder / "balanced", folder / "midpoint")
     low, high = found["coulomb_nm"]["ci95"]
-    assert low < found["coulomb_nm"]["value"] < high and better.text != project.text
+    assert low < found["coulomb_nm"]["value"] < high
+    assert found["amplifier"]["outcome"] == "curve" and better.text != project.text
+    assert len(better.model()["poles_rad_s"]) == len(project.model()["poles_rad_s"])
 
 
 def test_the_command_line_is_in_the_package(gimbal, tmp_path):
@@ -199,6 +205,6 @@ def test_the_command_line_is_in_the_package(gimbal, tmp_path):
 
 def test_progress_is_a_line_on_a_terminal(gimbal, capsys):
     bar = cp.ProgressBar()
-    gimbal.synth(progress=bar)
+    gimbal.design(progress=bar)
     bar.close()
     assert "\r" in capsys.readouterr().err

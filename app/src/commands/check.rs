@@ -1,6 +1,5 @@
 //! `counterpoise check`: what a project file is understood to say, what it leaves open, and its migration to the present format.
 
-use std::path::PathBuf;
 use anyhow::{Context, bail};
 use clap::Args;
 use counterpoise_host::files::project_file;
@@ -9,6 +8,7 @@ use counterpoise_pipeline::check::check;
 use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
 use counterpoise_report::check::lines;
 use serde::Serialize;
+use std::path::PathBuf;
 
 use crate::exit::{Done, Exit};
 use crate::options::Results;

@@ -1,6 +1,5 @@
 //! `counterpoise compare`: the project's own design, the joint optimum and tuned fixed structures in one table.
 
-use std::path::PathBuf;
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use counterpoise_host::projects::{self, Surroundings};
@@ -10,6 +9,7 @@ use counterpoise_project::Purpose;
 use counterpoise_report::{Origin, designs, html};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
+use std::path::PathBuf;
 
 use crate::exit::{Done, Exit};
 use crate::options::Results;

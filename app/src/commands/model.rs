@@ -1,6 +1,5 @@
 //! `counterpoise model`: the plant, its poles, the modes of its structure, and pictures of both and of its friction.
 
-use std::path::PathBuf;
 use clap::Args;
 use counterpoise_pipeline::check::rank_assumptions;
 use counterpoise_pipeline::exchange::StructureResult;
@@ -12,6 +11,7 @@ use counterpoise_project::Purpose;
 use counterpoise_report::check::ranking;
 use counterpoise_report::html;
 use counterpoise_report::model::report;
+use std::path::PathBuf;
 
 use crate::exit::{Done, Exit};
 use crate::options::Results;

@@ -1,11 +1,11 @@
 //! `counterpoise new`: a folder with a project file to start from, filled in by five questions, like a kind of machine, or in full.
 
-use std::io::{BufRead, IsTerminal, Write};
-use std::path::Path;
 use anyhow::{Result, bail};
 use counterpoise_host::files::{PROJECT_FILE, create};
 use counterpoise_project::starters::{Kind, Question, with_answer};
 use counterpoise_project::{Document, STARTER};
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::Path;
 
 use crate::exit::{Done, Exit};
 use crate::options::NewOptions;

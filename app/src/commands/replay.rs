@@ -1,15 +1,12 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
-use std::path::Path;
 use anyhow::Error;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::terminal::tell;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
-use counterpoise_pipeline::recordings::read::{
-    loop_of, read_table, recording_controller, without_demand,
-};
+use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
 use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read, replay};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::{Project, Purpose};
@@ -20,6 +17,7 @@ use counterpoise_report::wording::recordings::{
 use counterpoise_simulate::replay::RecordedController;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use std::path::Path;
 
 use crate::exit::{Done, Exit};
 use crate::options::ReplayOptions;

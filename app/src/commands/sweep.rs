@@ -1,13 +1,10 @@
 //! `counterpoise sweep`: robustness, in shards that anybody may run.
 
 use crate::output::say;
-use std::path::Path;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use counterpoise_host::terminal::tell;
-use counterpoise_pipeline::studies::sweep::{
-    BesideSamples, CampaignResult, campaign_is_stated, worst_cases,
-};
+use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
@@ -15,6 +12,7 @@ use counterpoise_report::{Context as PageContext, html, robust, sweep};
 use counterpoise_verify::robust::{Campaign, Member, Sample, merge};
 use counterpoise_verify::structured::RobustStability;
 use rayon::prelude::*;
+use std::path::Path;
 
 use crate::exit::{Done, Exit, verdict_code};
 use crate::options::Results;

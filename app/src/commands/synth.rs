@@ -1,6 +1,5 @@
 //! `counterpoise synth`: the controller with its certificates, compared with its alternatives; or the search for its weights.
 
-use std::path::{Path, PathBuf};
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
@@ -13,6 +12,7 @@ use counterpoise_project::{Project, Purpose};
 use counterpoise_synth::{Ended, Figures, Trial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 use crate::exit::{Done, Exit, verdict_code};
 use crate::options::Outputs;

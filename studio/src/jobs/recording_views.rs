@@ -19,7 +19,7 @@ use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_report::wording::recordings::{
-    describe_column_remark, describe_played_back, describe_other_export, describe_recordings_error,
+    describe_column_remark, describe_other_export, describe_played_back, describe_recordings_error,
     describe_replay,
 };
 use counterpoise_simulate::replay::{RecordedController, Replay};
