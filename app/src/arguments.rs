@@ -15,9 +15,17 @@ use crate::options::{
     ReplayOptions, StageOptions, StudioOptions,
 };
 
+/// What `--version` prints; `-V` prints the version alone.
+const LONG_VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\ncommit:   ",
+    env!("COUNTERPOISE_COMMIT"),
+    "\nresults:  counterpoise.results/2\nrecordings: CSV, Parquet, MATLAB, HDF5, NumPy"
+);
+
 /// From a project file to a verified controller, and back from recordings to a better model.
 #[derive(Parser)]
-#[command(name = "counterpoise", version, about, max_term_width = 100)]
+#[command(name = "counterpoise", version, long_version = LONG_VERSION, about, max_term_width = 100)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]

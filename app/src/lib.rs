@@ -7,11 +7,13 @@ mod arguments;
 mod commands;
 #[cfg(test)]
 mod commands_page;
+mod examples;
 mod exit;
 mod options;
 mod output;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -28,7 +30,8 @@ use options::StudioOptions;
 pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     interrupt::install();
     counterpoise_host::terminal::quiet_decoders();
-    let parsed = Arguments::try_parse_from(arguments::with_json_file_joined(arguments.into_iter()));
+    let given = arguments::with_json_file_joined(arguments.into_iter());
+    let parsed = Arguments::try_parse_from(&given);
     let arguments = match parsed {
         Ok(arguments) => arguments,
         // help and version are results, too
@@ -41,6 +44,8 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let window = Command::Studio(StudioOptions::default());
     let Exit(code) = run_command(arguments.command.as_ref().unwrap_or(&window)).unwrap_or_else(|error| {
         tell(&output::error_chain(&error));
+        let paths: Vec<PathBuf> = given.iter().map(PathBuf::from).collect();
+        examples::describe_missing_example(&paths).iter().for_each(|note| tell(note));
         if error.is::<Interrupted>() { Exit(INTERRUPTED) } else { Exit::BAD_INPUT }
     });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.

@@ -61,6 +61,9 @@ pub struct NewOptions {
     /// A complete file of 263 lines instead, with weights, requirements and a campaign
     #[arg(long, conflicts_with = "like")]
     pub full: bool,
+    /// An example of the manual instead, with its recordings, for example reference-rig
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["like", "full"])]
+    pub example: Option<String>,
 }
 
 /// Arguments of `design`.

@@ -1,7 +1,7 @@
 //! `counterpoise claims`: the thesis' claims on a project's mechanism.
 
 use crate::output::say;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Result, bail};
@@ -13,18 +13,19 @@ use counterpoise_project::Purpose;
 use counterpoise_report::{Context, Origin, evidence, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::examples::write_example;
 use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output;
+use counterpoise_host::files::scratch_folder;
 use counterpoise_host::projects::{self, Surroundings};
 use counterpoise_host::stages::Progress;
 
 /// Arguments of `claims`.
 #[derive(Args)]
 pub struct ClaimsOptions {
-    /// Project file, or a folder with a project.toml
-    #[arg(default_value = "examples/reference-rig")]
-    pub project: PathBuf,
+    /// Project file, or a folder with a project.toml [default: examples/reference-rig, which the program carries]
+    pub project: Option<PathBuf>,
     /// Measure only these rows, for example C6,C24
     #[arg(long, value_name = "ID,...", value_delimiter = ',')]
     pub only: Vec<String>,
@@ -66,7 +67,9 @@ struct CriterionRow<'a> {
 /// Runs the command.
 pub fn run(options: &ClaimsOptions) -> Done {
     let wanted = wanted(&options.only)?;
-    let loaded = projects::load(&options.project, Purpose::Design)?;
+    let scratch = scratch_folder()?;
+    let project = project_of(options, scratch.path())?;
+    let loaded = projects::load(&project, Purpose::Design)?;
     let world = Surroundings::of(&loaded, Progress::Quiet);
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} claims, {elapsed}")?);
@@ -79,13 +82,14 @@ pub fn run(options: &ClaimsOptions) -> Done {
     bar.finish_and_clear();
     let title = format!("The thesis' claims on the {}", loaded.project.plant.name);
     let designed = run_stages(&loaded.project, &world)?;
-    let command = format!("counterpoise claims {}", options.project.display());
+    let named = options.project.as_deref().unwrap_or(Path::new(RIG));
+    let command = format!("counterpoise claims {}", named.display());
     let mut more = if options.only.is_empty() {
         evidence::sections(designed.verified.verification())
     } else {
         Vec::new()
     };
-    let verified = format!("counterpoise verify {}", options.project.display());
+    let verified = format!("counterpoise verify {}", named.display());
     more.iter_mut()
         .flat_map(|section| &mut section.figures)
         .for_each(|figure| figure.command.clone_from(&verified));
@@ -106,6 +110,23 @@ pub fn run(options: &ClaimsOptions) -> Done {
         say!("report  {}", path.display());
     }
     Ok(verdict_code(rows.iter().map(|claim| claim.finding() != Finding::Fails)))
+}
+
+/// The mechanism of the claims where nobody names another.
+const RIG: &str = "examples/reference-rig";
+
+/// Returns the project that was asked for; otherwise the reference rig, which is written into a scratch folder if it is not there.
+fn project_of(options: &ClaimsOptions, scratch: &Path) -> Result<PathBuf> {
+    if let Some(project) = &options.project {
+        return Ok(project.clone());
+    }
+    let there = PathBuf::from(RIG);
+    if there.exists() {
+        return Ok(there);
+    }
+    let folder = scratch.join("reference-rig");
+    write_example("reference-rig", &folder)?;
+    Ok(folder)
 }
 
 /// Where the page goes where nobody says: rows alone do not take the place of the whole table.

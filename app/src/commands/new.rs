@@ -7,12 +7,18 @@ use counterpoise_project::{Document, STARTER};
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::Path;
 
+use crate::examples::write_example;
 use crate::exit::{Done, Exit};
 use crate::options::NewOptions;
 use crate::output::{say, write_out};
 
 /// Writes the project file; never over another.
 pub fn run(options: &NewOptions) -> Done {
+    if let Some(name) = &options.example {
+        let written = write_example(name, &options.folder)?;
+        written.iter().for_each(|path| say!("wrote {}", path.display()));
+        return Ok(Exit::SUCCESS);
+    }
     let document = match (options.full, &options.like) {
         (true, _) => Document::parse(STARTER, PROJECT_FILE),
         (false, Some(name)) => Document::parse(kind(name)?.text(), PROJECT_FILE),
