@@ -119,7 +119,7 @@ const OTHERS: [(&str, &str); 8] = [
          plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
          plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
          plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
-         plant.sensors.torque = { noise = 0.05 }
+         plant.sensors.torque = { noise = 1e-4 }
          plant.interface = { sample_period = 1e-3 }",
     ),
     (
@@ -140,7 +140,7 @@ const OTHERS: [(&str, &str); 8] = [
          plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
          plant.drive = { kind = \"voltage\", limit = 24.0 }
          plant.friction.pivot = { viscous = 5e-6 }
-         plant.sensors.current = { noise = 0.02 }
+         plant.sensors.current = { noise = 1e-4 }
          plant.interface = { sample_period = 5e-5 }",
     ),
     (
