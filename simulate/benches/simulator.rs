@@ -139,11 +139,14 @@ fn ensemble(criterion: &mut Criterion) {
     {
         let plants: Vec<Plant> = (0..8).map(|k| varied(f64::from(k), stiffness)).collect();
         let scenarios: Vec<Scenario> = (0..8).map(|k| road(noise.map(|seed| seed + k))).collect();
-        let mut simulators: Vec<Simulator> = plants.iter().map(|plant| Simulator::new(plant).unwrap()).collect();
+        let mut simulators: Vec<Simulator> =
+            plants.iter().map(|plant| Simulator::new(plant).unwrap()).collect();
         let controllers: Vec<_> = plants.iter().map(proportional_integral).collect();
         group.bench_function(BenchmarkId::new(name, "one after the other"), |bencher| {
             bencher.iter(|| {
-                for ((simulator, controller), scenario) in simulators.iter_mut().zip(&controllers).zip(&scenarios) {
+                for ((simulator, controller), scenario) in
+                    simulators.iter_mut().zip(&controllers).zip(&scenarios)
+                {
                     simulator.run(&mut controller.clone(), scenario).unwrap();
                 }
             });
@@ -153,7 +156,12 @@ fn ensemble(criterion: &mut Criterion) {
                 let mut controllers = controllers.clone();
                 let variants = simulators.iter_mut().zip(&mut controllers).zip(&scenarios);
                 let mut variants: Vec<Variant> = variants
-                    .map(|((simulator, controller), scenario)| Variant { simulator, controller, scenario, watch: None })
+                    .map(|((simulator, controller), scenario)| Variant {
+                        simulator,
+                        controller,
+                        scenario,
+                        watch: None,
+                    })
                     .collect();
                 run_ensemble(&mut variants)
             });

@@ -12,8 +12,12 @@ pub use crate::lanes::group::Registers;
 use crate::lanes::number::LANES;
 use crate::motion::{MotionSample, Track};
 use crate::run::{HUB_ANGLE, Lap, Simulator};
-use crate::scenario::Scenario;
+use crate::scenario::{Detail, Scenario};
+use crate::tolerance::FEWEST_LANES;
 use counterpoise_controller::SampledController;
+
+/// Variants that go through their samples side by side: chunks of an ensemble for several processors have a multiple of it.
+pub const SIDE_BY_SIDE: usize = LANES;
 
 /// A run of an ensemble.
 pub struct Variant<'a> {
@@ -48,14 +52,7 @@ pub fn run_ensemble(variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>>
 /// # Errors
 /// Variant by variant, as [`Simulator::run`].
 pub fn run_ensemble_in(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>> {
-    let mut results = Vec::with_capacity(variants.len());
-    for four in variants.chunks_mut(LANES) {
-        match <&mut [Variant; LANES]>::try_from(&mut *four) {
-            Ok(four) => results.extend(run_four(registers, four)),
-            Err(_) => results.extend(four.iter_mut().map(run_alone)),
-        }
-    }
-    results
+    variants.chunks_mut(LANES).flat_map(|few| run_few(registers, few)).collect()
 }
 
 fn run_alone(variant: &mut Variant) -> Result<TimeHistory, Error> {
@@ -68,19 +65,30 @@ fn run_alone(variant: &mut Variant) -> Result<TimeHistory, Error> {
     }
 }
 
-/// Runs four variants side by side if they are of one shape, and one after the other if not.
-fn run_four(registers: Registers, variants: &mut [Variant; LANES]) -> [Result<TimeHistory, Error>; LANES] {
+/// Runs up to four variants side by side if they are of one shape, and one after the other if not.
+fn run_few(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>> {
     let can_share = variants.iter().all(|variant| variant.scenario.platform.further.is_none());
-    let mut steppers = variants.each_mut().map(|variant| variant.simulator.parts().1);
-    let group = LaneGroup::new(&mut steppers, registers).filter(|_| can_share);
-    match group {
-        Some(group) => run_group(group, variants),
-        None => variants.each_mut().map(run_alone),
+    if !can_share || variants.len() < FEWEST_LANES {
+        return variants.iter_mut().map(run_alone).collect();
     }
+    // lanes without a variant have a plant that stands still
+    let mut idle = vec![variants[0].simulator.clone(); LANES - variants.len()];
+    let steppers = variants.iter_mut().map(|variant| variant.simulator.parts().1);
+    let steppers = steppers.chain(idle.iter_mut().map(|simulator| simulator.parts().1));
+    let group = four(steppers).and_then(|mut steppers| LaneGroup::new(&mut steppers, registers));
+    let Some(group) = group else { return variants.iter_mut().map(run_alone).collect() };
+    let count = variants.len();
+    let runs = variants.iter_mut().map(Run::new).chain(idle.iter_mut().map(Run::idle));
+    let finished = four(runs).map(|runs| run_group(group, runs));
+    finished.into_iter().flatten().take(count).collect()
 }
 
-fn run_group(mut group: LaneGroup, variants: &mut [Variant; LANES]) -> [Result<TimeHistory, Error>; LANES] {
-    let mut runs = variants.each_mut().map(Run::new);
+/// Returns four items; `None` if there are not so many.
+fn four<T>(items: impl Iterator<Item = T>) -> Option<[T; LANES]> {
+    items.collect::<Vec<T>>().try_into().ok()
+}
+
+fn run_group(mut group: LaneGroup, mut runs: [Run; LANES]) -> [Result<TimeHistory, Error>; LANES] {
     let mut platforms = Platforms::new(&runs);
     let mut k = 0;
     while runs.iter().any(|run| matches!(run.progress, Progress::UnderWay(_))) {
@@ -92,7 +100,7 @@ fn run_group(mut group: LaneGroup, variants: &mut [Variant; LANES]) -> [Result<T
         for (lane, run) in runs.iter_mut().enumerate() {
             samples[lane] = run.sample(k, lane, &group, platforms.of(lane, &motions));
         }
-        let details = runs.each_ref().map(|run| run.scenario.detail);
+        let details = runs.each_ref().map(Run::detail);
         let mut steppers = runs.each_mut().map(|run| &mut *run.stepper);
         let dry_nm = group.advance(&mut steppers, &samples, &details);
         for (lane, run) in runs.iter_mut().enumerate() {
@@ -108,8 +116,8 @@ fn run_group(mut group: LaneGroup, variants: &mut [Variant; LANES]) -> [Result<T
 /// One variant of a group.
 struct Run<'a> {
     stepper: &'a mut Stepper,
-    controller: &'a mut dyn SampledController,
-    scenario: &'a Scenario,
+    /// What acts, and the scenario; `None` in a lane without a variant.
+    asked: Option<(&'a mut dyn SampledController, &'a Scenario)>,
     watch: Option<Question<'a>>,
     progress: Progress<'a>,
 }
@@ -120,7 +128,7 @@ type Question<'a> = (usize, &'a mut dyn FnMut(&ReadingColumns) -> bool);
 /// How far a run is.
 enum Progress<'a> {
     UnderWay(Box<Lap<'a>>),
-    Ended(Result<TimeHistory, Error>),
+    Ended(Box<Result<TimeHistory, Error>>),
 }
 
 impl<'a> Run<'a> {
@@ -129,13 +137,24 @@ impl<'a> Run<'a> {
         let (plant, stepper, steps_per_sample) = variant.simulator.parts();
         let progress = match Lap::new(plant, scenario, stepper, steps_per_sample) {
             Ok(lap) => Progress::UnderWay(Box::new(lap)),
-            Err(error) => Progress::Ended(Err(error)),
+            Err(error) => Progress::Ended(Box::new(Err(error))),
         };
         let watch: Option<Question> = match &mut variant.watch {
             Some(Watch { every, goes_on }) => Some((*every, &mut **goes_on)),
             None => None,
         };
-        Self { stepper, controller: &mut *variant.controller, scenario, watch, progress }
+        Self { stepper, asked: Some((&mut *variant.controller, scenario)), watch, progress }
+    }
+
+    /// Returns a lane without a variant.
+    fn idle(simulator: &'a mut Simulator) -> Self {
+        let error = Error::Length { what: "a lane without a variant", found: 0, expected: 1 };
+        let progress = Progress::Ended(Box::new(Err(error)));
+        Self { stepper: simulator.parts().1, asked: None, watch: None, progress }
+    }
+
+    fn detail(&self) -> Detail {
+        self.asked.as_ref().map_or(Detail::Recording, |(_, scenario)| scenario.detail)
     }
 
     /// Ends the run before sample k if it has no more samples, or if it is told not to go on.
@@ -149,7 +168,7 @@ impl<'a> Run<'a> {
         };
         if k == lap.samples || !goes_on {
             group.leave(lane, self.stepper);
-            self.progress = Progress::Ended(Ok(lap.history(self.stepper)));
+            self.progress = Progress::Ended(Box::new(Ok(lap.history(self.stepper))));
         }
     }
 
@@ -163,7 +182,8 @@ impl<'a> Run<'a> {
     ) -> Option<Sample<'m>> {
         let Progress::UnderWay(lap) = &mut self.progress else { return None };
         let motion = motion?;
-        let drive_v = lap.sample(k, self.controller, motion, &group.shown(lane, self.stepper));
+        let (controller, _) = self.asked.as_mut()?;
+        let drive_v = lap.sample(k, *controller, motion, &group.shown(lane, self.stepper));
         Some(Sample { drive_v, start_s: lap.time(k), motion })
     }
 
@@ -181,14 +201,14 @@ impl<'a> Run<'a> {
         }
         lap.finish_sample(motion, group.shown(lane, self.stepper).outputs[HUB_ANGLE]);
         if let Err(error) = lap.check(k, self.stepper) {
-            self.progress = Progress::Ended(Err(error));
+            self.progress = Progress::Ended(Box::new(Err(error)));
         }
     }
 
     fn result(self) -> Result<TimeHistory, Error> {
         match self.progress {
             Progress::UnderWay(mut lap) => Ok(lap.history(self.stepper)),
-            Progress::Ended(result) => result,
+            Progress::Ended(result) => *result,
         }
     }
 }
@@ -206,9 +226,8 @@ impl<'a> Platforms<'a> {
             Progress::UnderWay(lap) => Some(lap),
             Progress::Ended(_) => None,
         });
-        let shares = |a: usize, b: usize| {
-            laps[a].is_some() && runs[a].scenario.platform == runs[b].scenario.platform
-        };
+        let platforms = runs.each_ref().map(|run| run.asked.as_ref().map(|(_, scenario)| &scenario.platform));
+        let shares = |a: usize, b: usize| laps[a].is_some() && platforms[a] == platforms[b];
         let leads: [usize; LANES] =
             std::array::from_fn(|lane| (0..lane).find(|&other| shares(other, lane)).unwrap_or(lane));
         let track = |lane: usize| {

@@ -287,8 +287,7 @@ impl<'a> Lap<'a> {
         let platform = motion.at(0.0);
         let [motor, _, hub_angle, _, _] = shown.outputs;
         let motor_rate = motor - self.plant.motor_share() * platform.rate;
-        let truth =
-            Truth { hub_gyro: shown.hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
+        let truth = Truth { hub_gyro: shown.hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
         let error = self.clock.as_mut().map_or(SampleError::NONE, ErrantClock::next);
         let mut readings = self.sensing.read(&truth, error.offset);
         readings.demand_rad_s = self.scenario.demand_rad_s.at(time);

@@ -1,9 +1,7 @@
 //! Variants that run side by side leave the bytes that each leaves alone.
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_models::{
-    Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference,
-};
+use counterpoise_models::{Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference};
 use counterpoise_simulate::{
     Detail, Imperfections, Initial, PlatformMotion, Registers, Scenario, Signal, Simulator, TimeHistory,
     Variant, Watch, run_ensemble, run_ensemble_in,
@@ -152,7 +150,11 @@ fn runs(random: &mut Random, count: usize) -> Vec<Run> {
                 integral_v: 0.0,
             };
             let own = scenario(random);
-            (plant, controller, if shares { Scenario { demand_rad_s: own.demand_rad_s, ..shared.clone() } } else { own })
+            (
+                plant,
+                controller,
+                if shares { Scenario { demand_rad_s: own.demand_rad_s, ..shared.clone() } } else { own },
+            )
         })
         .collect()
 }
@@ -169,7 +171,12 @@ fn together(registers: Registers, runs: &[Run]) -> Vec<String> {
         .iter_mut()
         .zip(&mut controllers)
         .zip(runs)
-        .map(|((simulator, controller), run)| Variant { simulator, controller, scenario: &run.2, watch: None })
+        .map(|((simulator, controller), run)| Variant {
+            simulator,
+            controller,
+            scenario: &run.2,
+            watch: None,
+        })
         .collect();
     run_ensemble_in(registers, &mut variants).iter().map(|result| text(result.as_ref())).collect()
 }
@@ -215,7 +222,10 @@ fn a_watched_variant_ends_where_it_would_alone() {
             simulator,
             controller,
             scenario: &run.2,
-            watch: Some(Watch { every: 10, goes_on: Box::new(move |seen| seen.control_v.len() < 20 * (k + 1)) }),
+            watch: Some(Watch {
+                every: 10,
+                goes_on: Box::new(move |seen| seen.control_v.len() < 20 * (k + 1)),
+            }),
         })
         .collect();
     let lengths: Vec<usize> =

@@ -8,12 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Every operation rounds as that of `f64` does, lane by lane, so that a law gives the same bits for a mechanism alone and among
 /// others. Nothing is contracted to a fused multiplication and addition.
 pub trait Real:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// Where a condition holds.
     type Mask: Copy;
@@ -124,7 +119,7 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn choose(mask: bool, first: Self, other: Self) -> Self {
+    fn choose(mask: Self::Mask, first: Self, other: Self) -> Self {
         if mask { first } else { other }
     }
 }

@@ -42,9 +42,11 @@ impl Filter {
     pub fn rows(&self, level: usize) -> Option<[[f64; 6]; 2]> {
         let step = self.levels.get(level)?;
         let (phi, nodes) = (&step.phi, &step.nodes);
-        Some([0, 1].map(|i| {
-            [phi[(i, 0)], phi[(i, 1)], nodes[(i, 0)], nodes[(i, 1)], nodes[(i, 2)], nodes[(i, 3)]]
-        }))
+        Some(
+            [0, 1].map(|i| {
+                [phi[(i, 0)], phi[(i, 1)], nodes[(i, 0)], nodes[(i, 1)], nodes[(i, 2)], nodes[(i, 3)]]
+            }),
+        )
     }
 
     /// The state \[y, y'\] after a step at `level`, for the input at the four nodes.

@@ -35,11 +35,8 @@ impl Strips {
     /// Returns an entry of the matrix.
     pub fn entry(&self, row: usize, column: usize) -> f64 {
         let wide_rows = self.wide.len() / self.columns.max(1);
-        let (data, row, lanes) = if row < wide_rows {
-            (&self.wide, row, WIDE)
-        } else {
-            (&self.narrow, row - wide_rows, NARROW)
-        };
+        let (data, row, lanes) =
+            if row < wide_rows { (&self.wide, row, WIDE) } else { (&self.narrow, row - wide_rows, NARROW) };
         data[(row / lanes * self.columns + column) * lanes + row % lanes]
     }
 

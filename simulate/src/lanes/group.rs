@@ -136,7 +136,8 @@ impl LaneGroup {
             offset_nm: state.offset_nm,
         };
         let about = AngleNearby::from_parts(state.about);
-        stepper.go_on_from(&at, &Continuation { before: state.before, contraction: state.contraction, about });
+        stepper
+            .go_on_from(&at, &Continuation { before: state.before, contraction: state.contraction, about });
     }
 
     /// Puts a mechanism into its lane, if its next step may be smooth.
@@ -158,11 +159,7 @@ impl LaneGroup {
     }
 
     /// Tries a step of a whole sample in every lane; returns in which it was taken.
-    fn step(
-        &mut self,
-        steppers: &[&mut Stepper; LANES],
-        samples: &[Option<Sample>; LANES],
-    ) -> [bool; LANES] {
+    fn step(&mut self, steppers: &[&mut Stepper; LANES], samples: &[Option<Sample>; LANES]) -> [bool; LANES] {
         let drive_v = samples.map(|sample| sample.map_or(0.0, |sample| sample.drive_v));
         let platform = platforms(samples);
         let step = LaneStep {

@@ -168,7 +168,12 @@ impl<S: Simd> LanePorts<Lane<S>> {
 
     /// Returns the values of the ports.
     #[inline(always)]
-    pub fn values(&self, at: &LanePoint<S>, motion: &LaneMotion<S>, memory: [Lane<S>; 2]) -> [Lane<S>; PORTS] {
+    pub fn values(
+        &self,
+        at: &LanePoint<S>,
+        motion: &LaneMotion<S>,
+        memory: [Lane<S>; 2],
+    ) -> [Lane<S>; PORTS] {
         let [sin, cos] = self.tilt(at.about, at.outputs[HUB_ANGLE]);
         let gravity = self.gravity + at.platform.heave;
         let [motor_dry, pivot_dry] = self.dry_torques(motion, memory);
@@ -198,8 +203,7 @@ impl<S: Simd> LanePorts<Lane<S>> {
     fn hub_extras(&self, at: &LanePoint<S>, motion: &LaneMotion<S>) -> Lane<S> {
         let (hub, motor, rate) =
             (motion.pivot_angle.values(), motion.motor_angle.values(), motion.pivot_rate.values());
-        let torques: Lanes =
-            std::array::from_fn(|k| at.plants[k].hub_torque_nm(hub[k], motor[k], rate[k]));
+        let torques: Lanes = std::array::from_fn(|k| at.plants[k].hub_torque_nm(hub[k], motor[k], rate[k]));
         at.outputs[MOTOR].like(torques)
     }
 
@@ -252,7 +256,6 @@ impl<S: Simd> LaneAngle<Lane<S>> {
         let cos = one - half * square * (one - square / twelve);
         [self.sin * cos + self.cos * sin, self.cos * cos - self.sin * sin]
     }
-
 }
 
 /// A relative motion between two instants.

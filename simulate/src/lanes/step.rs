@@ -68,11 +68,7 @@ pub(crate) struct LaneWork {
 impl LaneWork {
     pub fn new(order: usize) -> Self {
         let zero = [0.0; LANES];
-        Self {
-            inputs: vec![zero; order + FIXED_INPUTS],
-            end: vec![zero; order],
-            weights: repeated_weights(),
-        }
+        Self { inputs: vec![zero; order + FIXED_INPUTS], end: vec![zero; order], weights: repeated_weights() }
     }
 }
 
@@ -109,8 +105,7 @@ impl pulp::WithSimd for LaneStep<'_> {
         let end = setup.table.see(simd, &work.end);
         let mut accepted = tried.converged & is_finite(simd, &work.end);
         accepted = accepted & tried.reach.is_at_most(span.splat(NEAR_ANGLE_RAD));
-        accepted = accepted
-            & span.is_free_of_events(&tried, &middle, &end, Lane::new(simd, state.offset_nm));
+        accepted = accepted & span.is_free_of_events(&tried, &middle, &end, Lane::new(simd, state.offset_nm));
         if !(accepted & tried.predicted.inverted()).is_nowhere() {
             let defect = span.defect(&tried, &middle, &at_start);
             accepted = accepted & (tried.predicted | defect.is_at_most(span.splat(setup.tolerance)));
@@ -158,8 +153,8 @@ fn is_finite<S: Simd>(simd: S, core: &[Lanes]) -> LaneMask<S> {
     let zero = Lane::splat(simd, 0.0);
     let mut sum = zero;
     for value in core {
-        let value = Lane::new(simd, *value);
-        sum = sum + (value - value);
+        // 0 unless the number is infinite or none
+        sum = sum + Lane::new(simd, *value) * zero;
     }
     sum.is_zero()
 }
@@ -317,8 +312,12 @@ impl<S: Simd> Span<'_, S> {
         let lengths = node_lengths(self.setup.period_s);
         let zero = self.splat(0.0);
         let (mut before, mut friction) = (begin.motion, self.friction);
-        let mut along =
-            Along { values: [zero; PORT_COLUMNS], friction: [friction; 2], travelled: [zero; 2], reach: zero };
+        let mut along = Along {
+            values: [zero; PORT_COLUMNS],
+            friction: [friction; 2],
+            travelled: [zero; 2],
+            reach: zero,
+        };
         for stage in 0..STAGES {
             let at = self.point(&stages[stage], stage + 1);
             let after = self.ports.motion(&at);

@@ -5,6 +5,7 @@ use crate::engine::linear::Linear;
 use crate::engine::tables::{FIXED_INPUTS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES};
 use counterpoise_models::friction::Real;
 use pulp::Simd;
+use std::ops::Range;
 
 /// Columns behind the state in [`LaneTable::fixed`].
 const PORT_COLUMNS: usize = STAGES * PORTS;
@@ -47,59 +48,23 @@ impl LaneTable {
         if !cores.iter().all(alike) {
             return None;
         }
-        let tables = cores.map(|core| core.table(0));
-        let entry = |of: &dyn Fn(usize) -> f64| -> Lanes { std::array::from_fn(of) };
-        let at = |lane: usize, part: Part, row: usize, column: usize| {
-            tables[lane].map_or(0.0, |table| match part {
-                Part::Fixed => table.fixed.entry(row, column),
-                Part::Flow => table.flow.entry(row, column),
-                Part::Drive => table.drive.entry(row, column),
-                Part::Stages => table.stages.entry(row, column),
-                Part::End => table.end.entry(row, column),
-                Part::Seen => cores[lane].seen_entry(row, column),
-            })
-        };
-        let block = |part: Part, rows: std::ops::Range<usize>, columns: usize| -> Vec<Lanes> {
-            (0..columns)
-                .flat_map(|j| rows.clone().map(move |i| (i, j)))
-                .map(|(i, j)| entry(&|lane| at(lane, part, i, j)))
-                .collect()
-        };
-        let nodes = |part: Part, columns: usize| -> Vec<Lanes> {
-            (0..STAGES).flat_map(|k| block(part, k * OUTPUTS..(k + 1) * OUTPUTS, columns)).collect()
-        };
+        let cores = Cores(cores);
         let columns = order + FIXED_INPUTS;
-        let mut fixed = nodes(Part::Fixed, columns);
-        fixed.extend(block(Part::Fixed, STAGE_ROWS..STAGE_ROWS + OUTPUTS, columns));
-        let groups = |rows: std::ops::Range<usize>| {
-            rows.clone().step_by(STATE_ROWS).map(move |k| k..(k + STATE_ROWS).min(rows.end))
-        };
-        let mut head_end = Vec::new();
-        for rows in groups(0..head) {
-            head_end.extend(block(Part::Flow, rows.clone(), head));
-            head_end.extend(block(Part::Drive, rows, FIXED_INPUTS));
-        }
-        let mut pairs_end = Vec::new();
-        for first in (head..order).step_by(2) {
-            let own = |row: usize, column: usize| {
-                entry(&|lane| at(lane, Part::Flow, first + row, first + column))
-            };
-            pairs_end.extend([own(0, 0), own(1, 0), own(0, 1), own(1, 1)]);
-            pairs_end.extend(block(Part::Drive, first..first + 2, FIXED_INPUTS));
-        }
+        let mut fixed = cores.nodes(Part::Fixed, columns);
+        fixed.extend(cores.block(Part::Fixed, STAGE_ROWS..STAGE_ROWS + OUTPUTS, columns));
         let state = groups(0..order).flat_map(|rows| {
-            block(Part::End, MIDDLE_ROWS + rows.start..MIDDLE_ROWS + rows.end, PORT_COLUMNS)
+            cores.block(Part::End, MIDDLE_ROWS + rows.start..MIDDLE_ROWS + rows.end, PORT_COLUMNS)
         });
         Some(Self {
             order,
             head,
             fixed,
-            head_end,
-            pairs_end,
-            stages: nodes(Part::Stages, PORT_COLUMNS),
-            middle: block(Part::End, 0..OUTPUTS, PORT_COLUMNS),
+            head_end: cores.head_end(head),
+            pairs_end: cores.pairs_end(head..order),
+            stages: cores.nodes(Part::Stages, PORT_COLUMNS),
+            middle: cores.block(Part::End, 0..OUTPUTS, PORT_COLUMNS),
             state: state.collect(),
-            seen: block(Part::Seen, 0..SEEN, order),
+            seen: cores.block(Part::Seen, 0..SEEN, order),
         })
     }
 
@@ -193,6 +158,63 @@ fn store<S: Simd>(target: &mut [Lanes], rows: &[Lane<S>]) {
     }
 }
 
+/// The cores whose matrices are put side by side.
+struct Cores<'a>([&'a Linear; LANES]);
+
+impl Cores<'_> {
+    /// Returns an entry of a matrix of each core.
+    fn entry(&self, part: Part, row: usize, column: usize) -> Lanes {
+        self.0.map(|core| {
+            core.table(0).map_or(0.0, |table| match part {
+                Part::Fixed => table.fixed.entry(row, column),
+                Part::Flow => table.flow.entry(row, column),
+                Part::Drive => table.drive.entry(row, column),
+                Part::Stages => table.stages.entry(row, column),
+                Part::End => table.end.entry(row, column),
+                Part::Seen => core.seen_entry(row, column),
+            })
+        })
+    }
+
+    /// Returns rows of a matrix, column by column.
+    fn block(&self, part: Part, rows: Range<usize>, columns: usize) -> Vec<Lanes> {
+        let places = (0..columns).flat_map(|column| rows.clone().map(move |row| (row, column)));
+        places.map(|(row, column)| self.entry(part, row, column)).collect()
+    }
+
+    /// Returns the rows of the outputs at the stages, node by node.
+    fn nodes(&self, part: Part, columns: usize) -> Vec<Lanes> {
+        (0..STAGES).flat_map(|k| self.block(part, k * OUTPUTS..(k + 1) * OUTPUTS, columns)).collect()
+    }
+
+    /// See [`LaneTable::head_end`].
+    fn head_end(&self, head: usize) -> Vec<Lanes> {
+        let mut entries = Vec::new();
+        for rows in groups(0..head) {
+            entries.extend(self.block(Part::Flow, rows.clone(), head));
+            entries.extend(self.block(Part::Drive, rows, FIXED_INPUTS));
+        }
+        entries
+    }
+
+    /// See [`LaneTable::pairs_end`].
+    fn pairs_end(&self, states: Range<usize>) -> Vec<Lanes> {
+        let mut entries = Vec::new();
+        for first in states.step_by(2) {
+            let own = [(0, 0), (1, 0), (0, 1), (1, 1)];
+            entries.extend(own.map(|(row, column)| self.entry(Part::Flow, first + row, first + column)));
+            entries.extend(self.block(Part::Drive, first..first + 2, FIXED_INPUTS));
+        }
+        entries
+    }
+}
+
+/// Returns the rows of a state in groups of [`STATE_ROWS`].
+fn groups(rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let end = rows.end;
+    rows.step_by(STATE_ROWS).map(move |first| first..(first + STATE_ROWS).min(end))
+}
+
 /// A matrix of a step.
 #[derive(Debug, Clone, Copy)]
 enum Part {
@@ -223,13 +245,7 @@ fn sums<S: Simd, const ROWS: usize>(
 
 /// Adds M v for a block of `count` rows, which may be fewer than there are sums.
 #[inline(always)]
-fn add_rows<S: Simd>(
-    simd: S,
-    rows: &mut [Lane<S>; STATE_ROWS],
-    count: usize,
-    block: &[Lanes],
-    v: &[Lanes],
-) {
+fn add_rows<S: Simd>(simd: S, rows: &mut [Lane<S>; STATE_ROWS], count: usize, block: &[Lanes], v: &[Lanes]) {
     if count == STATE_ROWS {
         *rows = sums(simd, *rows, block, v);
         return;
