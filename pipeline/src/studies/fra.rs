@@ -236,6 +236,7 @@ impl Analyser {
             ..Settings::default()
         };
         let done = std::sync::atomic::AtomicUsize::new(0);
+        pool.progress("point", 0, count);
         // points of one frequency are neighbours, because they take about as long
         let frequencies =
             plan.frequencies_hz.iter().flat_map(|hz| plan.amplitudes.iter().map(move |a| (hz, a)));
@@ -250,7 +251,8 @@ impl Analyser {
                 .map(|(controller, at)| PlannedPoint { controller: controller.as_mut(), at: *at })
                 .collect();
             let found = fra::measure_each(&self.plant, self.around.test(), &mut points, &settings);
-            pool.progress("point", done.fetch_add(found.len(), std::sync::atomic::Ordering::Relaxed), count);
+            let before = done.fetch_add(found.len(), std::sync::atomic::Ordering::Relaxed);
+            pool.progress("point", before + found.len(), count);
             found
         });
         let measured: Vec<_> = measured.into_iter().flatten().collect();
