@@ -2,16 +2,18 @@
 //!
 //! Ten seconds of the two-mass servo with three laws of friction at three stiffnesses (the rows of
 //! `tests/peers/nonlinear/TABLE.md`; their ratio is the cost of the laws), of the reference rig with more and more modes, and of the
-//! rig on a recorded road with noise; one point of a frequency response.
+//! rig on a recorded road with noise; one point of a frequency response; variants of the rig side by side.
 #![allow(missing_docs, non_snake_case, clippy::unwrap_used)]
 
 mod two_mass;
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::plant::{Body, BodyMode};
-use counterpoise_models::{OperatingPoint, Plant, reference};
+use counterpoise_models::{FrictionLaw, OperatingPoint, Plant, reference};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
-use counterpoise_simulate::{Detail, Imperfections, PlatformMotion, Scenario, Signal, Simulator};
+use counterpoise_simulate::{
+    Detail, Imperfections, PlatformMotion, Scenario, Signal, Simulator, Variant, run_ensemble,
+};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use two_mass::{Controller, scenario};
 
@@ -127,5 +129,77 @@ fn modes(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, servo, modes, rig);
+/// Variants of the rig side by side and one after the other: with friction and gains of their own on one linear part, and with a linear part
+/// of their own; under noise of their own, and without noise.
+fn ensemble(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("ensemble, two seconds of eight variants");
+    group.sample_size(20);
+    for (name, stiffness, noise) in
+        [("friction", 0.0, None), ("friction, noise", 0.0, Some(3)), ("linear part", 0.02, None)]
+    {
+        let plants: Vec<Plant> = (0..8).map(|k| varied(f64::from(k), stiffness)).collect();
+        let scenarios: Vec<Scenario> = (0..8).map(|k| road(noise.map(|seed| seed + k))).collect();
+        let mut simulators: Vec<Simulator> =
+            plants.iter().map(|plant| Simulator::new(plant).unwrap()).collect();
+        let controllers: Vec<_> = plants.iter().map(proportional_integral).collect();
+        group.bench_function(BenchmarkId::new(name, "one after the other"), |bencher| {
+            bencher.iter(|| {
+                for ((simulator, controller), scenario) in
+                    simulators.iter_mut().zip(&controllers).zip(&scenarios)
+                {
+                    simulator.run(&mut controller.clone(), scenario).unwrap();
+                }
+            });
+        });
+        group.bench_function(BenchmarkId::new(name, "side by side"), |bencher| {
+            bencher.iter(|| {
+                let mut controllers = controllers.clone();
+                let variants = simulators.iter_mut().zip(&mut controllers).zip(&scenarios);
+                let mut variants: Vec<Variant> = variants
+                    .map(|((simulator, controller), scenario)| Variant {
+                        simulator,
+                        controller,
+                        scenario,
+                        watch: None,
+                    })
+                    .collect();
+                run_ensemble(&mut variants)
+            });
+        });
+    }
+    group.finish();
+}
+
+/// The rig with friction that differs by variant, and with a stiffness that does so by a share.
+fn varied(number: f64, stiffness: f64) -> Plant {
+    let mut rig = reference::rig();
+    if let FrictionLaw::Dahl { coulomb_nm, .. } = &mut rig.pivot_friction.law {
+        *coulomb_nm *= 1.0 + 0.02 * number;
+    }
+    rig.gearbox.stiffness_nm_rad *= 1.0 + stiffness * number;
+    Plant::lumped(&rig).unwrap()
+}
+
+/// Two seconds on a recorded road, with noise from a seed.
+fn road(seed: Option<u64>) -> Scenario {
+    let recorded = |amplitude: f64| Signal::Samples {
+        period_s: 1e-3,
+        values: (0..2_000)
+            .map(|k| f64::from(k) * 1e-3)
+            .map(|t| amplitude * ((8.0 * t).sin() + 0.5 * (21.0 * t).sin() + 0.2 * (55.0 * t).cos()))
+            .collect(),
+    };
+    Scenario {
+        platform: PlatformMotion {
+            pitch_rate_rad_s: recorded(0.1),
+            heave_m_s2: recorded(0.5),
+            ..PlatformMotion::STILL
+        },
+        imperfections: seed.map_or(Imperfections::None, |seed| Imperfections::NoiseAndQuantisation { seed }),
+        detail: Detail::Recording,
+        ..Scenario::still(2.0)
+    }
+}
+
+criterion_group!(benches, servo, modes, rig, ensemble);
 criterion_main!(benches);

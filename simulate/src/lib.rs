@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], `sampling_errors`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `sampling_errors`, [`history`], [`recording`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -35,9 +35,11 @@
 
 pub mod convergence;
 mod engine;
+pub mod ensemble;
 pub mod error;
 pub mod fra;
 pub mod history;
+mod lanes;
 pub mod motion;
 pub mod replay;
 pub mod run;
@@ -49,6 +51,7 @@ pub mod tolerance;
 
 pub use engine::ports::{Bonds, FrictionState};
 pub use engine::state::{Effort, PlantState};
+pub use ensemble::{Registers, Variant, Watch, run_ensemble, run_ensemble_in};
 pub use error::Error;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
 pub use motion::{FurtherMotion, PlatformMotion};

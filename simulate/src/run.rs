@@ -16,7 +16,7 @@ use counterpoise_models::plant::core::state;
 use counterpoise_models::{AmplifierDynamics, Measured, Mesh, OperatingPoint, Plant};
 
 /// Which of the stepper's outputs is the hub's angle.
-const HUB_ANGLE: usize = 2;
+pub(crate) const HUB_ANGLE: usize = 2;
 
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
 #[derive(Debug, Clone)]
@@ -101,41 +101,28 @@ impl Simulator {
         every: usize,
         goes_on: &mut dyn FnMut(&ReadingColumns) -> bool,
     ) -> Result<TimeHistory, Error> {
-        positive("duration_s", scenario.duration_s)?;
-        let mut lap = Lap::new(&self.plant, scenario, &mut self.stepper)?;
-        let steps = self.steps_per_sample.map_or(usize::MAX, |most| (most * lap.samples as f64) as usize);
+        let Self { plant, stepper, steps_per_sample } = self;
+        let mut lap = Lap::new(plant, scenario, stepper, *steps_per_sample)?;
         for k in 0..lap.samples {
             if k > 0 && k.is_multiple_of(every.max(1)) && !goes_on(&lap.readings) {
                 break;
             }
             let motion = lap.track.sample(lap.angle);
-            let control = lap.sample(k, controller, &motion, &self.stepper);
-            let amplifier = &self.plant.parameters().amplifier;
-            let drive_v = amplifier.drive_v(control, &self.plant.parameters().motor);
-            lap.drive_v = drive_v;
+            let drive_v = lap.sample(k, controller, &motion, &Shown::of(stepper));
             let sample = Sample { drive_v, start_s: lap.time(k), motion: &motion };
             if scenario.detail == Detail::Everything {
-                let dry = self.stepper.dry_torques(&sample);
-                lap.truth.motor_friction_nm.push(dry[0]);
-                lap.truth.pivot_friction_nm.push(dry[1]);
+                lap.log_friction(stepper.dry_torques(&sample));
             }
-            self.stepper.advance(&sample);
-            lap.sensing.advance(&motion, self.stepper.outputs()[HUB_ANGLE]);
-            lap.angle = motion.at(1.0).angle;
-            if !self.stepper.is_finite() {
-                return Err(Error::Diverged { time_s: lap.time(k) });
-            }
-            if self.stepper.effort().tried() > steps {
-                return Err(Error::Effort { time_s: lap.time(k), steps });
-            }
+            stepper.advance(&sample);
+            lap.finish_sample(&motion, stepper.outputs()[HUB_ANGLE]);
+            lap.check(k, stepper)?;
         }
-        Ok(TimeHistory {
-            sample_period_s: lap.period_s,
-            readings: lap.readings,
-            truth: lap.truth,
-            final_state: self.stepper.state(),
-            effort: self.stepper.effort(),
-        })
+        Ok(lap.history(stepper))
+    }
+
+    /// Returns the parts that an ensemble takes over.
+    pub(crate) fn parts(&mut self) -> (&Plant, &mut Stepper, Option<f64>) {
+        (&self.plant, &mut self.stepper, self.steps_per_sample)
     }
 
     /// Returns the state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
@@ -179,14 +166,41 @@ struct Given {
     control_v: f64,
 }
 
+/// What a sample shows of a plant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shown {
+    /// Motor state, wind-up, hub angle, hub rate, current.
+    pub outputs: [f64; 5],
+    /// Voltage of the amplifier and rate of the tip.
+    pub voltage_and_tip: [f64; 2],
+    /// What the loop's sensor shows.
+    pub hub_gyro: f64,
+}
+
+impl Shown {
+    /// Returns what a plant shows.
+    pub fn of(stepper: &Stepper) -> Self {
+        Self {
+            outputs: *stepper.outputs(),
+            voltage_and_tip: stepper.voltage_and_tip(),
+            hub_gyro: stepper.hub_gyro()[0],
+        }
+    }
+}
+
 /// One run under way.
-struct Lap<'a> {
+pub(crate) struct Lap<'a> {
     plant: &'a Plant,
     scenario: &'a Scenario,
     period_s: f64,
-    samples: usize,
-    angle: f64,
-    track: Track<'a>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Most steps that may be tried.
+    most_steps: usize,
+    /// Angle of the platform at the start of the next sample, rad.
+    pub angle: f64,
+    /// The platform's motion.
+    pub track: Track<'a>,
     sensing: Sensing,
     output: Converter,
     queue: Vec<f64>,
@@ -204,7 +218,14 @@ struct Lap<'a> {
 }
 
 impl<'a> Lap<'a> {
-    fn new(plant: &'a Plant, scenario: &'a Scenario, stepper: &mut Stepper) -> Result<Self, Error> {
+    /// Begins a run, with a bound on its steps as [`Simulator::bounded`] has it.
+    pub fn new(
+        plant: &'a Plant,
+        scenario: &'a Scenario,
+        stepper: &mut Stepper,
+        steps_per_sample: Option<f64>,
+    ) -> Result<Self, Error> {
+        positive("duration_s", scenario.duration_s)?;
         let parameters = plant.parameters();
         let period_s = parameters.interface.sample_period_s;
         let samples = (scenario.duration_s / period_s - DURATION_ROUNDING).ceil();
@@ -238,6 +259,7 @@ impl<'a> Lap<'a> {
             scenario,
             period_s,
             samples: samples as usize,
+            most_steps: steps_per_sample.map_or(usize::MAX, |most| (most * samples) as usize),
             before,
             drive_v: parameters.amplifier.drive_v(before, &parameters.motor),
             angle,
@@ -250,24 +272,24 @@ impl<'a> Lap<'a> {
         })
     }
 
-    fn time(&self, k: usize) -> f64 {
+    /// Returns the instant of a sample, s.
+    pub fn time(&self, k: usize) -> f64 {
         k as f64 * self.period_s
     }
 
-    /// Reads, controls and logs at sample k; returns the control that acts until the next.
-    fn sample(
+    /// Reads, controls and logs at sample k; returns the drive of the amplifier that acts until the next, V.
+    pub fn sample(
         &mut self,
         k: usize,
         controller: &mut dyn SampledController,
         motion: &MotionSample,
-        stepper: &Stepper,
+        shown: &Shown,
     ) -> f64 {
         let time = self.time(k);
         let platform = motion.at(0.0);
-        let [motor, _, hub_angle, _, _] = *stepper.outputs();
+        let [motor, _, hub_angle, _, _] = shown.outputs;
         let motor_rate = motor - self.plant.motor_share() * platform.rate;
-        let hub_gyro = stepper.hub_gyro()[0];
-        let truth = Truth { hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
+        let truth = Truth { hub_gyro: shown.hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
         let error = self.clock.as_mut().map_or(SampleError::NONE, ErrantClock::next);
         let mut readings = self.sensing.read(&truth, error.offset);
         readings.demand_rad_s = self.scenario.demand_rad_s.at(time);
@@ -281,11 +303,53 @@ impl<'a> Lap<'a> {
         self.last = Some(given);
         self.log_readings(&given.readings, given.request_v, given.control_v);
         if self.scenario.detail == Detail::Everything {
-            self.log_truth(&platform, motor_rate, stepper);
+            self.log_truth(&platform, motor_rate, shown);
         }
         let control = self.delayed(given.control_v);
         let before = std::mem::replace(&mut self.before_v, control);
-        if error.step == Step::Late { before } else { control }
+        let control = if error.step == Step::Late { before } else { control };
+        let parameters = self.plant.parameters();
+        self.drive_v = parameters.amplifier.drive_v(control, &parameters.motor);
+        self.drive_v
+    }
+
+    /// Returns the readings so far.
+    pub fn readings(&self) -> &ReadingColumns {
+        &self.readings
+    }
+
+    /// Logs the dry friction torques at motor and pivot, N m.
+    pub fn log_friction(&mut self, [motor_nm, pivot_nm]: [f64; 2]) {
+        self.truth.motor_friction_nm.push(motor_nm);
+        self.truth.pivot_friction_nm.push(pivot_nm);
+    }
+
+    /// Moves the sensors and the platform over a sample, at whose end the hub stands at an angle.
+    pub fn finish_sample(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
+        self.sensing.advance(motion, hub_angle_rad);
+        self.angle = motion.at(1.0).angle;
+    }
+
+    /// Checks a plant after sample k.
+    pub fn check(&self, k: usize, stepper: &Stepper) -> Result<(), Error> {
+        if !stepper.is_finite() {
+            return Err(Error::Diverged { time_s: self.time(k) });
+        }
+        if stepper.effort().tried() > self.most_steps {
+            return Err(Error::Effort { time_s: self.time(k), steps: self.most_steps });
+        }
+        Ok(())
+    }
+
+    /// Returns what the run leaves, with the plant as it is at its end.
+    pub fn history(&mut self, stepper: &Stepper) -> TimeHistory {
+        TimeHistory {
+            sample_period_s: self.period_s,
+            readings: std::mem::take(&mut self.readings),
+            truth: std::mem::take(&mut self.truth),
+            final_state: stepper.state(),
+            effort: stepper.effort(),
+        }
     }
 
     fn delayed(&mut self, control: f64) -> f64 {
@@ -313,10 +377,10 @@ impl<'a> Lap<'a> {
         }
     }
 
-    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, stepper: &Stepper) {
-        let [_, wind_up, hub_angle, hub_rate, current] = *stepper.outputs();
+    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, shown: &Shown) {
+        let [_, wind_up, hub_angle, hub_rate, current] = shown.outputs;
         let current = current + self.plant.direct_current_a(self.drive_v, platform.rate);
-        let [voltage, tip_rate] = stepper.voltage_and_tip();
+        let [voltage, tip_rate] = shown.voltage_and_tip;
         let columns = &mut self.truth;
         columns.hub_rate_rad_s.push(hub_rate);
         columns.tip_rate_rad_s.push(tip_rate);

@@ -27,6 +27,9 @@ pub(crate) const FEWEST_CONTACT_LEVELS: usize = 6;
 /// Halvings that roughness may ask for where bonds snap: each makes a jump, which no step resolves.
 pub(crate) const BRISTLE_LEVELS: usize = 3;
 
+/// Mechanisms that must be in their lanes for a common step: with one, the step of a single mechanism costs less.
+pub(crate) const FEWEST_LANES: usize = 2;
+
 // ---- iteration on the ports within a step ----
 
 /// Largest error of a port, relative to its scale, at which its iteration ends.

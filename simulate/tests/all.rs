@@ -6,6 +6,7 @@ mod common;
 
 mod base_motion;
 mod convergence;
+mod ensemble;
 mod fra;
 mod replay;
 mod sampled_world;

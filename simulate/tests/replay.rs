@@ -9,7 +9,7 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{MapPoint, Parameters, Ripple, reference};
 use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::COMPARED;
-use counterpoise_simulate::replay::{ReplayMode, Replayer, SelectedReplay};
+use counterpoise_simulate::replay::{ReplayMode, ReplayVariant, Replayer, SelectedReplay};
 use counterpoise_simulate::{Loop, Replay, replay};
 
 /// RMS error over floor that counts as a fit.
@@ -161,4 +161,38 @@ fn the_wrong_machine_does_not_fit() {
     let replay = replay(&reference::rig(), &recording, &closed("p04")).unwrap();
     let control = replay.channels.iter().find(|fit| fit.channel == Channel::Control).unwrap();
     assert!(control.rms_error > 20.0 * control.floor);
+}
+
+#[test]
+fn variants_replayed_side_by_side_leave_the_same_bytes_as_each_alone() {
+    for (machine, experiment) in
+        [("p01", "steps"), ("p02", "triangle"), ("p05", "road"), ("p08", "multisine")]
+    {
+        let Some(recording) = recording(&format!("{machine}/{experiment}")) else { return };
+        let recording = recording.part(0..3000);
+        let truth = truth(machine);
+        let replayer = Replayer::new(&truth, &recording).unwrap();
+        for control in [closed(machine), Loop::Open] {
+            let start = replayer.replay(&truth, &control).unwrap().start;
+            let mechanisms: Vec<Parameters> = (0..6)
+                .map(|k| {
+                    let mut other = truth.clone();
+                    other.pivot_friction.viscous_nm_s_rad *= 1.0 + 0.1 * f64::from(k);
+                    other.gearbox.stiffness_nm_rad *= 1.0 + 0.05 * f64::from(k);
+                    other
+                })
+                .collect();
+            let steps = |k: usize| (k > 2).then(|| std::array::from_fn(|j| if j == k { 1.0 } else { 0.0 }));
+            let variant = |(k, parameters)| ReplayVariant { parameters, start: &start, steps: steps(k) };
+            let variants: Vec<ReplayVariant> = mechanisms.iter().enumerate().map(variant).collect();
+            let together = replayer.replay_variants(&control, &variants);
+            for (variant, together) in variants.iter().zip(together) {
+                let alone = match &variant.steps {
+                    None => replayer.replay_from(variant.parameters, &control, &start),
+                    Some(steps) => replayer.replay_nudged(variant.parameters, &control, &start, steps),
+                };
+                assert_eq!(format!("{:?}", together.unwrap()), format!("{:?}", alone.unwrap()), "{machine}");
+            }
+        }
+    }
 }

@@ -3,13 +3,16 @@
 use counterpoise_linalg::{Mat, inverse};
 use counterpoise_models::{Parameters, RegimeVariable};
 use counterpoise_recordings::Channel;
+use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::fitting::initial_states::StartColumns;
 use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, stretch_sums};
 use crate::library::{Effect, Mapping, Parameter, learned_element};
 use crate::recording::series::dot;
-use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, StartShift, map};
+use crate::simulator_access::{
+    Assessment, ChannelResidual, Pool, SimulatorAccess, Span, StartShift, Variant, map,
+};
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
     STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
@@ -283,17 +286,25 @@ impl Problem<'_> {
         shift: &StartShift,
     ) -> Option<Vec<f64>> {
         let (index, span) = (self.selection.recordings[place], self.selection.span);
-        let channels = if shift.iter().all(|s| *s == 0.0) {
-            self.simulator.residuals(parameters, index, span, near)?
-        } else {
-            self.simulator.residuals_from_shifted_start(parameters, index, span, near, shift)?.0
-        };
-        let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
-            let weight = near.weight(c);
-            misfit.residual.iter().map(move |r| weight * r)
+        let variant = Variant { parameters: parameters.clone(), shift: *shift };
+        weighted(&self.simulator.residuals_of(&variant, index, span, near)?, near)
+    }
+
+    /// Returns the weighted residuals of variants, each in one recording of the selection, side by side where neighbours are in the same
+    /// one; `None` for those that cannot be simulated, and for all from the first that was not tried because the user asked to stop.
+    fn of_variants(&self, variants: &[(usize, Variant)], near: &[Assessment]) -> Vec<Option<Vec<f64>>> {
+        let together: Vec<&[(usize, Variant)]> =
+            variants.chunk_by(|a, b| a.0 == b.0).flat_map(|same| same.chunks(SIDE_BY_SIDE)).collect();
+        let done = map(self.pool, together.len(), |k| {
+            let place = together[k][0].0;
+            let few: Vec<Variant> = together[k].iter().map(|(_, variant)| variant.clone()).collect();
+            let (index, span) = (self.selection.recordings[place], self.selection.span);
+            let found = self.simulator.residuals_of_variants(&few, index, span, &near[place]);
+            found.iter().map(|channels| weighted(channels.as_ref()?, &near[place])).collect::<Vec<_>>()
         });
-        let out: Vec<f64> = weighted.collect();
-        out.iter().all(|r| r.is_finite()).then_some(out)
+        let mut all: Vec<Option<Vec<f64>>> = done.into_iter().flatten().collect();
+        all.resize(variants.len(), None);
+        all
     }
 
     /// Returns whether the angle at the start of a recording stays where it is: nothing measures it, and a free function of the angle could
@@ -312,24 +323,28 @@ impl Problem<'_> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
-        let moved = |place: usize, freedom: usize, by: f64| {
-            if !start_has(&parameters, freedom) || (freedom == START_ANGLE && self.keeps_angle(&near[place]))
-            {
-                return None;
-            }
-            let mut shift = now.shifts[place];
-            shift[freedom] += by;
-            let there = self.one(&parameters, place, &near[place], &shift)?;
-            let change: Vec<f64> =
-                there.iter().zip(&now.residual[place]).map(|(a, b)| (a - b) / by).collect();
-            change.iter().any(|c| *c != 0.0).then_some(change)
+        let is_free = |&(place, freedom): &(usize, usize)| {
+            start_has(&parameters, freedom) && !(freedom == START_ANGLE && self.keeps_angle(&near[place]))
         };
-        let count = START_FREEDOMS;
-        let all = map(self.pool, near.len() * count, |k| {
-            let (place, freedom) = (k / count, k % count);
-            moved(place, freedom, 1.0).or_else(|| moved(place, freedom, -1.0))
-        });
-        all.chunks(count).map(|c| StartColumns::new(c.to_vec())).collect()
+        let places =
+            (0..near.len()).flat_map(|place| (0..START_FREEDOMS).map(move |freedom| (place, freedom)));
+        let mut wanted: Vec<(usize, usize)> = places.filter(is_free).collect();
+        let mut columns = vec![vec![None; START_FREEDOMS]; near.len()];
+        for by in [1.0, -1.0] {
+            let moved = |&(place, freedom): &(usize, usize)| {
+                let mut shift = now.shifts[place];
+                shift[freedom] += by;
+                (place, Variant { parameters: parameters.clone(), shift })
+            };
+            let moved: Vec<(usize, Variant)> = wanted.iter().map(moved).collect();
+            for ((place, freedom), there) in wanted.iter().zip(self.of_variants(&moved, near)) {
+                let pairs = there.iter().flatten().zip(&now.residual[*place]);
+                let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / by).collect();
+                columns[*place][*freedom] = change.iter().any(|c| *c != 0.0).then_some(change);
+            }
+            wanted.retain(|(place, freedom)| columns[*place][*freedom].is_none());
+        }
+        columns.into_iter().map(StartColumns::new).collect()
     }
 
     /// Returns the assessments of the recordings for what was found, without residuals, each with the initial state that was found
@@ -362,18 +377,38 @@ impl Problem<'_> {
     /// Returns what each variable changes of the residuals, by one-sided differences: variable by variable, recording by recording.
     fn difference_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<Vec<Vec<f64>>> {
         let free = parameters_of(&self.effects);
-        map(self.pool, now.x.len(), |j| {
-            let step = difference_step(free[j], now.x[j]);
-            let mut moved = now.x.clone();
-            moved[j] += step;
-            let there = self.at(&moved, near, &now.shifts);
-            let change =
-                |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
-            there.map_or_else(
-                || now.residual.iter().map(|r| vec![0.0; r.len()]).collect(),
-                |there| there.iter().zip(&now.residual).map(change).collect(),
-            )
-        })
+        let steps: Vec<f64> = free.iter().zip(&now.x).map(|(free, x)| difference_step(free, *x)).collect();
+        let values = |j: usize| -> Vec<f64> {
+            let moved = |k: usize| if k == j { now.x[k] + steps[k] } else { now.x[k] };
+            free.iter().enumerate().map(|(k, free)| from_variable(free, moved(k))).collect()
+        };
+        let moved: Vec<Parameters> =
+            (0..free.len()).map(|j| applied(self.base, &self.effects, &values(j))).collect();
+        let places =
+            (0..near.len()).flat_map(|place| moved.iter().map(move |parameters| (place, parameters)));
+        let variants: Vec<(usize, Variant)> = places
+            .map(|(place, parameters)| {
+                (place, Variant { parameters: parameters.clone(), shift: now.shifts[place] })
+            })
+            .collect();
+        let there = self.of_variants(&variants, near);
+        (0..free.len())
+            .map(|j| {
+                let own = (0..near.len()).map(|place| there[place * free.len() + j].clone());
+                let mut own: Option<Vec<Vec<f64>>> = own.collect();
+                if let Some(own) = own.as_mut().filter(|_| !self.preferences.is_empty()) {
+                    let values = values(j);
+                    own.push(self.preferences.iter().map(|preference| preference.missed(&values)).collect());
+                }
+                let change = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+                    a.iter().zip(b).map(|(a, b)| (a - b) / steps[j]).collect()
+                };
+                own.map_or_else(
+                    || now.residual.iter().map(|r| vec![0.0; r.len()]).collect(),
+                    |own| own.iter().zip(&now.residual).map(change).collect(),
+                )
+            })
+            .collect()
     }
 
     /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
@@ -446,6 +481,16 @@ impl Problem<'_> {
 /// Returns whether both fits ran every recording in the same way, so that their costs can be compared.
 fn runs_alike(a: &Fit, b: &Fit) -> bool {
     a.assessments.iter().zip(&b.assessments).all(|(a, b)| a.1.source == b.1.source)
+}
+
+/// Returns the residuals of all channels with their weights; `None` if one is not finite.
+fn weighted(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
+    let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
+        let weight = near.weight(c);
+        misfit.residual.iter().map(move |r| weight * r)
+    });
+    let out: Vec<f64> = weighted.collect();
+    out.iter().all(|r| r.is_finite()).then_some(out)
 }
 
 /// The present point of a fit.

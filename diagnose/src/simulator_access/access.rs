@@ -30,6 +30,15 @@ impl ChannelResidual {
     }
 }
 
+/// A variant of a mechanism, and where it starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// The mechanism.
+    pub parameters: Parameters,
+    /// The shift of its initial state.
+    pub shift: StartShift,
+}
+
 /// How much of a recording is replayed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Span {
@@ -110,6 +119,32 @@ pub trait SimulatorAccess: Sync {
         _shift: &StartShift,
     ) -> Option<(Vec<ChannelResidual>, PlantState)> {
         None
+    }
+    /// Returns the residuals of one variant of a mechanism, as [`SimulatorAccess::residuals`] and
+    /// [`SimulatorAccess::residuals_from_shifted_start`] do.
+    fn residuals_of(
+        &self,
+        variant: &Variant,
+        index: usize,
+        span: Span,
+        near: &Assessment,
+    ) -> Option<Vec<ChannelResidual>> {
+        let Variant { parameters, shift } = variant;
+        if shift.iter().all(|s| *s == 0.0) {
+            return self.residuals(parameters, index, span, near);
+        }
+        let shifted = self.residuals_from_shifted_start(parameters, index, span, near, shift);
+        shifted.map(|(channels, _)| channels)
+    }
+    /// Returns the residuals of several variants of a mechanism in one recording: the same as of one after the other, but quicker.
+    fn residuals_of_variants(
+        &self,
+        variants: &[Variant],
+        index: usize,
+        span: Span,
+        near: &Assessment,
+    ) -> Vec<Option<Vec<ChannelResidual>>> {
+        variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect()
     }
     /// Returns the angle over which the hub moves on the platform, rad.
     fn travel_rad(&self) -> f64 {

@@ -7,5 +7,5 @@ mod access;
 pub mod objective;
 mod pool;
 
-pub use access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift};
+pub use access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift, Variant};
 pub use pool::{Pool, Serial, map, map_with_progress};

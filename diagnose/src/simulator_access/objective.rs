@@ -8,7 +8,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
+use counterpoise_simulate::replay::{Loop, Replay, ReplayVariant, Replayer, reading_floor};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -16,7 +16,7 @@ use crate::recording::noise::{measure_noise_floor, rounding_noise, stated_noise}
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
-    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift,
+    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift, Variant,
 };
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
@@ -209,6 +209,24 @@ impl<'a> RecordingReplays<'a> {
         Some((0..SCORED.len()).filter_map(size).collect())
     }
 
+    /// Returns a recording ready to be replayed.
+    fn ready(&self, index: usize, span: Span) -> &Replayer<'a> {
+        match span {
+            Span::Whole => &self.whole[index],
+            Span::Head => &self.heads[index],
+        }
+    }
+
+    /// Returns a shift of an initial state without what the recording determines.
+    fn possible_shift(&self, index: usize, source: ControlSource, shift: &StartShift) -> StartShift {
+        let mut shift = *shift;
+        if source == ControlSource::ClosedLoop && self.followed[index] {
+            // here the hub's recorded angle is no evidence, so only the recording determines the initial angle
+            shift[HUB_ANGLE] = 0.0;
+        }
+        shift
+    }
+
     /// Assesses a closed-loop run; if it does not repeat, assesses the playback in its place.
     fn judged(
         &self,
@@ -284,10 +302,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         span: Span,
         near: &Assessment,
     ) -> Option<Vec<ChannelResidual>> {
-        let ready = match span {
-            Span::Whole => &self.whole[index],
-            Span::Head => &self.heads[index],
-        };
+        let ready = self.ready(index, span);
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
         let replay = self.with(parameters, ready, |r| r.replay_from(parameters, control, start))?;
@@ -302,20 +317,39 @@ impl SimulatorAccess for RecordingReplays<'_> {
         near: &Assessment,
         shift: &StartShift,
     ) -> Option<(Vec<ChannelResidual>, PlantState)> {
-        let ready = match span {
-            Span::Whole => &self.whole[index],
-            Span::Head => &self.heads[index],
-        };
+        let ready = self.ready(index, span);
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
-        let mut shift = *shift;
-        if near.source == ControlSource::ClosedLoop && self.followed[index] {
-            // here the hub's recorded angle is no evidence, so only the recording determines the initial angle
-            shift[HUB_ANGLE] = 0.0;
-        }
+        let shift = self.possible_shift(index, near.source, shift);
         let replay = self.with(parameters, ready, |r| r.replay_nudged(parameters, control, start, &shift))?;
         let channels = self.channels(&replay, index, ready.recording().len(), near.source)?;
         Some((channels, replay.start))
+    }
+
+    fn residuals_of_variants(
+        &self,
+        variants: &[Variant],
+        index: usize,
+        span: Span,
+        near: &Assessment,
+    ) -> Vec<Option<Vec<ChannelResidual>>> {
+        let shares = variants.iter().all(|variant| self.same_platform_sensors(&variant.parameters));
+        let Some(start) = near.start.as_ref().filter(|_| shares) else {
+            return variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect();
+        };
+        let ready = self.ready(index, span);
+        let asked = variants.iter().map(|variant| {
+            let is_shifted = variant.shift.iter().any(|s| *s != 0.0);
+            ReplayVariant {
+                parameters: &variant.parameters,
+                start,
+                steps: is_shifted.then(|| self.possible_shift(index, near.source, &variant.shift)),
+            }
+        });
+        let asked: Vec<ReplayVariant> = asked.collect();
+        let replays = ready.replay_variants(self.control(near.source), &asked);
+        let length = ready.recording().len();
+        replays.into_iter().map(|replay| self.channels(&replay.ok()?, index, length, near.source)).collect()
     }
 
     fn travel_rad(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! Dahl's law: a hysteretic spring that yields at the Coulomb level.
 
 use super::law::Partials;
+use super::real::Real;
 use super::stribeck::StribeckLevel;
 use crate::tolerance::YIELDED;
 
@@ -10,11 +11,11 @@ use crate::tolerance::YIELDED;
 /// With a constant g the loop depends on the displacement alone. P. Dahl, "Solid friction damping of mechanical
 /// vibrations", AIAA Journal 14, 1976; the Stribeck level g(w) in place of F_c is an extension in use.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dahl {
+pub struct Dahl<R = f64> {
     /// Level by the rate; constant in Dahl's papers.
-    pub level: StribeckLevel,
+    pub level: StribeckLevel<R>,
     /// Rest stiffness sigma, N m/rad.
-    pub rest_stiffness_nm_rad: f64,
+    pub rest_stiffness_nm_rad: R,
     /// Exponent i; 1 is usual, 2 is (5-38).
     pub exponent: f64,
 }
@@ -25,21 +26,6 @@ impl Dahl {
     pub fn derivative(&self, rate_rad_s: f64, level: f64, torque_nm: f64) -> f64 {
         let r = self.distance(rate_rad_s, level, torque_nm);
         self.rest_stiffness_nm_rad * rate_rad_s * self.power(r)
-    }
-
-    /// Returns the torque after a time at constant rate: exact.
-    ///
-    /// With s = sigma |w| h / g: r exp(-s) for i = 1, and |r|^(1-i) falls by (1 - i) s otherwise (not below 0).
-    #[inline]
-    pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, torque_nm: f64) -> f64 {
-        if rate_rad_s == 0.0 {
-            return torque_nm;
-        }
-        let g = level * self.level.at(rate_rad_s);
-        let sign = rate_rad_s.signum();
-        let r = 1.0 - torque_nm / g * sign;
-        let s = self.rest_stiffness_nm_rad * rate_rad_s.abs() * time_s / g;
-        g * sign * (1.0 - yielding(r, s, self.exponent))
     }
 
     /// Returns the torque after a displacement with the level of rest: the rate-independent form of [`Dahl::advance`].
@@ -84,13 +70,41 @@ impl Dahl {
     }
 }
 
+impl<R: Copy> Dahl<R> {
+    /// Returns the law in other numbers: each of its numbers as `convert` has it.
+    #[inline(always)]
+    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> Dahl<T> {
+        Dahl {
+            level: self.level.converted(&convert),
+            rest_stiffness_nm_rad: convert(self.rest_stiffness_nm_rad),
+            exponent: self.exponent,
+        }
+    }
+}
+
+impl<R: Real> Dahl<R> {
+    /// Returns the torque after a time at constant rate: exact.
+    ///
+    /// With s = sigma |w| h / g: r exp(-s) for i = 1, and |r|^(1-i) falls by (1 - i) s otherwise (not below 0).
+    #[inline(always)]
+    pub fn advance(&self, rate_rad_s: R, time_s: R, level: R, torque_nm: R) -> R {
+        let one = torque_nm.constant(1.0);
+        let g = level * self.level.at(rate_rad_s);
+        let sign = rate_rad_s.signum();
+        let r = one - torque_nm / g * sign;
+        let s = self.rest_stiffness_nm_rad * rate_rad_s.abs() * time_s / g;
+        let moved = g * sign * (one - yielding(r, s, self.exponent));
+        R::choose(rate_rad_s.is_zero(), torque_nm, moved)
+    }
+}
+
 /// Returns the solution of dr/ds = -|r|^i sgn r.
-#[inline]
-fn yielding(r: f64, s: f64, exponent: f64) -> f64 {
+#[inline(always)]
+fn yielding<R: Real>(r: R, s: R, exponent: f64) -> R {
     if exponent == 1.0 {
         return r * (-s).exp();
     }
-    let left = (r.abs().powf(1.0 - exponent) - (1.0 - exponent) * s).max(0.0);
+    let left = (r.abs().powf(1.0 - exponent) - r.constant(1.0 - exponent) * s).max(r.constant(0.0));
     left.powf((1.0 - exponent).recip()) * r.signum()
 }
 

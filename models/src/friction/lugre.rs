@@ -1,6 +1,7 @@
 //! The LuGre law: an average bristle deflection with a Stribeck level.
 
 use super::law::Partials;
+use super::real::Real;
 use super::stribeck::StribeckLevel;
 
 /// dz/dt = w - sigma_0 |w| z / g(w), T = sigma_0 z + sigma_1 dz/dt; the state is the deflection z, rad.
@@ -9,41 +10,59 @@ use super::stribeck::StribeckLevel;
 /// Wit, H. Olsson, K. Astrom, P. Lischinsky, "A new model for control of systems with friction", IEEE TAC 40, 1995.
 /// Known defect: a load below breakaway with a small dither on it drifts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lugre {
+pub struct Lugre<R = f64> {
     /// Level by the rate.
-    pub level: StribeckLevel,
+    pub level: StribeckLevel<R>,
     /// Bristle stiffness sigma_0, N m/rad.
-    pub stiffness_nm_rad: f64,
+    pub stiffness_nm_rad: R,
     /// Bristle damping sigma_1, N m s/rad.
-    pub damping_nm_s_rad: f64,
+    pub damping_nm_s_rad: R,
 }
 
-impl Lugre {
+impl<R: Copy> Lugre<R> {
+    /// Returns the law in other numbers: each of its numbers as `convert` has it.
+    #[inline(always)]
+    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> Lugre<T> {
+        Lugre {
+            level: self.level.converted(&convert),
+            stiffness_nm_rad: convert(self.stiffness_nm_rad),
+            damping_nm_s_rad: convert(self.damping_nm_s_rad),
+        }
+    }
+}
+
+impl<R: Real> Lugre<R> {
     /// dz/dt, rad/s.
-    #[inline]
-    pub fn derivative(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> f64 {
+    #[inline(always)]
+    pub fn derivative(&self, rate_rad_s: R, level: R, deflection_rad: R) -> R {
         rate_rad_s
             - self.stiffness_nm_rad * rate_rad_s.abs() * deflection_rad / self.level_at(rate_rad_s, level)
     }
 
     /// Returns the torque, N m.
-    #[inline]
-    pub fn torque(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> f64 {
+    #[inline(always)]
+    pub fn torque(&self, rate_rad_s: R, level: R, deflection_rad: R) -> R {
         let bending = self.derivative(rate_rad_s, level, deflection_rad);
         self.stiffness_nm_rad * deflection_rad + self.damping_nm_s_rad * bending
     }
 
     /// Returns the deflection after a time at constant rate: exact.
-    #[inline]
-    pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, deflection_rad: f64) -> f64 {
-        if rate_rad_s == 0.0 {
-            return deflection_rad;
-        }
+    #[inline(always)]
+    pub fn advance(&self, rate_rad_s: R, time_s: R, level: R, deflection_rad: R) -> R {
         let g = self.level_at(rate_rad_s, level);
         let steady = g * rate_rad_s.signum() / self.stiffness_nm_rad;
-        steady + (deflection_rad - steady) * (-self.stiffness_nm_rad * rate_rad_s.abs() * time_s / g).exp()
+        let spent = -self.stiffness_nm_rad * rate_rad_s.abs() * time_s / g;
+        let moved = steady + (deflection_rad - steady) * spent.exp();
+        R::choose(rate_rad_s.is_zero(), deflection_rad, moved)
     }
 
+    #[inline(always)]
+    fn level_at(&self, rate_rad_s: R, level: R) -> R {
+        level * self.level.at(rate_rad_s)
+    }
+}
+
+impl Lugre {
     /// Returns the partial derivatives of dz/dt and of the torque.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> Partials {
@@ -58,10 +77,5 @@ impl Lugre {
             torque_by_rate: self.damping_nm_s_rad * state_by_rate,
             torque_by_state: self.stiffness_nm_rad + self.damping_nm_s_rad * state_by_state,
         }
-    }
-
-    #[inline]
-    fn level_at(&self, rate_rad_s: f64, level: f64) -> f64 {
-        level * self.level.at(rate_rad_s)
     }
 }

@@ -18,8 +18,8 @@
 //!
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
-//! Modules in reading order: [`ranges`], [`properties`], [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
-//! [`law`], [`model`], [`mod@contact`], [`describing`].
+//! Modules in reading order: [`ranges`], [`properties`], [`real`], [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
+//! [`law`], [`model`], [`dry`], [`mod@contact`], [`describing`].
 //!
 //! ```
 //! use counterpoise_models::{Friction, FrictionLaw, friction::FrictionModel};
@@ -36,11 +36,13 @@ mod build;
 pub mod contact;
 pub mod dahl;
 pub mod describing;
+pub mod dry;
 pub mod law;
 pub mod lugre;
 pub mod model;
 pub mod properties;
 pub mod ranges;
+pub mod real;
 pub mod reset;
 pub mod sliding;
 pub mod stribeck;
@@ -49,10 +51,12 @@ pub mod walrath;
 pub use bristle::Bristle;
 pub use contact::{Contact, Joint, contact};
 pub use dahl::Dahl;
+pub use dry::{DryFriction, SmoothLaw};
 pub use law::{Law, Partials};
 pub use lugre::Lugre;
 pub use model::{FrictionModel, Surroundings};
 pub use properties::Similarity;
+pub use real::Real;
 pub use reset::ResetIntegrator;
 pub use sliding::{Sliding, Stick};
 pub use stribeck::StribeckLevel;

@@ -83,6 +83,11 @@ impl FrictionModel {
         &self.law
     }
 
+    /// Returns half the difference of the dry level between the two directions, as a fraction.
+    pub fn asymmetry(&self) -> f64 {
+        self.asymmetry
+    }
+
     /// Returns the viscous coefficient, N m s/rad.
     pub fn viscous_nm_s_rad(&self) -> f64 {
         self.viscous_nm_s_rad

@@ -1,5 +1,6 @@
 //! The level of dry friction as a function of the rate.
 
+use super::real::Real;
 use crate::parameters::StribeckCurve;
 use crate::tolerance::SPENT;
 
@@ -8,10 +9,10 @@ use crate::tolerance::SPENT;
 /// Shapes: exp(-x) (Tustin 1947), exp(-x^2) (Gaussian; Armstrong-Helouvry 1991), exp(-x^a) (Bo and Pavelescu 1982),
 /// 1/(1 + x^2) (Lorentzian; Hess and Soom 1990), and a cubic that is given (polynomial), constant beyond x = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StribeckLevel {
-    coulomb_nm: f64,
-    excess_nm: f64,
-    per_rate_s_rad: f64,
+pub struct StribeckLevel<R = f64> {
+    coulomb_nm: R,
+    excess_nm: R,
+    per_rate_s_rad: R,
     curve: StribeckCurve,
 }
 
@@ -36,14 +37,9 @@ impl StribeckLevel {
         self.coulomb_nm + self.excess_nm
     }
 
-    /// g(w), N m; even in w.
-    #[inline]
-    pub fn at(&self, rate_rad_s: f64) -> f64 {
-        if self.is_constant() {
-            return self.coulomb_nm;
-        }
-        let x = rate_rad_s.abs() * self.per_rate_s_rad;
-        self.coulomb_nm + self.excess_nm * self.shape(x) + self.coulomb_nm * cubic(self.curve, x)
+    /// Returns the same level at rest, whatever the rate.
+    pub fn frozen(&self) -> Self {
+        Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
     }
 
     /// dg/dw, N m s/rad; odd in w, 0 at w = 0.
@@ -55,27 +51,6 @@ impl StribeckLevel {
         let x = rate_rad_s.abs() * self.per_rate_s_rad;
         let per_x = self.excess_nm * self.shape_slope(x) + self.coulomb_nm * cubic_slope(self.curve, x);
         per_x * self.per_rate_s_rad * rate_rad_s.signum()
-    }
-
-    /// Returns the same level at rest, whatever the rate.
-    pub fn frozen(&self) -> Self {
-        Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
-    }
-
-    #[inline]
-    fn is_constant(&self) -> bool {
-        self.excess_nm == 0.0 && !matches!(self.curve, StribeckCurve::Polynomial { .. })
-    }
-
-    fn shape(&self, x: f64) -> f64 {
-        match self.curve {
-            StribeckCurve::Gaussian if x > SPENT => 0.0,
-            StribeckCurve::Tustin => (-x).exp(),
-            StribeckCurve::Gaussian => (-x * x).exp(),
-            StribeckCurve::Exponential { exponent } => (-x.powf(exponent)).exp(),
-            StribeckCurve::Lorentzian => (1.0 + x * x).recip(),
-            StribeckCurve::Polynomial { .. } => 1.0,
-        }
     }
 
     fn shape_slope(&self, x: f64) -> f64 {
@@ -92,9 +67,65 @@ impl StribeckLevel {
     }
 }
 
-fn cubic(curve: StribeckCurve, x: f64) -> f64 {
-    let StribeckCurve::Polynomial { coefficients: [c1, c2, c3] } = curve else { return 0.0 };
-    let x = x.min(1.0);
+impl<R: Copy> StribeckLevel<R> {
+    /// Returns the level in other numbers: each of its numbers as `convert` has it.
+    #[inline(always)]
+    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> StribeckLevel<T> {
+        StribeckLevel {
+            coulomb_nm: convert(self.coulomb_nm),
+            excess_nm: convert(self.excess_nm),
+            per_rate_s_rad: convert(self.per_rate_s_rad),
+            curve: self.curve,
+        }
+    }
+}
+
+/// Returns the levels of several laws side by side; `None` if their curves differ.
+pub(super) fn joined<const N: usize>(levels: [StribeckLevel; N]) -> Option<StribeckLevel<[f64; N]>> {
+    let curve = levels.first()?.curve;
+    levels.iter().all(|level| level.curve == curve).then(|| StribeckLevel {
+        coulomb_nm: levels.map(|level| level.coulomb_nm),
+        excess_nm: levels.map(|level| level.excess_nm),
+        per_rate_s_rad: levels.map(|level| level.per_rate_s_rad),
+        curve,
+    })
+}
+
+impl<R: Real> StribeckLevel<R> {
+    /// g(w), N m; even in w.
+    #[inline(always)]
+    pub fn at(&self, rate_rad_s: R) -> R {
+        if self.is_constant() {
+            return self.coulomb_nm;
+        }
+        let x = rate_rad_s.abs() * self.per_rate_s_rad;
+        self.coulomb_nm + self.excess_nm * self.shape(x) + self.coulomb_nm * cubic(self.curve, x)
+    }
+
+    #[inline(always)]
+    fn is_constant(&self) -> bool {
+        self.excess_nm.is_zero_throughout() && !matches!(self.curve, StribeckCurve::Polynomial { .. })
+    }
+
+    #[inline(always)]
+    fn shape(&self, x: R) -> R {
+        let one = x.constant(1.0);
+        match self.curve {
+            StribeckCurve::Tustin => (-x).exp(),
+            StribeckCurve::Gaussian => x.gaussian(),
+            StribeckCurve::Exponential { exponent } => (-x.powf(exponent)).exp(),
+            StribeckCurve::Lorentzian => one / (one + x * x),
+            StribeckCurve::Polynomial { .. } => one,
+        }
+    }
+}
+
+#[inline(always)]
+fn cubic<R: Real>(curve: StribeckCurve, x: R) -> R {
+    let StribeckCurve::Polynomial { coefficients } = curve else { return x.constant(0.0) };
+    let [c1, c2, c3] = coefficients;
+    let (c1, c2, c3) = (x.constant(c1), x.constant(c2), x.constant(c3));
+    let x = x.min(x.constant(1.0));
     x * (c1 + x * (c2 + x * c3))
 }
 

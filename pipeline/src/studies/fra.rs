@@ -5,14 +5,14 @@
 //! at the amplitude that this model itself gives.
 
 use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
-use counterpoise_diagnose::simulator_access::{Pool, map, map_with_progress};
+use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{FrictionLaw, OperatingPoint};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::fra::Measurement;
-use counterpoise_simulate::fra::{self, Response, Settings, Test, TestSine};
+use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
+use counterpoise_simulate::fra::{self, Measurement, PlannedPoint, Response, Settings, Test, TestSine};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed::resolver_use;
 use counterpoise_verify::linear::plant::Resolver;
@@ -235,15 +235,30 @@ impl Analyser {
             offset_m: self.offset_m,
             ..Settings::default()
         };
-        let measured = map_with_progress(pool, "point", count, |index| {
-            let amplitude = plan.amplitudes[index / plan.frequencies_hz.len()];
-            let frequency_rad_s = TAU * plan.frequencies_hz[index % plan.frequencies_hz.len()];
-            let mut controller = self.runner();
-            let test = self.around.test();
-            let at = TestSine { frequency_rad_s, amplitude };
-            fra::measure(&self.plant, controller.as_mut(), test, at, &settings)
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        pool.progress("point", 0, count);
+        // points of one frequency are neighbours, because they take about as long
+        let frequencies =
+            plan.frequencies_hz.iter().flat_map(|hz| plan.amplitudes.iter().map(move |a| (hz, a)));
+        let sines: Vec<TestSine> = frequencies
+            .map(|(hz, amplitude)| TestSine { frequency_rad_s: TAU * hz, amplitude: *amplitude })
+            .collect();
+        let few: Vec<&[TestSine]> = sines.chunks(SIDE_BY_SIDE).collect();
+        let measured = map(pool, few.len(), |index| {
+            let mut controllers: Vec<_> = few[index].iter().map(|_| self.runner()).collect();
+            let points = controllers.iter_mut().zip(few[index]);
+            let mut points: Vec<PlannedPoint> = points
+                .map(|(controller, at)| PlannedPoint { controller: controller.as_mut(), at: *at })
+                .collect();
+            let found = fra::measure_each(&self.plant, self.around.test(), &mut points, &settings);
+            let before = done.fetch_add(found.len(), std::sync::atomic::Ordering::Relaxed);
+            pool.progress("point", before + found.len(), count);
+            found
         });
-        measured.into_iter().map(|point| Ok(point?)).collect()
+        let measured: Vec<_> = measured.into_iter().flatten().collect();
+        let amplitudes = 0..plan.amplitudes.len();
+        let by_amplitude = amplitudes.flat_map(|k| measured.iter().skip(k).step_by(plan.amplitudes.len()));
+        by_amplitude.map(|point| Ok(point.clone()?)).collect()
     }
 
     /// The map of what was measured, with the linear models beside it.

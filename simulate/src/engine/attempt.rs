@@ -142,6 +142,23 @@ impl Attempt {
         }
     }
 
+    /// Returns what the next step continues from, if the one before was of a length: the torques at its stages, the contraction, and the
+    /// angle whose sine is known.
+    pub fn continuation(&self, step_s: f64) -> Option<Continuation> {
+        (self.before.step_s == step_s).then_some(Continuation {
+            before: self.before.values,
+            contraction: self.contraction,
+            about: self.about,
+        })
+    }
+
+    /// Continues from a step of a length.
+    pub fn continue_from(&mut self, step_s: f64, from: &Continuation) {
+        self.before.keep(step_s, from.before);
+        self.contraction = from.contraction;
+        self.about = from.about;
+    }
+
     /// Keeps the torques of the step that was just taken.
     pub fn accept(&mut self, step_s: f64) {
         let values = std::array::from_fn(|k| [self.values[k * PORTS], self.values[k * PORTS + 1]]);
@@ -310,6 +327,17 @@ impl Attempt {
     }
 }
 
+/// What a step continues from beside the state of the plant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Continuation {
+    /// Torques at motor and hub at the stages of the step before.
+    pub before: [[f64; 2]; STAGES],
+    /// Factor from the change in one iteration to that in the next.
+    pub contraction: f64,
+    /// The angle whose sine is known.
+    pub about: AngleNearby,
+}
+
 /// A step that is compiled for every width of registers.
 struct Solution<'a, 'b> {
     attempt: &'a mut Attempt,
@@ -359,6 +387,11 @@ impl Before {
             extrapolation(step_s / self.step_s)
         }
     }
+}
+
+/// Returns the weights of the torques before for a step of the same length as the one before; see [`Before::weights`].
+pub(crate) fn repeated_weights() -> [[f64; STAGES]; STAGES] {
+    extrapolation(1.0)
 }
 
 /// Returns the parabola through the last three nodes of a step, at the stages of the next, less its end.

@@ -38,6 +38,17 @@ impl Filter {
         Self { levels }
     }
 
+    /// Returns the rows from \[y, y', input at the four nodes\] to the state after a step at a level; `None` if the sensor is ideal.
+    pub fn rows(&self, level: usize) -> Option<[[f64; 6]; 2]> {
+        let step = self.levels.get(level)?;
+        let (phi, nodes) = (&step.phi, &step.nodes);
+        Some(
+            [0, 1].map(|i| {
+                [phi[(i, 0)], phi[(i, 1)], nodes[(i, 0)], nodes[(i, 1)], nodes[(i, 2)], nodes[(i, 3)]]
+            }),
+        )
+    }
+
     /// The state \[y, y'\] after a step at `level`, for the input at the four nodes.
     #[inline]
     pub fn advance(&self, level: usize, state: &mut [f64; 2], input: &[f64; 4]) {

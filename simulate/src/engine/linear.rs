@@ -226,6 +226,16 @@ impl Linear {
         seen
     }
 
+    /// Returns an entry of the matrix from z to what is seen.
+    pub fn seen_entry(&self, row: usize, column: usize) -> f64 {
+        self.seen.entry(row, column)
+    }
+
+    /// Returns whether a joint sticks.
+    pub fn has_stuck_joint(&self) -> bool {
+        self.stuck != [false; 2]
+    }
+
     /// Returns the physical state at z.
     pub fn physical(&self, z: &[f64]) -> Vec<f64> {
         let coordinates = self.coordinates.as_ref();

@@ -152,6 +152,16 @@ impl AngleNearby {
         Self { angle, sin, cos }
     }
 
+    /// Returns the angle, its sine and its cosine.
+    pub fn parts(&self) -> [f64; 3] {
+        [self.angle, self.sin, self.cos]
+    }
+
+    /// Returns the values of an angle whose sine and cosine are known.
+    pub fn from_parts([angle, sin, cos]: [f64; 3]) -> Self {
+        Self { angle, sin, cos }
+    }
+
     /// Returns these values, or those about a new angle if it is far.
     #[inline]
     pub fn moved_to(self, angle: f64) -> Self {
@@ -233,6 +243,15 @@ pub(crate) struct Ports {
     pub scales: [f64; PORTS],
 }
 
+/// The nonlinear parts of a mechanism that has no others than dry friction, gravity's angle, and torques of angle, rate and current.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CommonParts {
+    pub has_motor_extras: bool,
+    pub has_hub_extras: bool,
+    pub axis: Axis,
+    pub measured: Measured,
+}
+
 impl Ports {
     pub fn new(plant: &Plant) -> Result<Self, Error> {
         let parameters = plant.parameters();
@@ -277,6 +296,26 @@ impl Ports {
             learned: plant.learned().cloned().map(Box::new),
             scales,
         })
+    }
+
+    /// Returns the parts that nearly every mechanism has; `None` if there are others.
+    pub fn common(&self) -> Option<CommonParts> {
+        let has_others = self.hose.is_some()
+            || self.gear_hysteresis.is_some()
+            || self.needs_mesh_torque
+            || self.learned.is_some()
+            || self.frictions().iter().any(|friction| friction.is_modulated());
+        (!has_others).then_some(CommonParts {
+            has_motor_extras: self.motor_extras,
+            has_hub_extras: self.hub_extras,
+            axis: self.axis,
+            measured: self.measured,
+        })
+    }
+
+    /// Returns the friction at the motor and at the pivot.
+    pub fn frictions(&self) -> [&FrictionModel; 2] {
+        [&self.motor, &self.pivot]
     }
 
     /// Returns the port values at the start of a step, where friction's state is known.

@@ -47,6 +47,22 @@ impl Instant {
     }
 }
 
+/// Where a plant is whose teeth touch, whose voltage is free and whose joints do not stick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ordinary<'a> {
+    /// State of the core in its coordinates.
+    pub core: &'a [f64],
+    pub seen: &'a Seen,
+    /// Dry friction at motor and pivot.
+    pub friction: [f64; 2],
+    /// Angles of motor and pivot to which friction has travelled, rad.
+    pub travelled: [f64; 2],
+    /// The loop's sensor: what it shows, and its derivative.
+    pub gyro: [f64; 2],
+    /// Torque of half the gap, N m.
+    pub offset_nm: f64,
+}
+
 /// Where the plant is, with all that its next step needs to know of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Present {
@@ -119,6 +135,43 @@ impl Present {
     /// Returns whether the motion is still finite.
     pub fn is_finite(&self) -> bool {
         self.z.iter().all(|x| x.is_finite())
+    }
+
+    /// Returns the core that every run begins with: the teeth touch, the voltage is free, no joint sticks.
+    pub fn first_core(&self) -> &Linear {
+        &self.cores[0]
+    }
+
+    /// Makes the table of a whole sample of that core, if it is not there yet.
+    pub fn prepare_ordinary(&mut self) {
+        self.cores[0].prepare(0);
+    }
+
+    /// Returns the state of the core in its coordinates, dry friction and its travel, if the mode is that of [`Self::first_core`] and the
+    /// voltage below its limit.
+    pub fn ordinary(&self) -> Option<Ordinary<'_>> {
+        let (mesh, offset_nm) = self.plant.mesh(self.seen[1]);
+        let is_ordinary =
+            self.core == 0 && mesh == Mesh::Touching && self.seen[VOLTAGE].abs() < self.bus_voltage_v();
+        let travelled = self.travelled.filter(|_| is_ordinary)?;
+        Some(Ordinary {
+            core: &self.z,
+            seen: &self.seen,
+            friction: [self.friction.motor, self.friction.pivot],
+            travelled,
+            gyro: self.hub_gyro,
+            offset_nm,
+        })
+    }
+
+    /// Goes on from a state in the mode of [`Self::first_core`].
+    pub fn go_on_from(&mut self, from: &Ordinary) {
+        self.core = 0;
+        self.z.copy_from_slice(from.core);
+        self.seen = *from.seen;
+        [self.friction.motor, self.friction.pivot] = from.friction;
+        self.travelled = Some(from.travelled);
+        self.hub_gyro = from.gyro;
     }
 
     /// Returns what is seen: motor state, wind-up, hub angle, hub rate, current; voltage, rate of the tip.

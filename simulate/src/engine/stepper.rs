@@ -1,12 +1,12 @@
 //! The steps within a sample: how long they are, and which events end them.
 
-use super::attempt::{Attempt, Held};
+use super::attempt::{Attempt, Continuation, Held};
 use super::events::{Part, TriedStep};
 use super::filter::Filter;
 use super::joints::Transition;
 use super::linear::{Mode, Seen};
 use super::ports::{PlatformPoint, SensorPoint};
-use super::present::{Present, Sample, StepInput};
+use super::present::{Ordinary, Present, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS};
 use crate::Error;
@@ -80,6 +80,51 @@ impl Stepper {
         self.attempt = Attempt::new(self.present.plant.core_order());
         self.effort = Effort::default();
         self.present.restart(start);
+    }
+
+    /// Returns where the plant is and what its next step continues from, if that step is a whole sample in the ordinary mode after another
+    /// such step; `None` otherwise.
+    pub fn smooth(&self) -> Option<(Ordinary<'_>, Continuation)> {
+        let from = self.attempt.continuation(self.period_s).filter(|_| self.level == 0 && !self.joints)?;
+        Some((self.present.ordinary()?, from))
+    }
+
+    /// Goes on from a whole sample in the ordinary mode.
+    pub fn go_on_from(&mut self, at: &Ordinary, from: &Continuation) {
+        self.level = 0;
+        self.present.go_on_from(at);
+        self.attempt.continue_from(self.period_s, from);
+    }
+
+    /// Counts steps that were taken elsewhere.
+    pub fn count(&mut self, steps: usize, iterations: usize) {
+        self.effort.steps += steps;
+        self.effort.iterations += iterations;
+    }
+
+    /// Makes the matrices of a whole sample in the ordinary mode, if they are not there yet.
+    pub fn prepare_ordinary(&mut self) {
+        self.present.prepare_ordinary();
+    }
+
+    /// Returns the plant where it is, with its cores and nonlinear parts.
+    pub fn present(&self) -> &Present {
+        &self.present
+    }
+
+    /// Returns the filter of the loop's sensor.
+    pub fn filter(&self) -> &Filter {
+        &self.filter
+    }
+
+    /// Returns the sample period, s.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    /// Returns the defect that a step may leave, relative to the ports' scales.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
     }
 
     /// Returns the state of the plant.

@@ -32,6 +32,14 @@ impl Strips {
         Self { columns: M.ncols(), wide: store(0, wide_rows, WIDE), narrow: store(wide_rows, rows, NARROW) }
     }
 
+    /// Returns an entry of the matrix.
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        let wide_rows = self.wide.len() / self.columns.max(1);
+        let (data, row, lanes) =
+            if row < wide_rows { (&self.wide, row, WIDE) } else { (&self.narrow, row - wide_rows, NARROW) };
+        data[(row / lanes * self.columns + column) * lanes + row % lanes]
+    }
+
     /// Computes out = start + M v, where `out` is as long as the padded rows; in the widest registers of the machine, with the
     /// same sums in the same order on every machine.
     #[inline]
@@ -100,6 +108,8 @@ mod tests {
             Strips::new(&M).multiply_add(&v, &mut out);
             let expected = &M * &Mat::col(&v);
             assert!((0..rows).all(|i| out[i] == expected[(i, 0)] + 1.0));
+            let strips = Strips::new(&M);
+            assert!((0..rows).all(|i| (0..5).all(|j| strips.entry(i, j) == M[(i, j)])));
         }
     }
 }

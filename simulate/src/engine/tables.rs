@@ -65,6 +65,20 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
+    /// Returns an entry of exp(A h).
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        if row < self.from && column < self.from {
+            return self.head.entry(row, column);
+        }
+        let pair = |index: usize| index.checked_sub(self.from).map(|beyond| beyond / 2);
+        match (pair(row), pair(column)) {
+            (Some(block), Some(other)) if block == other => {
+                self.pairs[block][((row - self.from) % 2, (column - self.from) % 2)]
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Computes out = exp(A h) z, in the registers of the function that it becomes part of.
     #[inline(always)]
     pub fn multiply_inline(&self, z: &[f64], out: &mut [f64]) {

@@ -12,8 +12,9 @@ pub mod analyser;
 
 pub use analyser::{Response, Spectrum, response, spectrum};
 
+use crate::ensemble::{Variant, Watch, run_ensemble};
 use crate::fra::analyser::Analyser;
-use crate::history::ReadingColumns;
+use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
 use crate::tolerance::MOST_SAMPLES;
 use crate::{Detail, Error, Imperfections, Initial, PlatformMotion, Scenario, Signal, Sine};
@@ -103,41 +104,106 @@ pub fn measure(
     at: TestSine,
     settings: &Settings,
 ) -> Result<Measurement, Error> {
-    let TestSine { frequency_rad_s, amplitude } = at;
-    if !(amplitude > 0.0 && amplitude.is_finite()) {
-        return Err(Error::Range { what: "amplitude", value: amplitude, allowed: "positive and finite" });
+    let point = PlannedPoint { controller, at };
+    let mut found = measure_each(plant, test, &mut [point], settings);
+    found.pop().unwrap_or(Err(Error::Length { what: "the points", found: 0, expected: 1 }))
+}
+
+/// A point that is to be measured.
+pub struct PlannedPoint<'a> {
+    /// The controller in the loop; it is reset.
+    pub controller: &'a mut dyn SampledController,
+    /// The sine.
+    pub at: TestSine,
+}
+
+/// Measures several points of one plant side by side: the same bytes as one after the other. Neighbours whose windows are of similar
+/// length take the least time.
+///
+/// # Errors
+/// Point by point, as [`measure`].
+pub fn measure_each(
+    plant: &Plant,
+    test: Test,
+    points: &mut [PlannedPoint],
+    settings: &Settings,
+) -> Vec<Result<Measurement, Error>> {
+    let tests = points.iter().map(|point| TestRun::new(plant, test, point.at, settings));
+    let mut tests: Vec<Result<TestRun, Error>> = tests.collect();
+    let mut variants = Vec::with_capacity(points.len());
+    for (test, point) in tests.iter_mut().zip(points) {
+        let Ok(test) = test else { continue };
+        point.controller.reset();
+        variants.push(test.variant(&mut *point.controller));
     }
-    let period = plant.parameters().interface.sample_period_s;
-    let window = Window::new(frequency_rad_s, period, settings)?;
-    let most = settings.most_windows.max(3);
-    let scenario = Scenario {
-        duration_s: (most * window.samples) as f64 * period,
-        ..scenario_of(test, window.frequency_rad_s, amplitude, settings)
+    let mut histories = run_ensemble(&mut variants).into_iter();
+    drop(variants);
+    let measurement = |test: Result<TestRun, Error>| {
+        let test = test?;
+        let missing = Error::Length { what: "the points", found: 0, expected: 1 };
+        test.measurement(&histories.next().unwrap_or(Err(missing))?)
     };
-    let mut simulator = Simulator::new(plant)?;
-    let mut settling = Settling { test, window: &window, allowed: settings.settled_below, last: None };
-    let mut goes_on = |readings: &ReadingColumns| settling.goes_on(readings);
-    controller.reset();
-    let history = match test {
-        Test::Plant => {
-            let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
-            let mut holding = Holding(plant.equilibrium(&point).control_v);
-            simulator.run_while(&mut holding, &scenario, window.samples, &mut goes_on)?
+    tests.into_iter().map(measurement).collect()
+}
+
+/// The run of one point.
+struct TestRun {
+    test: Test,
+    at: TestSine,
+    window: Window,
+    scenario: Scenario,
+    simulator: Simulator,
+    settled_below: f64,
+    /// What acts in place of the controller if there is none.
+    holding: Option<Holding>,
+}
+
+impl TestRun {
+    fn new(plant: &Plant, test: Test, at: TestSine, settings: &Settings) -> Result<Self, Error> {
+        let TestSine { frequency_rad_s, amplitude } = at;
+        if !(amplitude > 0.0 && amplitude.is_finite()) {
+            return Err(Error::Range { what: "amplitude", value: amplitude, allowed: "positive and finite" });
         }
-        _ => simulator.run_while(controller, &scenario, window.samples, &mut goes_on)?,
-    };
-    let windows = history.len() / window.samples;
-    let last = window.response(test, &history.readings, windows - 1)?;
-    let before = window.response(test, &history.readings, windows - 2)?;
-    let last_change = (last.value - before.value).norm() / last.value.norm();
-    let settled = last_change <= settings.settled_below;
-    Ok(Measurement {
-        amplitude,
-        response: last,
-        last_change,
-        settled,
-        simulated_s: history.len() as f64 * period,
-    })
+        let period = plant.parameters().interface.sample_period_s;
+        let window = Window::new(frequency_rad_s, period, settings)?;
+        let most = settings.most_windows.max(3);
+        let scenario = Scenario {
+            duration_s: (most * window.samples) as f64 * period,
+            ..scenario_of(test, window.frequency_rad_s, amplitude, settings)
+        };
+        let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
+        let holding = (test == Test::Plant).then(|| Holding(plant.equilibrium(&point).control_v));
+        let simulator = Simulator::new(plant)?;
+        Ok(Self { test, at, window, scenario, simulator, settled_below: settings.settled_below, holding })
+    }
+
+    /// Returns the run for an ensemble.
+    fn variant<'a>(&'a mut self, controller: &'a mut dyn SampledController) -> Variant<'a> {
+        let Self { test, window, scenario, simulator, settled_below, holding, .. } = self;
+        let every = window.samples;
+        let mut settling = Settling { test: *test, window, allowed: *settled_below, last: None };
+        let goes_on = Box::new(move |readings: &ReadingColumns| settling.goes_on(readings));
+        let controller = match holding {
+            Some(holding) => holding as &mut dyn SampledController,
+            None => controller,
+        };
+        Variant { simulator, controller, scenario, watch: Some(Watch { every, goes_on }) }
+    }
+
+    fn measurement(self, history: &TimeHistory) -> Result<Measurement, Error> {
+        let Self { test, window, .. } = self;
+        let windows = history.len() / window.samples;
+        let last = window.response(test, &history.readings, windows - 1)?;
+        let before = window.response(test, &history.readings, windows - 2)?;
+        let last_change = (last.value - before.value).norm() / last.value.norm();
+        Ok(Measurement {
+            amplitude: self.at.amplitude,
+            response: last,
+            last_change,
+            settled: last_change <= self.settled_below,
+            simulated_s: history.len() as f64 * history.sample_period_s,
+        })
+    }
 }
 
 /// Whether the motion has settled, asked at the end of every window: one run serves them all.

@@ -25,6 +25,7 @@ pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
 use self::exported_controller::FittedStart;
 use crate::Error;
+use crate::ensemble::{Variant, run_ensemble};
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
 use crate::scenario::{Detail, Initial, Scenario};
@@ -78,6 +79,26 @@ pub struct Replay {
     pub simulated: ReadingColumns,
     /// The state from which the simulation started.
     pub start: PlantState,
+}
+
+/// A mechanism to be replayed beside others.
+#[derive(Debug, Clone, Copy)]
+pub struct ReplayVariant<'p> {
+    /// The mechanism.
+    pub parameters: &'p Parameters,
+    /// The start of a similar mechanism.
+    pub start: &'p PlantState,
+    /// By how many of their step sizes the freedoms of that start are moved, as [`Replayer::replay_nudged`] does; `None` if the replay
+    /// starts there itself.
+    pub steps: Option<[f64; START_FREEDOMS]>,
+}
+
+/// A mechanism that is ready to be replayed.
+struct ReadyVariant<'a> {
+    simulator: Simulator,
+    start: PlantState,
+    scenario: Scenario,
+    controller: Box<dyn SampledController + 'a>,
 }
 
 /// How well one channel fits.
@@ -286,6 +307,47 @@ impl<'a> Replayer<'a> {
         let start = start::nudged(&mut simulator, self, near, steps);
         let history = self.run(&mut simulator, control, &start)?;
         Ok(self.compared(&plant, control, history, start))
+    }
+
+    /// Replays the recording once with each of several mechanisms, side by side: what each gives has the same bytes as
+    /// [`Self::replay_from`] and [`Self::replay_nudged`] give.
+    ///
+    /// # Errors
+    /// Mechanism by mechanism, as [`replay`].
+    pub fn replay_variants(&self, control: &Loop, variants: &[ReplayVariant]) -> Vec<Result<Replay, Error>> {
+        let mut ready: Vec<Result<ReadyVariant, Error>> =
+            variants.iter().map(|variant| self.ready(control, variant)).collect();
+        let possible = ready.iter_mut().filter_map(|one| one.as_mut().ok());
+        let mut runs: Vec<Variant> = possible
+            .map(|one| Variant {
+                simulator: &mut one.simulator,
+                controller: one.controller.as_mut(),
+                scenario: &one.scenario,
+                watch: None,
+            })
+            .collect();
+        let mut histories = run_ensemble(&mut runs).into_iter();
+        drop(runs);
+        let replay = |one: Result<ReadyVariant, Error>| {
+            let ReadyVariant { simulator, start, .. } = one?;
+            let history = histories.next().unwrap_or(Err(Error::NoChannel { channel: "samples" }))?;
+            Ok(self.compared(simulator.plant(), control, history, start))
+        };
+        ready.into_iter().map(replay).collect()
+    }
+
+    /// Makes a mechanism ready to be replayed.
+    fn ready(&self, control: &Loop, variant: &ReplayVariant) -> Result<ReadyVariant<'a>, Error> {
+        let mut simulator = self.simulator(&self.plant(variant.parameters)?)?;
+        let start = match &variant.steps {
+            Some(steps) => start::nudged(&mut simulator, self, variant.start, steps),
+            None => variant.start.clone(),
+        };
+        let controller: Box<dyn SampledController + 'a> = match control {
+            Loop::Open => Box::new(self.playback()?),
+            Loop::Closed(controller) => controller.at_start_of(self.recording, &self.fitted)?,
+        };
+        Ok(ReadyVariant { scenario: self.scenario(self.samples, &start), simulator, start, controller })
     }
 
     /// Returns the fits of a run.

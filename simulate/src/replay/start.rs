@@ -10,8 +10,11 @@
 //! and the place inside the gap stands where the gear torque stood.
 
 use super::normal::{Normal, squares};
-use super::{Replayer, reading_floor};
+use super::{Playback, Replayer, reading_floor};
+use crate::ensemble::{SIDE_BY_SIDE, Variant, run_ensemble};
+use crate::history::TimeHistory;
 use crate::run::Simulator;
+use crate::scenario::Scenario;
 use crate::tolerance::{
     FAR, FIRST_SAMPLES, IMBALANCE, START_EXPLAINED, START_FLAT, START_ITERATIONS, START_STUCK,
     START_WINDOW_S, START_WINDOW_SHARE,
@@ -125,6 +128,8 @@ const DRAWN: Unknowns = [1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0];
 
 struct Fit<'a, 'b> {
     simulator: &'a mut Simulator,
+    /// Copies of it for runs side by side, made when they are needed.
+    beside: Vec<Simulator>,
     replayer: &'a Replayer<'b>,
     plant: Plant,
     platform_rate: f64,
@@ -171,6 +176,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             platform_rate: replayer.platform().pitch_rate_rad_s.at(0.0),
             samples: samples.clamp(1, replayer.samples),
             simulator,
+            beside: Vec::new(),
             replayer,
             plant,
             channels,
@@ -313,6 +319,41 @@ impl<'a, 'b> Fit<'a, 'b> {
         let start = self.state(u);
         let scenario = self.replayer.scenario(self.samples, &start);
         let history = self.simulator.run(&mut self.replayer.playback()?, &scenario)?;
+        Ok(self.residuals_in(u, &history))
+    }
+
+    /// Returns the residuals of several starts, which run side by side.
+    fn residuals_of_each(&mut self, all: &[Unknowns]) -> Result<Vec<Vec<f64>>, Error> {
+        let mut residuals = Vec::with_capacity(all.len());
+        for few in all.chunks(SIDE_BY_SIDE) {
+            while self.beside.len() + 1 < few.len() {
+                self.beside.push(self.simulator.clone());
+            }
+            let scenario = |u: &Unknowns| self.replayer.scenario(self.samples, &self.state(u));
+            let scenarios: Vec<Scenario> = few.iter().map(scenario).collect();
+            let controls = few.iter().map(|_| self.replayer.playback());
+            let mut controls: Vec<Playback> = controls.collect::<Result<_, _>>()?;
+            let simulators = std::iter::once(&mut *self.simulator).chain(&mut self.beside);
+            let runs = simulators.zip(&mut controls).zip(&scenarios);
+            let mut variants: Vec<Variant> = runs
+                .map(|((simulator, controller), scenario)| Variant {
+                    simulator,
+                    controller,
+                    scenario,
+                    watch: None,
+                })
+                .collect();
+            let histories = run_ensemble(&mut variants);
+            drop(variants);
+            for (u, history) in few.iter().zip(histories) {
+                residuals.push(self.residuals_in(u, &history?));
+            }
+        }
+        Ok(residuals)
+    }
+
+    /// Returns the residuals of a run.
+    fn residuals_in(&self, u: &Unknowns, history: &TimeHistory) -> Vec<f64> {
         let mut residuals = Vec::with_capacity(self.samples * self.channels.len() + 2);
         for &(channel, floor) in &self.channels {
             let recorded = self.replayer.recording().samples(channel).unwrap_or(&[]);
@@ -321,7 +362,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         }
         residuals.extend(self.imbalance(u));
         residuals.extend((0..UNKNOWNS).map(|k| (u[k] - self.anchor[k]) / (FAR * self.steps[k])));
-        Ok(residuals)
+        residuals
     }
 
     fn imbalance(&self, u: &Unknowns) -> [f64; 2] {
@@ -386,18 +427,20 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Returns the normal equations by forward differences, taken inwards when friction is at its level.
     fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal<UNKNOWNS>, Error> {
-        let mut columns = Vec::with_capacity(UNKNOWNS);
-        for k in 0..UNKNOWNS {
-            if !start_has(self.plant.parameters(), k) {
-                columns.push(vec![0.0; residuals.len()]);
-                continue;
-            }
+        let free: Vec<usize> = (0..UNKNOWNS).filter(|&k| start_has(self.plant.parameters(), k)).collect();
+        let sign = |k: usize| {
             let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY | HOSE) && at[k] > 0.0;
-            let sign = if inwards { -1.0 } else { 1.0 };
+            if inwards { -1.0 } else { 1.0 }
+        };
+        let moved = |k: &usize| {
             let mut moved = *at;
-            moved[k] += sign * self.steps[k];
-            let shifted = self.residuals(&moved)?;
-            columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect::<Vec<f64>>());
+            moved[*k] += sign(*k) * self.steps[*k];
+            moved
+        };
+        let moved: Vec<Unknowns> = free.iter().map(moved).collect();
+        let mut columns = vec![vec![0.0; residuals.len()]; UNKNOWNS];
+        for (k, shifted) in free.into_iter().zip(self.residuals_of_each(&moved)?) {
+            columns[k] = shifted.iter().zip(residuals).map(|(a, b)| sign(k) * (a - b)).collect();
         }
         Ok(Normal::of(&columns, residuals))
     }
