@@ -52,6 +52,20 @@ pub fn history(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<History, Error> {
+    let run = run(simulator, controller, procedure, experiment)?;
+    Ok(columns_of(run, simulator.plant(), procedure, experiment))
+}
+
+/// Runs one experiment as [`history`] does; returns everything that the simulator keeps.
+///
+/// # Errors
+/// As [`history`].
+pub fn run(
+    simulator: &mut Simulator,
+    controller: &Controller,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<TimeHistory, Error> {
     let arrangement = match experiment {
         Experiment::Disturbance(_, arrangement) => arrangement,
         Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
@@ -60,7 +74,7 @@ pub fn history(
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
-    history_of(simulator, &mut acting, procedure, experiment)
+    run_of(simulator, &mut acting, procedure, experiment)
 }
 
 /// Runs one experiment with anything that acts once a sample: the same controller in other numbers, or on a target.
@@ -73,6 +87,16 @@ pub fn history_of(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<History, Error> {
+    let run = run_of(simulator, acting, procedure, experiment)?;
+    Ok(columns_of(run, simulator.plant(), procedure, experiment))
+}
+
+fn run_of(
+    simulator: &mut Simulator,
+    acting: &mut dyn SampledController,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<TimeHistory, Error> {
     let from = Start::of(simulator.plant(), procedure);
     let mut scenario = scenario(procedure, experiment);
     if from.position_rad.is_some_and(|position| position != 0.0) {
@@ -80,9 +104,18 @@ pub fn history_of(
         let stands = Signal::Constant(from.position_rad.unwrap_or(0.0));
         scenario.demand_rad_s = Signal::Sum(vec![stands, demand]);
     }
-    let run = simulator.run(acting, &scenario)?;
-    let history = columns(run, experiment, &from);
-    Ok(if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history })
+    Ok(simulator.run(acting, &scenario)?)
+}
+
+/// Returns the history of a run of an experiment on a plant.
+pub(crate) fn columns_of(
+    run: TimeHistory,
+    plant: &Plant,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> History {
+    let history = columns(run, experiment, &Start::of(plant, procedure));
+    if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history }
 }
 
 fn holding_v(plant: &Plant, point: &OperatingPoint) -> f64 {
