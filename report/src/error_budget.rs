@@ -126,14 +126,17 @@ fn superposition(budget: &ErrorBudget) -> String {
     )
 }
 
+/// Least RMS, rad, that is compared: a twentieth of a microradian is not printed.
+const LEAST_COMPARED_RAD: f64 = 5e-8;
+
 fn linear(budget: &ErrorBudget) -> String {
     let hub = place(SightFigure::Hub);
     let (linear, total) = (budget.linear_rad()[hub], budget.total_rad[hub]);
-    let apart = if total > 0.0 { 100.0 * (linear / total - 1.0) } else { 0.0 };
-    format!(
-        "The linear loop makes {:.1} urad of all sources at the hub, {apart:+.1} % against the simulation.",
-        MICRO * linear
-    )
+    let made = format!("The linear loop makes {:.1} urad of all sources at the hub", MICRO * linear);
+    if total < LEAST_COMPARED_RAD {
+        return format!("{made}.");
+    }
+    format!("{made}, {:+.1} % against the simulation.", 100.0 * (linear / total - 1.0))
 }
 
 /// Returns below which frequencies most of the mean square at the hub lies; `None` if nothing moves.

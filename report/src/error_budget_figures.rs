@@ -63,8 +63,7 @@ fn figure(budget: &ErrorBudget, place: Place) -> Figure {
 /// Returns the sources with the largest shares, at most as many as there are colours.
 fn largest(budget: &ErrorBudget, place: Place) -> Vec<&Contribution> {
     let size = |one: &Contribution| (place.of)(&one.share).iter().sum::<f64>().abs();
-    let mut all: Vec<&Contribution> =
-        budget.contributions.iter().filter(|one| size(one) > 0.0).collect();
+    let mut all: Vec<&Contribution> = budget.contributions.iter().filter(|one| size(one) > 0.0).collect();
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));
     all.truncate(Colour::CYCLE.len());
     all

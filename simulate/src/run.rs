@@ -1,6 +1,7 @@
 //! The sampled closed loop on the nonlinear plant.
 
 use crate::Error;
+use crate::drive_limits::LimitedDrive;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
 use crate::engine::present::Sample;
 use crate::engine::state::PlantState;
@@ -110,6 +111,7 @@ impl Simulator {
             }
             let motion = lap.track.sample(lap.angle);
             let control = lap.sample(k, controller, &motion, &self.stepper);
+            let control = lap.limited(control, &motion, &mut self.stepper);
             let amplifier = &self.plant.parameters().amplifier;
             let drive_v = amplifier.drive_v(control, &self.plant.parameters().motor);
             lap.drive_v = drive_v;
@@ -119,8 +121,10 @@ impl Simulator {
                 lap.truth.motor_friction_nm.push(dry[0]);
                 lap.truth.pivot_friction_nm.push(dry[1]);
             }
+            let before_a = lap.current_a(&motion, &self.stepper);
             self.stepper.advance(&sample);
             lap.sensing.advance(&motion, self.stepper.outputs()[HUB_ANGLE]);
+            lap.heat(before_a, &motion, &self.stepper);
             lap.angle = motion.at(1.0).angle;
             if !self.stepper.is_finite() {
                 return Err(Error::Diverged { time_s: lap.time(k) });
@@ -199,6 +203,8 @@ struct Lap<'a> {
     before_v: f64,
     readings: ReadingColumns,
     truth: TrueColumns,
+    /// The drive, if its limits hold.
+    limited: Option<LimitedDrive>,
 }
 
 impl<'a> Lap<'a> {
@@ -220,6 +226,8 @@ impl<'a> Lap<'a> {
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
         let state = initial(plant, scenario, &start)?;
         stepper.restart(&state);
+        stepper.fire(scenario.firing);
+        stepper.limit_current(None);
         sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
         let clock = match scenario.imperfections {
@@ -245,6 +253,7 @@ impl<'a> Lap<'a> {
             queue: Vec::new(),
             readings: ReadingColumns::for_samples(samples as usize),
             truth: TrueColumns::default(),
+            limited: LimitedDrive::new(parameters, before),
         })
     }
 
@@ -284,6 +293,35 @@ impl<'a> Lap<'a> {
         let control = self.delayed(given.control_v);
         let before = std::mem::replace(&mut self.before_v, control);
         if error.step == Step::Late { before } else { control }
+    }
+
+    /// Returns the control that the limits of the drive leave, and sets the current that they leave over the sample.
+    fn limited(&mut self, control_v: f64, motion: &MotionSample, stepper: &mut Stepper) -> f64 {
+        let Some(drive) = &mut self.limited else { return control_v };
+        let motor_rate = stepper.outputs()[0] - self.plant.motor_share() * motion.at(0.0).rate;
+        let range_a = drive.range_a(motor_rate);
+        stepper.limit_current(range_a);
+        if self.scenario.detail == Detail::Everything {
+            self.truth.winding_k.push(drive.heat().winding_k);
+            self.truth.overload_a2.push(drive.heat().overload_a2);
+            self.truth.current_range_a.push(range_a.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
+        }
+        drive.slew(control_v)
+    }
+
+    /// Returns the current where the plant is, A; 0 if nobody asks.
+    fn current_a(&self, motion: &MotionSample, stepper: &Stepper) -> f64 {
+        if self.limited.is_none() {
+            return 0.0;
+        }
+        stepper.outputs()[4] + self.plant.direct_current_a(self.drive_v, motion.at(0.0).rate)
+    }
+
+    /// Heats the drive over a sample that was taken.
+    fn heat(&mut self, before_a: f64, motion: &MotionSample, stepper: &Stepper) {
+        let Some(drive) = &mut self.limited else { return };
+        let after_a = stepper.outputs()[4] + self.plant.direct_current_a(self.drive_v, motion.at(1.0).rate);
+        drive.advance([before_a, after_a]);
     }
 
     fn delayed(&mut self, control: f64) -> f64 {

@@ -7,6 +7,7 @@ mod common;
 mod base_motion;
 mod convergence;
 mod fra;
+mod loads;
 mod replay;
 mod sampled_world;
 mod second_method;

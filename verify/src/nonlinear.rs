@@ -3,12 +3,13 @@
 use counterpoise_controller::{Controller, Readings, Runner, SampledController};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_simulate::{
-    Detail, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+    Detail, Firing, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator,
+    TimeHistory,
 };
 
 use crate::history::{Experiment, History, integrated};
 use crate::linear::arranged;
-use crate::{Arrangement, Error, Model, Procedure, Source};
+use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// What acts on the mechanism: the controller, or the voltage that holds it.
 enum Acting {
@@ -127,6 +128,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
         imperfections: Imperfections::NoiseAndQuantisation { seed: procedure.seed },
         initial: Initial::Rest { hub_angle_rad: procedure.operating_point.hub_angle_rad },
         detail: Detail::Everything,
+        firing: firing(procedure, experiment),
         ..Scenario::still(procedure.duration_s)
     };
     let angle = procedure.operating_point.platform_angle_rad;
@@ -148,6 +150,17 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
             platform: moving(procedure, source, platform),
             ..still
         },
+    }
+}
+
+/// A machine fires where its base moves as on duty: figures of a step, of rest and of one motion alone are those of the machine that does not.
+fn firing(procedure: &Procedure, ran: Experiment) -> Firing {
+    let on_duty = line_of_sight::experiment(procedure);
+    match (ran, on_duty) {
+        (Experiment::Disturbance(ran, _), Experiment::Disturbance(source, _)) if ran == source => {
+            Firing::Stated
+        }
+        _ => Firing::Silent,
     }
 }
 

@@ -188,7 +188,8 @@ mod tests {
         }
     }
 
-    /// A slow drift does not hide what is fast: above its bands a straight line leaves little.
+    /// A slow drift does not hide what is fast: a taper that falls to 0 with a slope leaves 1/f^4 of a straight line, 1e-7 of it above 100 periods of the
+    /// record. A window of constant height leaves 1/f^2, 1e-2 of it.
     #[test]
     fn a_drift_stays_at_low_frequency() {
         let bands = Bands::of(10_000, 1e-3);
@@ -196,6 +197,6 @@ mod tests {
         let total: f64 = found.iter().sum();
         let fast: f64 =
             bands.edges_hz.iter().zip(&found).filter(|(low, _)| **low > 10.0).map(|(_, power)| power).sum();
-        assert!(fast < 1e-8 * total, "{fast} {total}");
+        assert!(fast < 1e-6 * total, "{fast} {total}");
     }
 }

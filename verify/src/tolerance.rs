@@ -353,6 +353,3 @@ pub const SIGHT_TAPERS: usize = 4;
 pub const SIGHT_BANDS_A_DECADE: f64 = 16.0;
 /// Points over which a density is summed within a band, for 16 points resolve a mode of half a per cent of damping.
 pub const SIGHT_POINTS_A_BAND: f64 = 8.0;
-/// The lowest frequency of that sum, as a fraction of the reciprocal of the run: below it a density that rises as 1/f^2 adds less than a part in a hundred to
-/// the mean square about the mean, and the random walk of a rate, which starts with the run, is no slower.
-pub const SIGHT_LOWEST: f64 = 0.02;

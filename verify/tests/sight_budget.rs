@@ -11,7 +11,8 @@ use counterpoise_verify::line_of_sight::{SightAngles, experiment};
 use counterpoise_verify::sight_spectrum::Bands;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{
-    Contribution, ErrorBudget, ErrorSource, FurtherRoad, LineOfSight, Procedure, Road, error_budget, nonlinear,
+    Contribution, ErrorBudget, ErrorSource, FurtherRoad, LineOfSight, Procedure, Road, error_budget,
+    nonlinear,
 };
 use support::{controller, rig};
 
@@ -20,9 +21,7 @@ const PERIOD_S: f64 = 0.005;
 /// Six seconds of every axis, one tone each.
 fn road() -> Road {
     let sine = |amplitude: f64, hz: f64| -> Vec<f64> {
-        (0..1201)
-            .map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * PERIOD_S).sin())
-            .collect()
+        (0..1201).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * PERIOD_S).sin()).collect()
     };
     let further = FurtherRoad {
         surge_m_s2: sine(2.0, 1.0),
@@ -51,18 +50,27 @@ fn procedure() -> Procedure {
 /// The procedure on a base that stands still.
 fn still() -> Procedure {
     let quiet = vec![0.0; 1201];
-    let road =
-        Road { heave_m_s2: quiet.clone(), pitch_rate_rad_s: quiet.clone(), further: None, ..road() };
+    let road = Road { heave_m_s2: quiet.clone(), pitch_rate_rad_s: quiet.clone(), further: None, ..road() };
     Procedure { road: Some(road), ..procedure() }
 }
 
 fn smooth() -> Parameters {
     let mut p = rig();
-    let (motor, pivot) = (p.motor_friction.viscous_nm_s_rad, p.pivot_friction.viscous_nm_s_rad);
-    (p.motor_friction, p.pivot_friction) =
-        (Friction::plain(FrictionLaw::None, motor), Friction::plain(FrictionLaw::None, pivot));
+    let none = Friction::plain(FrictionLaw::None, 0.0);
+    (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     p.gearbox.backlash_rad = 0.0;
     (p.interface.input_bits, p.interface.output_bits) = (40, 40);
+    p
+}
+
+/// The smooth machine without any noise.
+fn quiet() -> Parameters {
+    let mut p = smooth();
+    for sensor in
+        [&mut p.sensors.hub_gyro, &mut p.sensors.platform_gyro, &mut p.sensors.platform_accelerometer]
+    {
+        (sensor.noise_rms, sensor.bias) = (0.0, 0.0);
+    }
     p
 }
 
@@ -127,35 +135,54 @@ fn the_linear_loop_makes_what_the_simulator_makes_of_smooth_motion() {
     }
 }
 
-/// The mean square of many runs with noise alone is that of the density.
+/// The mean square of many runs with one noise alone is that of its density.
 #[test]
 fn noise_alone_has_the_mean_square_of_its_density() {
-    let mut p = smooth();
-    p.sensors.hub_gyro.noise_rms = 1e-3;
-    p.sensors.hub_gyro.drift =
-        Drift { angle_random_walk: 2e-5, bias_instability: 5e-5, rate_random_walk: 5e-5 };
-    p.sensors.platform_gyro.noise_rms = 1e-3;
-    p.sensors.platform_accelerometer.noise_rms = 0.05;
-    for source in [ErrorSource::HubGyro, ErrorSource::PlatformGyro, ErrorSource::Accelerometer] {
-        let mut squares = [0.0; 5];
-        let seeds = 24;
-        let mut linear = [0.0; 5];
+    let of_drift = |drift: Drift| move |p: &mut Parameters| p.sensors.hub_gyro.drift = drift;
+    let (white, flicker, walk) = (
+        Drift { angle_random_walk: 2e-5, ..Drift::NONE },
+        Drift { bias_instability: 5e-5, ..Drift::NONE },
+        Drift { rate_random_walk: 5e-5, ..Drift::NONE },
+    );
+    let cases: [(ErrorSource, Box<dyn Fn(&mut Parameters)>); 6] = [
+        (ErrorSource::HubGyro, Box::new(|p| p.sensors.hub_gyro.noise_rms = 1e-3)),
+        (ErrorSource::HubGyro, Box::new(of_drift(white))),
+        (ErrorSource::HubGyro, Box::new(of_drift(flicker))),
+        (ErrorSource::HubGyro, Box::new(of_drift(walk))),
+        (ErrorSource::PlatformGyro, Box::new(|p| p.sensors.platform_gyro.noise_rms = 1e-3)),
+        (ErrorSource::Accelerometer, Box::new(|p| p.sensors.platform_accelerometer.noise_rms = 0.05)),
+    ];
+    for (k, (source, change)) in cases.iter().enumerate() {
+        let mut p = quiet();
+        change(&mut p);
+        let (plant, acting) = (Plant::lumped(&p).unwrap(), controller());
+        let mut simulator = Simulator::new(&plant).unwrap();
+        let mut linear = None;
+        let (mut squares, seeds) = ([0.0; 5], 150);
         for seed in 0..seeds {
-            let found = budget(&p, &Procedure { seed: 100 + seed, ..still() });
-            let one = of(&found, source);
-            squares.iter_mut().zip(one.alone_rad).for_each(|(sum, rad)| *sum += rad * rad / seeds as f64);
-            linear = one.linear.as_ref().unwrap().rad;
+            let asked = Procedure { seed: 100 + seed, ..still() };
+            let run = nonlinear::run(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
+            let history = nonlinear::history(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
+            let angles = SightAngles::of(&history, asked.settle_s).unwrap();
+            let error = angles.error(0.02).values();
+            squares.iter_mut().zip(error).for_each(|(sum, rad)| *sum += rad * rad / seeds as f64);
+            if linear.is_none() {
+                let bands = Bands::of(angles.hub_rad.len(), 1e-3);
+                let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
+                linear = loops.of(*source, &run).unwrap();
+            }
         }
+        let linear = linear.unwrap();
         for j in [0, 1, 2, 3] {
-            // the mean square about the mean of a random walk scatters by 0.9 of itself from run to run
-            let ratio = squares[j].sqrt() / linear[j];
-            let allowed = if j % 2 == 0 { 0.25 } else { 0.05 };
-            assert!((ratio - 1.0).abs() < allowed, "{source:?} {j}: {ratio}");
+            let ratio = squares[j].sqrt() / linear.rad[j];
+            // over a run a slow drift is a slope, whose square scatters by 1.4 of itself from run to run; within an exposure it hardly does
+            let allowed = if j % 2 == 0 { 0.15 } else { 0.1 };
+            assert!((ratio - 1.0).abs() < allowed, "case {k}, {source:?} {j}: {ratio}");
         }
     }
 }
 
-/// A constant error of the gyroscope turns the line of sight steadily; steps of coarse converters are white noise to a loop that moves.
+/// A constant error of the gyroscope turns the line of sight steadily.
 #[test]
 fn a_bias_is_a_steady_turn() {
     let mut p = smooth();
@@ -175,11 +202,9 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
     let mut p = rig();
     p.motor.cogging = Ripple { amplitude: 0.02, order: 24.0, phase_rad: 0.3 };
     p.gearbox.mesh_ripple = Ripple { amplitude: 2.0, order: 10.0, phase_rad: 0.0 };
-    for sensor in [
-        &mut p.sensors.hub_gyro,
-        &mut p.sensors.platform_gyro,
-        &mut p.sensors.platform_accelerometer,
-    ] {
+    for sensor in
+        [&mut p.sensors.hub_gyro, &mut p.sensors.platform_gyro, &mut p.sensors.platform_accelerometer]
+    {
         (sensor.noise_rms, sensor.bias) = (0.0, 0.0);
     }
     (p.interface.input_bits, p.interface.output_bits) = (40, 40);
@@ -211,4 +236,41 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
     let apart: Vec<f64> = sum.iter().zip(&simulated.hub_rad).map(|(a, b)| a - b).collect();
     let (apart, size) = (rms(&apart), rms(&simulated.hub_rad));
     assert!(apart < 0.05 * size && friction_rad > 0.3 * size, "{apart} {size} {friction_rad}");
+}
+
+/// Steps of converters that noise as large as a step dithers are white noise of q^2/12 (B. Widrow, 1956): they change the motion by what the density says.
+#[test]
+fn steps_of_converters_are_noise_where_they_are_dithered() {
+    let asked = procedure();
+    let angles = |p: &Parameters| {
+        let mut simulator = Simulator::new(&Plant::lumped(p).unwrap()).unwrap();
+        let history = nonlinear::history(&mut simulator, &controller(), &asked, experiment(&asked)).unwrap();
+        SightAngles::of(&history, asked.settle_s).unwrap()
+    };
+    let mut fine = quiet();
+    for sensor in [
+        &mut fine.sensors.hub_gyro,
+        &mut fine.sensors.platform_gyro,
+        &mut fine.sensors.platform_accelerometer,
+    ] {
+        sensor.noise_rms = 20.0 / 4096.0 / sensor.scale_v_unit;
+    }
+    let mut coarse = fine.clone();
+    (coarse.interface.input_bits, coarse.interface.output_bits) = (12, 10);
+    let (smooth, stepped) = (angles(&fine), angles(&coarse));
+    let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let difference = SightAngles {
+        period_s: 1e-3,
+        hub_rad: less(&stepped.hub_rad, &smooth.hub_rad),
+        tip_rad: less(&stepped.tip_rad, &smooth.tip_rad),
+    };
+    let simulated = difference.error(0.02).values()[1];
+    let plant = Plant::lumped(&coarse).unwrap();
+    let acting = controller();
+    let bands = Bands::of(smooth.hub_rad.len(), 1e-3);
+    let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
+    let mut simulator = Simulator::new(&plant).unwrap();
+    let run = nonlinear::run(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
+    let linear = loops.of(ErrorSource::Quantisation, &run).unwrap().unwrap().rad[1];
+    assert!((linear / simulated - 1.0).abs() < 0.25, "{linear} {simulated}");
 }

@@ -292,9 +292,10 @@ impl Plant {
         };
         let rates = self.hub_rate_row();
         let relative = rates.len();
+        let spring = self.support_stiffness_nm_rad(at.point.hub_angle_rad - at.point.platform_angle_rad);
         for row in 0..relative {
             let (torque, load) = (core.B[(row, input::HUB_TORQUE)], core.B[(row, input::LOAD)]);
-            core.A[(row, relative)] -= torque * (dry.stiffness + self.spring.0);
+            core.A[(row, relative)] -= torque * (dry.stiffness + spring);
             core.B[(row, input::PLATFORM_RATE)] += torque * dry.damping;
             for (j, rate) in rates.iter().enumerate() {
                 core.A[(row, j)] -= torque * dry.damping * rate;

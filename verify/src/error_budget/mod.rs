@@ -189,10 +189,7 @@ impl Runs<'_> {
         let Some(angles) = SightAngles::of(&history, self.procedure.sight_settle_s()) else {
             return Ok(RunError { spectrum: SightSpectrum::still(bands.len()), ..RunError::default() });
         };
-        Ok(RunError {
-            rad: angles.error(self.sight.exposure_s).values(),
-            spectrum: bands.spectrum(&angles),
-        })
+        Ok(RunError { rad: angles.error(self.sight.exposure_s).values(), spectrum: bands.spectrum(&angles) })
     }
 
     /// Runs with some of the sources.

@@ -1,31 +1,32 @@
 //! What the linear loop makes of each source of the line of sight's error.
 //!
 //! - Heave, pitch and surge are the recorded motion, marched through the sampled linear loop.
-//! - Roll and yaw, dry friction, backlash and ripple act as torques. Their torques in the run with all sources are marched through the linear
+//! - Roll and yaw, dry friction, backlash, ripple and recoil act as torques. Their torques in the run with all sources are marched through the linear
 //!   loop as disturbances from outside: what the loop would make of them if they did not depend on its motion.
 //! - Noise, drift and the steps of converters are propagated as densities: the mean square about the mean over a time T is
 //!   `int S (1 - sinc^2(pi f T)) df`. A converter's step q is white noise of the variance q^2/12 (B. Widrow, 1956).
 //!
-//! Friction observers and estimators of the controller stand still in the linear loop, viscous friction is part of it, and gains of sensors that
-//! are wrong belong to the motion that they measure. Bending and the clock have no place in it.
+//! Friction observers and estimators of the controller stand still in the linear loop. Viscous friction is part of it: what pitch makes through it
+//! is pitch's here, and friction's where sources are switched. Gains of sensors that are wrong belong to the motion that they measure. Bending and the clock have no place in it.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use counterpoise_controller::Controller;
 use counterpoise_models::plant::{FrictionLinearisation, Plant};
-use counterpoise_models::{Drift, Parameters, Ripple, Sensor};
-use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
+use counterpoise_models::{Drift, LoadPoint, Parameters, Ripple, Sensor};
 use counterpoise_simulate::TimeHistory;
+use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
+use counterpoise_simulate::tolerance::FLICKER_LONGEST_S;
 
-use super::sources::ErrorSource;
 use super::LinearContribution;
+use super::sources::ErrorSource;
 use crate::history::History;
 use crate::line_of_sight::SightAngles;
 use crate::linear::closed::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
 use crate::linear::{Closed, SampledPlant, arranged, disturbance, surge::acting_arrangement};
 use crate::sight_spectrum::{Bands, SightSpectrum};
-use crate::tolerance::{SIGHT_LOWEST, SIGHT_POINTS_A_BAND};
+use crate::tolerance::SIGHT_POINTS_A_BAND;
 use crate::verification::linear_plant;
 use crate::{Arrangement, Error, LineOfSight, Procedure, Source};
 
@@ -54,10 +55,10 @@ struct Grid {
 }
 
 impl Grid {
-    /// Returns points that are even in the logarithm within each band. The lowest band is followed down far below the reciprocal of the run.
+    /// Returns points that are even in the logarithm within each band. The lowest band is followed down to the slowest part of a flicker.
     fn of(bands: &Bands) -> Self {
         let mut grid = Self { frequency_hz: Vec::new(), width_hz: Vec::new(), band: Vec::new() };
-        let lowest = SIGHT_LOWEST / bands.duration_s();
+        let lowest = 1.0 / (TAU * FLICKER_LONGEST_S.max(bands.duration_s()));
         for (band, edges) in bands.edges_hz.windows(2).enumerate() {
             let (from, decades) = (edges[0].max(lowest), (edges[1] / edges[0].max(lowest)).log10());
             let points = (SIGHT_POINTS_A_BAND * (1.0 + 16.0 * decades).floor()) as usize;
@@ -84,12 +85,16 @@ struct Noise {
 }
 
 impl Noise {
-    /// Returns the one-sided density at a frequency.
-    fn density(&self, frequency_hz: f64, period_s: f64) -> f64 {
+    /// Returns the one-sided density at a frequency. A random walk of the rate starts at 0 with the run: at `amid_s`, in the middle of the record, it
+    /// has the variance K^2 `amid_s`, which is that of its density from 1/(2 pi^2 `amid_s`) on.
+    fn density(&self, frequency_hz: f64, period_s: f64, amid_s: f64) -> f64 {
         let drift = &self.drift;
+        let has_walked = 2.0 * PI * PI * amid_s * frequency_hz >= 1.0;
+        let walk =
+            if has_walked { 2.0 * (drift.rate_random_walk / (TAU * frequency_hz)).powi(2) } else { 0.0 };
         2.0 * (period_s * self.variance + drift.angle_random_walk.powi(2))
             + drift.bias_instability.powi(2) / (PI * frequency_hz)
-            + 2.0 * (drift.rate_random_walk / (TAU * frequency_hz)).powi(2)
+            + walk
     }
 }
 
@@ -115,8 +120,7 @@ impl<'a> Propagation<'a> {
         if closed.pole_radius() >= 1.0 {
             return Ok(None);
         }
-        let meets_surge =
-            arranged(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
+        let meets_surge = arranged(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
         let closed_for_surge = Closed::new(&sampled, meets_surge.as_ref(), moment)?;
         let closed_for_torques = Closed::new(&torqued, Some(controller), moment)?;
         let grid = Grid::of(bands);
@@ -165,6 +169,7 @@ impl<'a> Propagation<'a> {
             ErrorSource::Friction => self.of_torques(&Torques::of_friction(whole))?,
             ErrorSource::Backlash => self.of_torques(&self.gap_torques(whole))?,
             ErrorSource::Ripple => self.of_torques(&self.ripple_torques(whole))?,
+            ErrorSource::Recoil => self.of_torques(&self.recoil_torques(whole))?,
             _ => return Ok(None),
         };
         let angles = SightAngles::of(&history, self.procedure.sight_settle_s());
@@ -215,9 +220,11 @@ impl<'a> Propagation<'a> {
         let period_s = self.sampled.sample_period_s;
         let run_s = self.bands.duration_s();
         let exposure_s = self.exposure_s();
+        let amid_s = self.procedure.sight_settle_s() + 0.5 * run_s;
         for (k, frequency_hz) in self.grid.frequency_hz.iter().enumerate() {
             let rate = TAU * frequency_hz;
-            let power = noise.density(*frequency_hz, period_s) * self.grid.width_hz[k] / (rate * rate);
+            let power =
+                noise.density(*frequency_hz, period_s, amid_s) * self.grid.width_hz[k] / (rate * rate);
             let (hub, tip) = (response.hub[k], response.tip[k]);
             let squares = [hub.norm_sqr(), tip.norm_sqr(), (tip - hub).norm_sqr()];
             let weights = [about_mean(frequency_hz * run_s), about_mean(frequency_hz * exposure_s)];
@@ -238,9 +245,7 @@ impl<'a> Propagation<'a> {
         let further = self.procedure.road.as_ref().and_then(|road| Some((road, road.further.as_ref()?)));
         let hub = |k: usize| {
             let Some((road, further)) = further else { return 0.0 };
-            let at = |values: &[f64]| {
-                road.interpolated(values, k as f64 * whole.sample_period_s)
-            };
+            let at = |values: &[f64]| road.interpolated(values, k as f64 * whole.sample_period_s);
             let rates = match source {
                 ErrorSource::Roll => [at(&further.roll_rate_rad_s), 0.0],
                 _ => [0.0, at(&further.yaw_rate_rad_s)],
@@ -267,16 +272,30 @@ impl<'a> Propagation<'a> {
         Torques { motor_nm: hub_nm.iter().map(|torque| -torque / gearbox.ratio).collect(), hub_nm }
     }
 
+    /// The torque of the recoil along a run.
+    fn recoil_torques(&self, whole: &TimeHistory) -> Torques {
+        let truth = &whole.truth;
+        let hub = |k: usize| {
+            let loads = &self.plant.parameters().loads;
+            let (_, cos) = self.plant.tilt(truth.hub_angle_rad[k]);
+            let at = LoadPoint {
+                time_s: k as f64 * whole.sample_period_s,
+                hub_rate_rad_s: truth.hub_rate_rad_s[k],
+                load_m_s2: (self.plant.parameters().gravity_m_s2 + truth.heave_m_s2[k]) * cos,
+                ..LoadPoint::default()
+            };
+            loads.recoil.as_ref().map_or(0.0, |recoil| recoil.torque_nm(&at))
+        };
+        Torques { motor_nm: vec![0.0; whole.len()], hub_nm: (0..whole.len()).map(hub).collect() }
+    }
+
     fn ripple_torques(&self, whole: &TimeHistory) -> Torques {
         let (truth, p) = (&whole.truth, self.plant.parameters());
         let rippled = |k: usize| {
             let relative = truth.hub_angle_rad[k] - truth.platform_angle_rad[k];
             let angle = p.gearbox.ratio * (truth.wind_up_rad[k] + relative);
-            let error = self.plant.kinematic_error_nm(
-                truth.mesh_torque_nm[k],
-                angle,
-                truth.motor_rate_rad_s[k],
-            );
+            let error =
+                self.plant.kinematic_error_nm(truth.mesh_torque_nm[k], angle, truth.motor_rate_rad_s[k]);
             let of = |ripple: &Ripple| ripple.at(angle);
             let torque = p.motor.torque_constant_nm_a * truth.current_a[k];
             let motor = of(&p.motor.cogging) + torque * of(&p.motor.torque_ripple) + error.motor_nm;
@@ -363,7 +382,8 @@ fn noises(source: ErrorSource, p: &Parameters) -> Vec<Noise> {
         return own.filter_map(|(_, place, sensor)| Some(of(place, sensor?))).collect();
     }
     let step_v = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2();
-    let white = |entry, step: f64| Noise { entry, bias: 0.0, variance: step * step / 12.0, drift: Drift::NONE };
+    let white =
+        |entry, step: f64| Noise { entry, bias: 0.0, variance: step * step / 12.0, drift: Drift::NONE };
     let fitted = all.into_iter().filter_map(|(_, place, sensor)| Some((place, sensor?)));
     let through_converter = fitted.filter(|(_, sensor)| sensor.resolution == 0.0 && sensor.is_fitted());
     let inputs = through_converter.map(|(place, sensor)| {

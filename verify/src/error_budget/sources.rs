@@ -42,11 +42,13 @@ pub enum ErrorSource {
     Quantisation,
     /// Errors of the clock.
     Clock,
+    /// Recoil of what the machine fires.
+    Recoil,
 }
 
 impl ErrorSource {
     /// Every source, in the order in which they are switched on.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Heave,
         Self::Surge,
         Self::Pitch,
@@ -64,6 +66,7 @@ impl ErrorSource {
         Self::HubResolver,
         Self::Quantisation,
         Self::Clock,
+        Self::Recoil,
     ];
 
     /// Returns the source's name.
@@ -86,6 +89,7 @@ impl ErrorSource {
             Self::HubResolver => "hub resolver",
             Self::Quantisation => "converters",
             Self::Clock => "clock",
+            Self::Recoil => "recoil",
         }
     }
 }
@@ -121,6 +125,7 @@ pub(super) fn switch_off(source: ErrorSource, from: &mut Switched) {
             p.interface.missing_codes = 0.0;
         }
         ErrorSource::Clock => p.interface.clock = Clock::IDEAL,
+        ErrorSource::Recoil => p.loads.recoil = None,
         ErrorSource::Heave
         | ErrorSource::Surge
         | ErrorSource::Pitch

@@ -137,11 +137,7 @@ impl SampledPlant {
 
 /// Outputs: hub, tip, motor rate and current; then what each sensor feels: measured output and heave, pitch rate and heave, heave and
 /// pitch rate, motor rate, hub rate less pitch rate (in a loop of position the hub's position).
-fn with_truths(
-    plant: &LinearPlant,
-    parameters: &Parameters,
-    drivers: Drivers,
-) -> Result<StateSpace, Error> {
+fn with_truths(plant: &LinearPlant, parameters: &Parameters, drivers: Drivers) -> Result<StateSpace, Error> {
     let g = &plant.system;
     let output = |row: usize| (g.C.block(row, 0, 1, g.order()), g.D.block(row, 0, 1, 3));
     let input = |column: usize| {
