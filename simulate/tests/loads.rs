@@ -155,7 +155,8 @@ fn a_shot_gives_its_impulse() {
     assert!((momentum(0.45) / expected - 1.0).abs() < 1e-4, "{} {expected}", momentum(0.45));
     assert!((momentum(0.99) / (2.0 * expected) - 1.0).abs() < 1e-4, "{}", momentum(0.99));
     let plant = Plant::lumped(&p).unwrap();
-    let silent = Simulator::new(&plant).unwrap().run(&mut Playback::new(&[0.0]), &Scenario::still(1.0)).unwrap();
+    let silent =
+        Simulator::new(&plant).unwrap().run(&mut Playback::new(&[0.0]), &Scenario::still(1.0)).unwrap();
     assert!(silent.truth.hub_rate_rad_s.iter().all(|rate| *rate == 0.0));
 }
 
