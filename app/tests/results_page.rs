@@ -35,6 +35,7 @@ const EXAMPLES: &[Example] = &[
     example("synth", &["synth", "examples/reference-rig"]),
     example("compare", &["compare", "examples/reference-rig"]),
     example("verify", &["verify", "examples/reference-rig"]),
+    example("verify-line-of-sight", &["verify", "examples/gun-recoil"]),
     example("export", &["export", "examples/reference-rig", "-o", "OUT"]),
     example("fra", &["fra", "examples/reference-rig", "--amplitudes", "0.2,0.02", "--frequencies", "1:10:3"]),
     example("replay", &["replay", "examples/left-out-friction", "examples/left-out-friction/steps.parquet"]),

@@ -104,6 +104,9 @@ fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
     let of_beam = effect.effect == EffectName::FlexibleMode || effect.parameters[0].name == "beam_inertia";
     match effect.effect {
         EffectName::VerticalOffset => p.axis == Axis::Rotary,
+        EffectName::Equilibrator => p.loads.equilibrator.is_some(),
+        EffectName::EndStops => p.loads.end_stops.is_some(),
+        EffectName::Recoil => p.loads.recoil.is_some(),
         _ => !(of_beam && lumped.is_rigid()),
     }
 }
@@ -120,7 +123,11 @@ fn motor_can_have(p: &Parameters, effect: EffectName) -> bool {
 }
 
 fn amplifier_can_have(p: &Parameters, effect: EffectName) -> bool {
-    effect != EffectName::Bandwidth || p.amplifier.dynamics != AmplifierDynamics::IdealCurrent
+    match effect {
+        EffectName::Bandwidth => p.amplifier.dynamics != AmplifierDynamics::IdealCurrent,
+        EffectName::ContinuousCurrent => p.drive_limits.continuous_current_a.is_finite(),
+        _ => true,
+    }
 }
 
 /// A level or a stiffness that a law does not have cannot be another one; a law that has no dry friction can lack it.
@@ -154,8 +161,16 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_rig_can_have_every_effect_but_friction_that_it_lacks() {
-        let absent = |e: &&Effect| e.effect == EffectName::Coulomb && e.kind == Kind::MissingPhysics;
+    fn the_reference_rig_can_have_every_effect_but_those_of_parts_that_it_lacks() {
+        let of_parts = [
+            EffectName::Equilibrator,
+            EffectName::EndStops,
+            EffectName::Recoil,
+            EffectName::ContinuousCurrent,
+        ];
+        let absent = |e: &&Effect| {
+            of_parts.contains(&e.effect) || e.effect == EffectName::Coulomb && e.kind == Kind::MissingPhysics
+        };
         let expected = list_effects().into_iter().filter(|e| !absent(e)).count();
         assert_eq!(offered(&rig()).len(), expected);
     }

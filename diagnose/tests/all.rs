@@ -9,5 +9,6 @@ mod hose;
 mod identify;
 mod intervals;
 mod learning;
+mod loads;
 mod reading;
 mod search;

@@ -12,14 +12,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
+use counterpoise_models::loads::equilibrator::{Action, Equilibrator, Force};
+use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
     AccelerometerAxis, AmplifierDynamics, Axis, Friction, FrictionLaw, LearnedElement, LearnedPlace,
-    LearnedQuantity, MapPoint, Measured, OperatingPoint, Parameters, Plant, RegimeVariable, Ripple, Sensor,
-    StribeckCurve, reference,
+    LearnedQuantity, MapPoint, Measured, MotorHeat, OperatingPoint, Parameters, Plant, RegimeVariable,
+    Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
-use counterpoise_simulate::{FurtherMotion, PlatformMotion, Playback, Scenario, Signal, Simulator};
+use counterpoise_simulate::{Firing, FurtherMotion, PlatformMotion, Playback, Scenario, Signal, Simulator};
 use support::{STRICT, folder, is_there, provenance, run, write};
 
 /// Samples of a run.
@@ -87,7 +89,7 @@ fn simulated(machine: &Machine, parts: usize) -> Columns {
     parameters.interface.output_delay_samples *= parts;
     let plant = Plant::with_whole_body(&parameters, machine.plant.body().clone()).unwrap();
     let duration_s = (SAMPLES * parts) as f64 * parameters.interface.sample_period_s;
-    let scenario = Scenario { platform: motion, ..Scenario::still(duration_s) };
+    let scenario = Scenario { platform: motion, firing: Firing::Stated, ..Scenario::still(duration_s) };
     let tolerance = counterpoise_simulate::tolerance::TOLERANCE / parts.pow(3) as f64;
     let mut simulator = Simulator::with_tolerance(&plant, tolerance).unwrap();
     let run = simulator.run(&mut Playback::new(&held.collect::<Vec<_>>()), &scenario).unwrap();
@@ -509,4 +511,84 @@ fn what_the_unit_s_memory_cannot_hold_is_refused_with_its_limit() {
     let expected =
         PlantUnitError::Memory { what: "delay in samples", value: 20_002.0, most: MOST_DELAY_SAMPLES };
     assert_eq!(refused, Err(expected));
+}
+
+#[test]
+fn what_loads_a_machine() {
+    let pins = |force| Equilibrator {
+        arm_m: 0.4,
+        arm_angle_rad: -0.2,
+        anchor_m: 0.9,
+        anchor_angle_rad: 1.3,
+        factor: 1.05,
+        force,
+    };
+    let gas = |acts| Force::Gas {
+        acts,
+        pressure_pa: 6e6,
+        area_m2: 1.2e-3,
+        volume_m3: 4e-3,
+        length_m: 0.9,
+        exponent: 1.25,
+        charge_temperature_k: 293.0,
+        temperature_k: 263.0,
+    };
+    all_equal(&[
+        machine("spring equilibrator", |p| {
+            p.loads.equilibrator = Some(pins(Force::Spring { stiffness_n_m: 8e3, free_length_m: 0.5 }));
+        }),
+        machine("gas equilibrator that pulls", |p| p.loads.equilibrator = Some(pins(gas(Action::Pull)))),
+        machine("gas equilibrator that pushes", |p| {
+            let below = Equilibrator { anchor_angle_rad: -1.3, ..pins(gas(Action::Push)) };
+            p.loads.equilibrator = Some(below);
+        }),
+        machine("end stops", |p| {
+            p.loads.end_stops = Some(EndStops {
+                lower_rad: -6e-3,
+                upper_rad: 4e-3,
+                stiffness_nm_rad: 2e5,
+                dissipation_s_rad: 3.0,
+            });
+        }),
+        machine("recoil", |p| {
+            p.loads.recoil = Some(Recoil {
+                shots_s: vec![0.1503, 0.7],
+                impulse_ns: 900.0,
+                shot_time_s: 0.006,
+                mass_kg: 60.0,
+                length_m: 0.3,
+                run_out_s: 0.25,
+                height_m: 0.02,
+                bore_offset_m: -0.01,
+                ahead_m: 0.8,
+            });
+        }),
+    ]);
+}
+
+#[test]
+fn what_a_drive_can_do_for_long() {
+    all_equal(&[
+        machine("slew of the control", |p| p.drive_limits.slew_v_s = 12.0),
+        machine("power of the supply", |p| {
+            p.drive_limits.supply_power_w = 40.0;
+        }),
+        machine("speed of the motor", |p| p.drive_limits.motor_rate_rad_s = 2.5),
+        machine("current for ever", |p| {
+            p.amplifier.current_limit_a = 20.0;
+            (p.drive_limits.continuous_current_a, p.drive_limits.overload_time_s) = (6.0, 0.3);
+        }),
+        machine("heat of the winding", |p| {
+            p.amplifier.current_limit_a = 25.0;
+            p.drive_limits.heat = Some(MotorHeat {
+                winding_k_w: 0.8,
+                housing_k_w: 1.5,
+                winding_time_s: 2.0,
+                housing_time_s: 60.0,
+                ambient_k: 293.0,
+                start_k: 300.0,
+                limit_k: 315.0,
+            });
+        }),
+    ]);
 }

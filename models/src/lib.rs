@@ -4,13 +4,14 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`base_motion`], [`mod@reference`] (the machine that examples start
+//! Modules in reading order: [`parameters`], [`friction`], [`loads`], [`plant`], [`structure`], [`base_motion`], [`mod@reference`] (the machine that examples start
 //! from), [`tolerance`] (the numbers that decide), [`error`].
 #![allow(non_snake_case)]
 
 pub mod base_motion;
 pub mod error;
 pub mod friction;
+pub mod loads;
 pub mod parameters;
 pub mod plant;
 mod range;
@@ -19,6 +20,7 @@ pub mod structure;
 pub mod tolerance;
 
 pub use error::Error;
+pub use loads::{EndStops, Equilibrator, LoadPoint, Loads, Recoil};
 pub use parameters::*;
 pub use plant::{
     Angles, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint, Plant,

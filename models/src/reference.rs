@@ -2,6 +2,7 @@
 //!
 //! The numbers are those of the project's reference machine; examples and tests of every crate start from it.
 
+use crate::loads::Loads;
 use crate::parameters::*;
 
 /// Returns the reference rig in its normal configuration.
@@ -39,6 +40,8 @@ pub fn rig() -> Parameters {
         },
         configurations: configurations(),
         learned: Vec::new(),
+        loads: Loads::default(),
+        drive_limits: DriveLimits::default(),
     }
 }
 

@@ -6,5 +6,6 @@ mod friction;
 mod kinds;
 mod learned;
 mod learned_table;
+mod loads;
 mod plant;
 mod structure;

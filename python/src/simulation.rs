@@ -4,7 +4,7 @@ use anyhow::ensure;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::Purpose;
 use counterpoise_simulate::{
-    Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+    Firing, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -52,6 +52,7 @@ impl Signals {
                 None => Imperfections::None,
             },
             initial: Initial::Rest { hub_angle_rad: start.hub_angle_rad },
+            firing: Firing::Stated,
             ..Scenario::still(duration_s)
         })
     }

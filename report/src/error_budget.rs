@@ -1,7 +1,9 @@
 //! The error budget of the line of sight in words: what the error is, and what it is made of.
 
+use counterpoise_plot::number::short;
 use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
 
+use crate::error_budget_figures::figures;
 use crate::{Cell, Column, Section, Table};
 
 /// Microradians in a radian.
@@ -22,8 +24,15 @@ pub fn section(found: &Verification) -> Option<Section> {
             "Shares come from runs in which the sources are switched on one after the other, in one order and in the opposite one; they add up to \
              the mean square of the run with all of them. A negative share belongs to a source that reduces the error of the others.",
         )
-        .saying(superposition(budget));
-    Some(section.listing(table(budget)))
+        .saying(superposition(budget))
+        .saying(linear(budget))
+        .saying(
+            "The linear loop takes the recorded motion, the densities of noise and converters, and the torques that friction, backlash and ripple \
+             have in the simulation as disturbances from outside. Where it differs from the simulation, the source depends on the motion: friction \
+             takes from the pitching base what it also disturbs.",
+        );
+    let section = spread(budget).into_iter().fold(section, Section::saying);
+    Some(section.showing(figures(budget)).listing(table(budget)))
 }
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.
@@ -36,13 +45,18 @@ pub fn lines(found: &Verification) -> Vec<String> {
         let percent = if total > 0.0 { 100.0 * one.share_rad2[hub] / total } else { 0.0 };
         // a share just below zero is written as zero, without a sign
         let percent = (10.0 * percent).round() / 10.0 + 0.0;
+        let linear = match &one.linear {
+            Some(linear) => format!("{:.1} urad in the linear loop", MICRO * linear.rad[hub]),
+            None => "no place in the linear loop".to_owned(),
+        };
         format!(
-            "{}: {percent:.1} % of the mean square, {:.1} urad alone",
+            "{}: {percent:.1} % of the mean square, {:.1} urad alone, {linear}",
             one.source.name(),
             MICRO * one.alone_rad[hub]
         )
     };
-    let mut lines = vec![summary(budget, exposure_s(found)), superposition(budget)];
+    let mut lines = vec![summary(budget, exposure_s(found)), superposition(budget), linear(budget)];
+    lines.extend(spread(budget));
     lines.append(&mut purposes);
     lines.extend(budget.contributions.iter().map(share));
     lines
@@ -112,11 +126,45 @@ fn superposition(budget: &ErrorBudget) -> String {
     )
 }
 
+/// Least RMS, rad, that is compared: a twentieth of a microradian is not printed.
+const LEAST_COMPARED_RAD: f64 = 5e-8;
+
+fn linear(budget: &ErrorBudget) -> String {
+    let hub = place(SightFigure::Hub);
+    let (linear, total) = (budget.linear_rad()[hub], budget.total_rad[hub]);
+    let made = format!("The linear loop makes {:.1} urad of all sources at the hub", MICRO * linear);
+    if total < LEAST_COMPARED_RAD {
+        return format!("{made}.");
+    }
+    format!("{made}, {:+.1} % against the simulation.", 100.0 * (linear / total - 1.0))
+}
+
+/// Returns below which frequencies most of the mean square at the hub lies; `None` if nothing moves.
+fn spread(budget: &ErrorBudget) -> Option<String> {
+    let total: f64 = budget.total.hub_rad2.iter().sum();
+    let below = |share: f64| {
+        let mut sum = 0.0;
+        let band = budget.total.hub_rad2.iter().position(|square| {
+            sum += square;
+            sum >= share * total
+        });
+        band.and_then(|band| budget.edges_hz.get(band + 1))
+    };
+    let [half, most] = [0.5, 0.9].map(below);
+    (total > 0.0).then_some(format!(
+        "Half of the mean square at the hub lies below {} Hz, nine tenths below {} Hz.",
+        short(*half?),
+        short(*most?)
+    ))
+}
+
 fn table(budget: &ErrorBudget) -> Table {
     let columns = [
         Column::Text("source"),
         Column::Number("share of the mean square, hub [%]"),
         Column::Number("alone, hub [urad]"),
+        Column::Number("linear loop, hub [urad]"),
+        Column::Number("linear loop less alone, hub [urad]"),
         Column::Number("share of the jitter's, hub [%]"),
         Column::Number("alone, jitter, hub [urad]"),
         Column::Number("share of the mean square, tip [%]"),
@@ -131,6 +179,11 @@ fn table(budget: &ErrorBudget) -> Table {
             let (at, total) = (place(figure), total_square(budget, figure));
             row.push(Cell::number(if total > 0.0 { 100.0 * one.share_rad2[at] / total } else { 0.0 }));
             row.push(Cell::number(MICRO * one.alone_rad[at]));
+            if figure == SightFigure::Hub {
+                let linear = one.linear.as_ref().map(|linear| MICRO * linear.rad[at]);
+                let less = linear.map(|linear| linear - MICRO * one.alone_rad[at]);
+                row.extend([linear, less].map(|value| value.map_or_else(|| Cell::text("-"), Cell::number)));
+            }
         }
         table.rows.push(row);
     }

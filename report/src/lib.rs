@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
-//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], [`advice`], [`identify`], [`replay`],
+//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
@@ -23,6 +23,7 @@ pub mod designs;
 pub mod diagnosis;
 pub mod difference;
 pub mod error_budget;
+mod error_budget_figures;
 pub mod evidence;
 pub mod first_design;
 pub mod fra;

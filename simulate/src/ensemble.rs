@@ -15,6 +15,7 @@ use crate::run::{HUB_ANGLE, Lap, Simulator};
 use crate::scenario::{Detail, Scenario};
 use crate::tolerance::FEWEST_LANES;
 use counterpoise_controller::SampledController;
+use counterpoise_models::DriveLimits;
 
 /// Variants that go through their samples side by side: chunks of an ensemble for several processors have a multiple of it.
 pub const SIDE_BY_SIDE: usize = LANES;
@@ -67,7 +68,7 @@ fn run_alone(variant: &mut Variant) -> Result<TimeHistory, Error> {
 
 /// Runs up to four variants side by side if they are of one shape, and one after the other if not.
 fn run_few(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>> {
-    let can_share = variants.iter().all(|variant| variant.scenario.platform.further.is_none());
+    let can_share = variants.iter().all(can_share);
     if !can_share || variants.len() < FEWEST_LANES {
         return variants.iter_mut().map(run_alone).collect();
     }
@@ -81,6 +82,15 @@ fn run_few(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHis
     let runs = variants.iter_mut().map(Run::new).chain(idle.iter_mut().map(Run::idle));
     let finished = four(runs).map(|runs| run_group(group, runs));
     finished.into_iter().flatten().take(count).collect()
+}
+
+/// Returns whether a variant can run beside others: on a base that only heaves and pitches, and without loads and limits of the drive, whose
+/// state belongs to a run alone.
+fn can_share(variant: &Variant) -> bool {
+    let plant = variant.simulator.plant();
+    variant.scenario.platform.further.is_none()
+        && plant.loads().is_none()
+        && plant.parameters().drive_limits == DriveLimits::default()
 }
 
 /// Returns four items; `None` if there are not so many.

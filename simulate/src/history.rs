@@ -72,6 +72,12 @@ pub struct TrueColumns {
     pub motor_friction_nm: Vec<f64>,
     /// Dry friction torque at the pivot, N m, opposing positive rates.
     pub pivot_friction_nm: Vec<f64>,
+    /// Temperature of the winding, K; empty without limits of the drive, 0 if the motor has no heat.
+    pub winding_k: Vec<f64>,
+    /// Average of the squared current, A^2; empty without limits of the drive.
+    pub overload_a2: Vec<f64>,
+    /// Lowest and highest current that the drive gives over the sample, A; empty without limits of the drive.
+    pub current_range_a: Vec<[f64; 2]>,
 }
 
 /// Samples for which room is made at once.

@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `sampling_errors`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `sampling_errors`, `drive_limits`, [`history`], [`recording`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -34,6 +34,7 @@
 #![allow(non_snake_case)]
 
 pub mod convergence;
+mod drive_limits;
 mod engine;
 pub mod ensemble;
 pub mod error;
@@ -56,7 +57,7 @@ pub use error::Error;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
 pub use motion::{FurtherMotion, PlatformMotion};
 pub use replay::{ChannelFit, Loop, Playback, Replay, Replayer, replay};
-pub use run::{Simulator, run};
-pub use scenario::{Detail, Initial, Scenario};
+pub use run::{Simulator, run, state_at_rest};
+pub use scenario::{Detail, Firing, Initial, Scenario};
 pub use sensing::Imperfections;
 pub use signal::{Signal, Sine};

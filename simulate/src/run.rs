@@ -1,6 +1,7 @@
 //! The sampled closed loop on the nonlinear plant.
 
 use crate::Error;
+use crate::drive_limits::LimitedDrive;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
 use crate::engine::present::Sample;
 use crate::engine::state::PlantState;
@@ -109,12 +110,15 @@ impl Simulator {
             }
             let motion = lap.track.sample(lap.angle);
             let drive_v = lap.sample(k, controller, &motion, &Shown::of(stepper));
+            lap.limit_current(stepper);
             let sample = Sample { drive_v, start_s: lap.time(k), motion: &motion };
             if scenario.detail == Detail::Everything {
                 lap.log_friction(stepper.dry_torques(&sample));
             }
+            let before_a = lap.current_a(&motion, stepper);
             stepper.advance(&sample);
             lap.finish_sample(&motion, stepper.outputs()[HUB_ANGLE]);
+            lap.heat(before_a, &motion, stepper);
             lap.check(k, stepper)?;
         }
         Ok(lap.history(stepper))
@@ -128,11 +132,17 @@ impl Simulator {
     /// Returns the state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
     /// and hub and platform turn together.
     pub fn rest(&self, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate_rad_s: f64) -> PlantState {
-        rest(&self.plant, hub_angle_rad, platform_angle_rad, platform_rate_rad_s)
+        state_at_rest(&self.plant, hub_angle_rad, platform_angle_rad, platform_rate_rad_s)
     }
 }
 
-fn rest(plant: &Plant, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate: f64) -> PlantState {
+/// Returns the state of rest of a plant; see [`Simulator::rest`].
+pub fn state_at_rest(
+    plant: &Plant,
+    hub_angle_rad: f64,
+    platform_angle_rad: f64,
+    platform_rate: f64,
+) -> PlantState {
     let mut core = plant.equilibrium(&OperatingPoint { hub_angle_rad, platform_angle_rad }).core_state;
     core[state::RATE] = platform_rate;
     if plant.has_state(state::MOTOR) {
@@ -215,6 +225,10 @@ pub(crate) struct Lap<'a> {
     before_v: f64,
     readings: ReadingColumns,
     truth: TrueColumns,
+    /// The drive, if its limits hold.
+    limited: Option<LimitedDrive>,
+    /// Lowest and highest current that they leave over the sample, A.
+    range_a: Option<[f64; 2]>,
 }
 
 impl<'a> Lap<'a> {
@@ -243,6 +257,8 @@ impl<'a> Lap<'a> {
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
         let state = initial(plant, scenario, &start)?;
         stepper.restart(&state);
+        stepper.fire(scenario.firing);
+        stepper.limit_current(None);
         sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
         let clock = match scenario.imperfections {
@@ -269,6 +285,8 @@ impl<'a> Lap<'a> {
             queue: Vec::new(),
             readings: ReadingColumns::for_samples(samples as usize),
             truth: TrueColumns::default(),
+            limited: LimitedDrive::new(parameters, before),
+            range_a: None,
         })
     }
 
@@ -308,6 +326,7 @@ impl<'a> Lap<'a> {
         let control = self.delayed(given.control_v);
         let before = std::mem::replace(&mut self.before_v, control);
         let control = if error.step == Step::Late { before } else { control };
+        let control = self.limited(control, motor_rate);
         let parameters = self.plant.parameters();
         self.drive_v = parameters.amplifier.drive_v(control, &parameters.motor);
         self.drive_v
@@ -350,6 +369,40 @@ impl<'a> Lap<'a> {
             final_state: stepper.state(),
             effort: stepper.effort(),
         }
+    }
+
+    /// Returns the control that the limits of the drive leave at a rate of the motor, and keeps the current that they leave over the sample.
+    fn limited(&mut self, control_v: f64, motor_rate: f64) -> f64 {
+        let Some(drive) = &mut self.limited else { return control_v };
+        self.range_a = drive.range_a(motor_rate);
+        if self.scenario.detail == Detail::Everything {
+            self.truth.winding_k.push(drive.heat().winding_k);
+            self.truth.overload_a2.push(drive.heat().overload_a2);
+            self.truth.current_range_a.push(self.range_a.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
+        }
+        drive.slew(control_v)
+    }
+
+    /// Sets the current that the limits of the drive leave over the sample.
+    fn limit_current(&self, stepper: &mut Stepper) {
+        if self.limited.is_some() {
+            stepper.limit_current(self.range_a);
+        }
+    }
+
+    /// Returns the current where the plant is, A; 0 if nobody asks.
+    fn current_a(&self, motion: &MotionSample, stepper: &Stepper) -> f64 {
+        if self.limited.is_none() {
+            return 0.0;
+        }
+        stepper.outputs()[4] + self.plant.direct_current_a(self.drive_v, motion.at(0.0).rate)
+    }
+
+    /// Heats the drive over a sample that was taken.
+    fn heat(&mut self, before_a: f64, motion: &MotionSample, stepper: &Stepper) {
+        let Some(drive) = &mut self.limited else { return };
+        let after_a = stepper.outputs()[4] + self.plant.direct_current_a(self.drive_v, motion.at(1.0).rate);
+        drive.advance([before_a, after_a]);
     }
 
     fn delayed(&mut self, control: f64) -> f64 {
@@ -419,7 +472,7 @@ pub(crate) fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
 
 fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<PlantState, Error> {
     match &scenario.initial {
-        Initial::Rest { hub_angle_rad } => Ok(rest(plant, *hub_angle_rad, start.angle, start.rate)),
+        Initial::Rest { hub_angle_rad } => Ok(state_at_rest(plant, *hub_angle_rad, start.angle, start.rate)),
         Initial::State(given) => {
             let (found, expected) = (given.core.len(), plant.core_order());
             if found != expected {

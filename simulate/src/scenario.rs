@@ -22,6 +22,18 @@ pub struct Scenario {
     pub initial: Initial,
     /// What is kept.
     pub detail: Detail,
+    /// Whether the machine fires its shots.
+    pub firing: Firing,
+}
+
+/// Whether a machine that recoils fires.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Firing {
+    /// At the instants that its parameters state: on duty, and in recordings.
+    Stated,
+    /// Not at all: what is measured of rest, steps and limit cycles is that of the machine that does not fire.
+    #[default]
+    Silent,
 }
 
 /// Where the mechanism starts.
@@ -47,7 +59,7 @@ pub enum Detail {
 }
 
 impl Scenario {
-    /// Returns a run at rest with everything kept, without noise or quantisation: the start for others.
+    /// Returns a run at rest with everything kept, without noise, quantisation or shots: the start for others.
     pub fn still(duration_s: f64) -> Self {
         Self {
             duration_s,
@@ -57,6 +69,7 @@ impl Scenario {
             imperfections: Imperfections::None,
             initial: Initial::Rest { hub_angle_rad: 0.0 },
             detail: Detail::Everything,
+            firing: Firing::Silent,
         }
     }
 }

@@ -87,7 +87,7 @@ pub(crate) const NEAR_ANGLE_RAD: f64 = 2e-3;
 /// Ratio of the correlation times of the processes whose sum is flicker noise: its density then ripples by about 2 %.
 pub(crate) const FLICKER_RATIO: f64 = 5.0;
 /// Longest of those correlation times, s: no run is longer.
-pub(crate) const FLICKER_LONGEST_S: f64 = 1e5;
+pub const FLICKER_LONGEST_S: f64 = 1e5;
 
 // ---- signals and runs ----
 

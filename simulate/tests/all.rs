@@ -8,6 +8,7 @@ mod base_motion;
 mod convergence;
 mod ensemble;
 mod fra;
+mod loads;
 mod replay;
 mod sampled_world;
 mod second_method;

@@ -24,7 +24,7 @@ use counterpoise_simulate::replay::{
     Loop, RecordedController, ReplayMode, Replayer, control_fit, reading_floor,
 };
 use counterpoise_simulate::signal::{Signal, Sine};
-use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+use counterpoise_simulate::{Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 use counterpoise_tests::exported_loop::{controller_file, document, from_file};
 
 /// Ratio of residual to noise floor up to which a replay is that of the machine itself.
@@ -85,6 +85,7 @@ fn record_with(plant: &Plant, controller: &mut dyn SampledController, seed: u64)
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         initial: Initial::Rest { hub_angle_rad: 0.0 },
         detail: Detail::Recording,
+        firing: Firing::Stated,
     };
     let history = Simulator::new(plant).unwrap().run(controller, &scenario).unwrap();
     history.readings.recording("run", history.sample_period_s)

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`coincidence`], [`image_motion`], [`line_of_sight`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`nonlinear`], [`measure`], [`coincidence`], [`image_motion`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`acceptance`] (requirements traced to runs and to tests on the machine),
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
@@ -34,6 +34,7 @@ pub mod nonlinear;
 pub mod procedure;
 pub mod requirement;
 pub mod robust;
+pub mod sight_spectrum;
 pub mod signals;
 pub mod spectral;
 mod spelling;
@@ -43,7 +44,7 @@ pub mod verification;
 
 pub use coincidence::Coincidence;
 pub use error::Error;
-pub use error_budget::{Contribution, ErrorBudget, ErrorSource, error_budget};
+pub use error_budget::{Contribution, ErrorBudget, ErrorSource, LinearContribution, error_budget};
 pub use figure::{
     Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source, StepFigure,
     TriangleFigure,

@@ -129,6 +129,12 @@ impl SightAngles {
         Some(Self { period_s, hub_rad: of(&history.hub_rate_rad_s), tip_rad: of(&history.tip_rate_rad_s) })
     }
 
+    /// Returns the first samples, about their mean.
+    pub fn first(&self, samples: usize) -> Self {
+        let of = |angles: &[f64]| centred(&angles[..samples.min(angles.len())]);
+        Self { period_s: self.period_s, hub_rad: of(&self.hub_rad), tip_rad: of(&self.tip_rad) }
+    }
+
     /// Returns the number of samples in an exposure: at least 2, and no more than there are.
     fn samples_in(&self, exposure_s: f64) -> usize {
         let exposure = ((exposure_s / self.period_s).round() as usize).max(2);

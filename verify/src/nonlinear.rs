@@ -4,12 +4,13 @@ use counterpoise_controller::{Controller, Readings, Runner, SampledController};
 use counterpoise_models::Measured;
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_simulate::{
-    Detail, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+    Detail, Firing, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator,
+    TimeHistory, state_at_rest,
 };
 
 use crate::history::{Experiment, History, integrated};
 use crate::linear::arranged;
-use crate::{Arrangement, Error, Model, Procedure, Source};
+use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// What acts on the mechanism: the controller, or the voltage that holds it.
 enum Acting {
@@ -53,6 +54,20 @@ pub fn history(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<History, Error> {
+    let run = run(simulator, controller, procedure, experiment)?;
+    Ok(columns_of(run, simulator.plant(), procedure, experiment))
+}
+
+/// Runs one experiment as [`history`] does; returns everything that the simulator keeps.
+///
+/// # Errors
+/// As [`history`].
+pub fn run(
+    simulator: &mut Simulator,
+    controller: &Controller,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<TimeHistory, Error> {
     let arrangement = match experiment {
         Experiment::Disturbance(_, arrangement) => arrangement,
         Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
@@ -61,7 +76,7 @@ pub fn history(
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
-    history_of(simulator, &mut acting, procedure, experiment)
+    run_of(simulator, &mut acting, procedure, experiment)
 }
 
 /// Runs one experiment with anything that acts once a sample: the same controller in other numbers, or on a target.
@@ -74,16 +89,35 @@ pub fn history_of(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<History, Error> {
-    let from = Start::of(simulator, procedure);
+    let run = run_of(simulator, acting, procedure, experiment)?;
+    Ok(columns_of(run, simulator.plant(), procedure, experiment))
+}
+
+fn run_of(
+    simulator: &mut Simulator,
+    acting: &mut dyn SampledController,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<TimeHistory, Error> {
+    let from = Start::of(simulator.plant(), procedure);
     let mut scenario = scenario(procedure, experiment);
     if let Some(reading) = from.reading.filter(|reading| *reading != 0.0) {
         let demand = std::mem::replace(&mut scenario.demand_rad_s, Signal::ZERO);
         let stands = Signal::Constant(reading);
         scenario.demand_rad_s = Signal::Sum(vec![stands, demand]);
     }
-    let run = simulator.run(acting, &scenario)?;
-    let history = columns(run, experiment, &from);
-    Ok(if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history })
+    Ok(simulator.run(acting, &scenario)?)
+}
+
+/// Returns the history of a run of an experiment on a plant.
+pub(crate) fn columns_of(
+    run: TimeHistory,
+    plant: &Plant,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> History {
+    let history = columns(run, experiment, &Start::of(plant, procedure));
+    if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history }
 }
 
 fn holding_v(plant: &Plant, point: &OperatingPoint) -> f64 {
@@ -95,6 +129,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
         imperfections: Imperfections::NoiseAndQuantisation { seed: procedure.seed },
         initial: Initial::Rest { hub_angle_rad: procedure.operating_point.hub_angle_rad },
         detail: Detail::Everything,
+        firing: firing(procedure, experiment),
         ..Scenario::still(procedure.duration_s)
     };
     let angle = procedure.operating_point.platform_angle_rad;
@@ -116,6 +151,17 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
             platform: moving(procedure, source, platform),
             ..still
         },
+    }
+}
+
+/// A machine fires where its base moves as on duty: figures of a step, of rest and of one motion alone are those of the machine that does not.
+fn firing(procedure: &Procedure, ran: Experiment) -> Firing {
+    let on_duty = line_of_sight::experiment(procedure);
+    match (ran, on_duty) {
+        (Experiment::Disturbance(ran, _), Experiment::Disturbance(source, _)) if ran == source => {
+            Firing::Stated
+        }
+        _ => Firing::Silent,
     }
 }
 
@@ -152,14 +198,14 @@ struct Start {
 }
 
 impl Start {
-    fn of(simulator: &Simulator, procedure: &Procedure) -> Self {
+    fn of(plant: &Plant, procedure: &Procedure) -> Self {
         let at = &procedure.operating_point;
-        let measured = simulator.plant().parameters().sensors.measured;
+        let measured = plant.parameters().sensors.measured;
         let reading = match measured {
             Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => None,
             Measured::HubPosition | Measured::MotorPosition => Some(at.hub_angle_rad - at.platform_angle_rad),
             Measured::Torque | Measured::Current => {
-                Some(simulator.rest(at.hub_angle_rad, at.platform_angle_rad, 0.0).hub_gyro[0])
+                Some(state_at_rest(plant, at.hub_angle_rad, at.platform_angle_rad, 0.0).hub_gyro[0])
             }
         };
         Self { measured, reading }

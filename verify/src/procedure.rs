@@ -137,6 +137,11 @@ impl Road {
         surge.map_or(0.0, |surge| between(surge, time_s / self.sample_period_s))
     }
 
+    /// The value of a column of the road at a time; 0 outside the record.
+    pub(crate) fn interpolated(&self, column: &[f64], time_s: f64) -> f64 {
+        between(column, time_s / self.sample_period_s)
+    }
+
     /// Heave and pitch rate at a time; 0 outside the record.
     pub fn at(&self, time_s: f64) -> (f64, f64) {
         (

@@ -346,3 +346,10 @@ pub const MOST_PATH_POINTS: usize = 3000;
 
 /// Beyond so many standard deviations the tail of a normal distribution is below half a unit in the last place of 1.
 pub const FARTHEST_DEVIATIONS: f64 = 8.3;
+
+/// Sine tapers of the spectrum of the line of sight: four halve the scatter of a single one and resolve 2.5 steps of the transform to either side.
+pub const SIGHT_TAPERS: usize = 4;
+/// Bands of the spectrum of the line of sight in a decade: each 15 % wide, as wide as the peak of a mode of 7 % of damping.
+pub const SIGHT_BANDS_A_DECADE: f64 = 16.0;
+/// Points over which a density is summed within a band, for 16 points resolve a mode of half a per cent of damping.
+pub const SIGHT_POINTS_A_BAND: f64 = 8.0;

@@ -9,5 +9,6 @@ mod linear_loop;
 mod multipliers;
 mod robust;
 mod root_locus;
+mod sight_budget;
 mod structured;
 mod verification;

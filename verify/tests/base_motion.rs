@@ -150,7 +150,7 @@ fn the_error_budget_adds_up_to_the_simulated_error() {
     }
     let share =
         |source| budget.contributions.iter().find(|one| one.source == source).map(|one| one.share_rad2[0]);
-    assert_eq!(share(ErrorSource::RollAndYaw), None, "this base does not roll");
+    assert_eq!(share(ErrorSource::Roll), None, "this base does not roll");
     assert!(share(ErrorSource::Surge).unwrap() > 0.2 * budget.total_rad[0].powi(2), "{budget:?}");
     assert!(share(ErrorSource::HubGyro).unwrap().abs() < 0.1 * budget.total_rad[0].powi(2), "{budget:?}");
 }

@@ -5,7 +5,7 @@ use counterpoise_models::{Parameters, Plant};
 use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::{RecordedController, reading_floor};
 use counterpoise_simulate::{
-    Detail, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+    Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 
 use super::menu::{Demand, Shape, list_demands};
@@ -173,6 +173,7 @@ impl ExperimentRequest<'_> {
             imperfections: Imperfections::None,
             initial: Initial::Rest { hub_angle_rad: self.start_angle_rad },
             detail: Detail::Everything,
+            firing: Firing::Stated,
         };
         simulator.run(self.controller.at_rest().as_mut(), &scenario).ok()
     }

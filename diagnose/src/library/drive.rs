@@ -326,6 +326,21 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
     },
     Effect {
+        // i^2 <= i_c^2 + f (i_p^2 - i_c^2), another i_c: the drive folds its current back (i^2 t)
+        effect: EffectName::ContinuousCurrent,
+        component: Component::Amplifier,
+        kind: Kind::ParameterChange,
+        parameters: &[parameter!(
+            "continuous_current",
+            "A",
+            [0.05, 1e3],
+            0.05,
+            Log,
+            drive_limits.continuous_current_a
+        )],
+        starts: &[],
+    },
+    Effect {
         // tau_a dV/dt = -V + ..., another tau_a (Dholiwar 2007, (5-21)); of a drive that takes a current or a torque, t di/dt = -i + ...
         effect: EffectName::Bandwidth,
         component: Component::Amplifier,

@@ -88,6 +88,14 @@ named! {
         PositionStiffness = "position_stiffness",
         /// A hose between hub and platform that yields.
         Hysteresis = "hysteresis",
+        /// A spring or gas strut that holds the out-of-balance.
+        Equilibrator = "equilibrator",
+        /// Stops at the ends of the travel.
+        EndStops = "end_stops",
+        /// Recoil of what the machine fires.
+        Recoil = "recoil",
+        /// Current that the drive bears for ever.
+        ContinuousCurrent = "continuous_current",
         /// The first bending mode of the beam.
         FlexibleMode = "flexible_mode",
         /// Coulomb friction level.

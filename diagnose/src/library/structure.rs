@@ -14,6 +14,18 @@ fn lumped_set(p: &mut Parameters, write: impl FnOnce(&mut Lumped)) {
     }
 }
 
+fn equilibrator_factor(p: &Parameters) -> f64 {
+    p.loads.equilibrator.as_ref().map_or(1.0, |equilibrator| equilibrator.factor)
+}
+
+fn stop_stiffness(p: &Parameters) -> f64 {
+    p.loads.end_stops.as_ref().map_or(1.0, |stops| stops.stiffness_nm_rad)
+}
+
+fn recoil_height(p: &Parameters) -> f64 {
+    p.loads.recoil.as_ref().map_or(0.0, |recoil| recoil.height_m)
+}
+
 /// Out-of-balance, inertia, springs and pivot friction.
 pub(super) static EFFECTS: &[Effect] = &[
     Effect {
@@ -328,5 +340,53 @@ pub(super) static EFFECTS: &[Effect] = &[
             parameter!("time_constant", "s", [0.5, 200.0], 0.4, Log, pivot_friction.warm_up_time_s),
         ],
         starts: &[&[0.2, 4.0], &[-0.2, 4.0], &[0.2, 15.0]],
+    },
+    Effect {
+        // T = f F r R sin(c) / L, another force: a gas of another temperature, another spring (AMCP 706-345, 1960)
+        effect: EffectName::Equilibrator,
+        component: Component::Structure,
+        kind: Kind::ParameterChange,
+        parameters: &[parameter!(
+            "factor",
+            "",
+            [0.0, 3.0],
+            0.02,
+            Linear,
+            get equilibrator_factor,
+            set |p, v| p.loads.equilibrator.iter_mut().for_each(|equilibrator| equilibrator.factor = v)
+        )],
+        starts: &[],
+    },
+    Effect {
+        // T = k d (1 + c v), another k (Hunt and Crossley 1975)
+        effect: EffectName::EndStops,
+        component: Component::Structure,
+        kind: Kind::ParameterChange,
+        parameters: &[parameter!(
+            "stop_stiffness",
+            "N m/rad",
+            [1e2, 1e9],
+            0.1,
+            Log,
+            get stop_stiffness,
+            set |p, v| p.loads.end_stops.iter_mut().for_each(|stops| stops.stiffness_nm_rad = v)
+        )],
+        starts: &[],
+    },
+    Effect {
+        // T = e K + ..., another height e of the recoiling mass above the trunnion (AMCP 706-342, 1963)
+        effect: EffectName::Recoil,
+        component: Component::Structure,
+        kind: Kind::ParameterChange,
+        parameters: &[parameter!(
+            "recoil_height",
+            "m",
+            [-2.0, 2.0],
+            0.005,
+            Linear,
+            get recoil_height,
+            set |p, v| p.loads.recoil.iter_mut().for_each(|recoil| recoil.height_m = v)
+        )],
+        starts: &[],
     },
 ];

@@ -129,7 +129,7 @@ pub(crate) fn regimes_of(component: Component, effect: EffectName) -> &'static [
         (C::Pivot, E::Stribeck) => &[R::Rate, R::Reversal],
         (C::Pivot | C::Motor, E::Viscous | E::QuadraticDrag | E::AsymmetricFriction) => &[R::Rate],
         (C::Pivot, E::PreslidingStiffness) | (C::Structure, E::Hysteresis) => &[R::Reversal],
-        (C::Structure, E::VerticalOffset | E::PositionStiffness)
+        (C::Structure, E::VerticalOffset | E::PositionStiffness | E::Equilibrator | E::EndStops)
         | (C::Pivot, E::PositionDependentFriction) => &[R::Position],
         (C::Structure, E::OutOfBalance)
         | (C::Pivot, E::LoadDependentFriction)
@@ -138,8 +138,8 @@ pub(crate) fn regimes_of(component: Component, effect: EffectName) -> &'static [
         (C::Gearbox, E::MeshEfficiency) => &[R::Rate, R::Load],
         (C::Structure | C::Motor, E::Inertia) => &[R::Acceleration],
         (C::Motor, E::Cogging | E::TorqueRipple) | (C::Gearbox, E::MeshRipple) => &[R::MotorAngle],
-        (C::Amplifier, E::GainCurve | E::DeadZone | E::CurrentLimit) => &[R::Control],
-        (C::Pivot, E::WarmUp) => &[R::Time],
+        (C::Amplifier, E::GainCurve | E::DeadZone | E::CurrentLimit | E::ContinuousCurrent) => &[R::Control],
+        (C::Pivot, E::WarmUp) | (C::Structure, E::Recoil) => &[R::Time],
         (C::HubGyro | C::PlatformGyro, E::Scale) => &[R::Rate],
         (_, E::Bias) => &[R::Time],
         (_, E::GSensitivity) | (C::PlatformAccelerometer, E::Scale) => &[R::Acceleration],

@@ -10,6 +10,7 @@
 mod absent;
 mod controller;
 mod learned;
+mod loads;
 mod machine;
 mod pack;
 mod plant;

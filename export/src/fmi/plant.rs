@@ -4,7 +4,7 @@ use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
 use crate::fmi::{Unit, Variable};
-use crate::fmi::{learned, machine};
+use crate::fmi::{learned, loads, machine};
 use crate::{Error, File, Provenance, check_name};
 
 /// Most samples by which a signal of the unit may be late: it keeps them all.
@@ -65,13 +65,20 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         bonds => bonds.max(1), past, states => machine::states(plant),
         kind => machine::kind(plant),
         learned => learned::functions(plant),
+        loads => loads::loads(plant), limits => loads::limits(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),
         ideal_current => machine::ideal_current(plant), modes => machine::modes(plant),
         map => machine::map(plant), joints => machine::joints(plant), sensors => machine::sensors(plant),
         rest => machine::rest(plant), sizes => machine::sizes(plant), reversal => machine::POWER_REVERSAL_RATE,
     };
-    let environment = Environment::new();
+    let mut environment = Environment::new();
+    environment
+        .add_template("loads", include_str!("../../templates/plant_loads.c.jinja"))
+        .map_err(Error::from)?;
+    environment
+        .add_template("drive", include_str!("../../templates/plant_drive.c.jinja"))
+        .map_err(Error::from)?;
     let fill = |ending: &str, template: &str| -> Result<File, Error> {
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
         Ok(File { name: format!("{name}/sources/{name}.{ending}"), text })

@@ -7,12 +7,18 @@
 //! whose default value means "absent".
 
 mod drive;
+mod drive_limits;
 mod friction;
 mod learned;
 mod sensing;
 mod structure;
 
+use crate::loads::Loads;
+
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
+pub use drive_limits::{
+    COPPER_PER_K, DriveHeat, DriveLimits, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K, hot,
+};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
 pub use learned::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use sensing::{AccelerometerAxis, Clock, Drift, Interface, Measured, Sensor, Sensors};
@@ -49,6 +55,10 @@ pub struct Parameters {
     pub configurations: Vec<Configuration>,
     /// Free functions beside the laws of the library; empty: none.
     pub learned: Vec<LearnedElement>,
+    /// Equilibrator, stops and recoil.
+    pub loads: Loads,
+    /// Limits of the drive beside voltage and peak current.
+    pub drive_limits: DriveLimits,
 }
 
 /// How the hub moves.

@@ -4,6 +4,7 @@ use super::core::{input, state};
 use super::learned::{JointMotion, LearnedRegime};
 use super::{Core, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
+use crate::loads::LoadPoint;
 use crate::parameters::LearnedPlace;
 use crate::tolerance::POWER_REVERSAL_RATE;
 
@@ -84,6 +85,15 @@ impl Plant {
             + self.gyroscopic_torque_nm((sin, cos).into(), at.off_axis_rates_rad_s)
             + added.hub_nm;
         u[input::LOAD] = gravity * cos - at.surge_m_s2 * sin;
+        if let Some(loads) = &self.loads {
+            u[input::HUB_TORQUE] += loads.torque_nm(&LoadPoint {
+                time_s: at.time_s,
+                angle_rad: relative_angle,
+                rate_rad_s: relative_rate,
+                hub_rate_rad_s: hub_rate,
+                load_m_s2: u[input::LOAD],
+            });
+        }
         u[input::MESH_TORQUE] = offset;
         multiply(&core, x, &u, dx);
         self.complete_core(&core, x, at, dx);

@@ -40,7 +40,7 @@ impl Plant {
     /// Returns the equilibrium at an operating point, in closed form:
     ///
     /// ```text
-    ///     T_2 = mu g cos theta_h - nu g sin theta_h + K_s (theta_h - theta_p - theta_0) - mesh ripple
+    ///     T_2 = mu g cos theta_h - nu g sin theta_h + K_s (theta_h - theta_p - theta_0) - equilibrator - mesh ripple
     ///     delta = T_2 / K_gb + sgn(T_2) b / 2,   K_t i = T_2 / N - cogging,   v = V / K_v + K_ifb i,  V = R i
     /// ```
     ///
@@ -110,7 +110,7 @@ impl Plant {
         let (sin, cos) = self.tilt(point.hub_angle_rad);
         let gravity = self.parameters.gravity_m_s2;
         let weight = self.body.out_of_balance_kg_m * cos - self.body.vertical_offset_kg_m * sin;
-        gravity * weight - self.spring_torque_nm(point.hub_angle_rad - point.platform_angle_rad)
+        gravity * weight - self.support_torque_nm(point.hub_angle_rad - point.platform_angle_rad)
     }
 
     /// Returns the angle and the modes of the structure under its weight, held at the hub by `held` less the spring.
@@ -119,7 +119,7 @@ impl Plant {
         let gravity = self.parameters.gravity_m_s2;
         let relative = point.hub_angle_rad - point.platform_angle_rad;
         let lift = gravity * self.body.vertical_offset_kg_m * sin;
-        let hub_torque = held + self.spring_torque_nm(relative) + lift;
+        let hub_torque = held + self.support_torque_nm(relative) + lift;
         let mut shape = vec![0.0; self.core_order()];
         let mut rigid = point.hub_angle_rad;
         for (k, mode) in self.body.modes.iter().enumerate() {

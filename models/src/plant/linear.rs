@@ -73,6 +73,8 @@ pub struct LinearPlant {
     pub current: OutputRow,
     /// Which output the loop's sensor measures.
     pub measured: usize,
+    /// What torques beside those of the system do to the states' rates, n x 2: on the motor shaft, on the hub.
+    pub torque_columns: Mat,
 }
 
 /// An output of a linear plant: y = c x + d u.
@@ -101,6 +103,25 @@ impl LinearPlant {
     pub const TIP_RATE: usize = 1;
     /// Row of the motor rate.
     pub const MOTOR_RATE: usize = 2;
+
+    /// Returns the plant on a platform that stands still, driven by torques: its inputs are \[control (V), torque on the motor shaft (N m), torque
+    /// on the hub (N m)\], the torques in the columns of heave and pitch rate.
+    ///
+    /// # Errors
+    /// [`Error::Lti`] if the matrices do not fit, which those of a linearisation do.
+    pub fn driven_by_torques(&self) -> Result<Self, Error> {
+        let g = &self.system;
+        let kept = |of: f64, column: usize| if column == Self::CONTROL { of } else { 0.0 };
+        let B = Mat::from_fn(g.order(), 3, |i, j| match j {
+            Self::CONTROL => g.B[(i, j)],
+            _ => self.torque_columns[(i, j - 1)],
+        });
+        let D = Mat::from_fn(g.outputs(), 3, |i, j| kept(g.D[(i, j)], j));
+        let system = StateSpace::new(g.A.clone(), B, g.C.clone(), D, Timebase::Continuous)?;
+        let inputs = std::array::from_fn(|j| kept(self.current.inputs[j], j));
+        let current = OutputRow { inputs, ..self.current.clone() };
+        Ok(Self { system, current, ..self.clone() })
+    }
 }
 
 /// Stiffness and damping that act on the relative motion of a joint.
@@ -170,7 +191,16 @@ impl Plant {
         let state_names = kept.iter().map(|&s| names[s].clone()).collect();
         let current = self.linear_current(&kept, self.drive_slope(equilibrium));
         let measured = if rows.len() > LinearPlant::OUTPUTS.len() { rows.len() - 1 } else { 0 };
-        Ok(LinearPlant { system, state_names, equilibrium: equilibrium.clone(), current, measured })
+        let torques = [input::MOTOR_TORQUE, input::HUB_TORQUE];
+        let torque_columns = Mat::from_fn(kept.len(), 2, |i, j| core.B[(kept[i], torques[j])]);
+        Ok(LinearPlant {
+            system,
+            state_names,
+            equilibrium: equilibrium.clone(),
+            current,
+            measured,
+            torque_columns,
+        })
     }
 
     /// Returns the slope of the drive over the control at an equilibrium, by the map's secant over one converter-sized step.
@@ -262,9 +292,10 @@ impl Plant {
         };
         let rates = self.hub_rate_row();
         let relative = rates.len();
+        let spring = self.support_stiffness_nm_rad(at.point.hub_angle_rad - at.point.platform_angle_rad);
         for row in 0..relative {
             let (torque, load) = (core.B[(row, input::HUB_TORQUE)], core.B[(row, input::LOAD)]);
-            core.A[(row, relative)] -= torque * (dry.stiffness + self.spring.0);
+            core.A[(row, relative)] -= torque * (dry.stiffness + spring);
             core.B[(row, input::PLATFORM_RATE)] += torque * dry.damping;
             for (j, rate) in rates.iter().enumerate() {
                 core.A[(row, j)] -= torque * dry.damping * rate;

@@ -30,6 +30,7 @@ pub use self::linear::{Angles, FrictionLinearisation, Impedance, LinearPlant, Ou
 
 use crate::Error;
 use crate::friction::FrictionModel;
+use crate::loads::Loads;
 use crate::parameters::Parameters;
 
 /// A mechanism that has been checked and can be simulated or linearised.
@@ -46,6 +47,8 @@ pub struct Plant {
     pub(crate) gear_hysteresis: Option<Hose>,
     /// Free functions.
     pub(crate) learned: Option<LearnedFunctions>,
+    /// Equilibrator, stops and recoil.
+    pub(crate) loads: Option<Loads>,
     /// Current per drive, A/V, and per platform rate, A s/rad, that needs no state.
     pub(crate) direct_current: [f64; 2],
 }
@@ -97,6 +100,7 @@ impl Plant {
             hose: parameters.lumped.as_ref().and_then(Hose::of),
             gear_hysteresis: Hose::of_gearbox(&parameters.gearbox),
             learned: LearnedFunctions::of(parameters),
+            loads: Some(parameters.loads.clone()).filter(|loads| !loads.is_empty()),
             direct_current: [0.0; 2],
         };
         ranges::joints(&plant)?;
@@ -129,5 +133,28 @@ impl Plant {
     /// Returns the torque of the position spring on the hub at a hub angle relative to the platform, N m.
     pub fn spring_torque_nm(&self, relative_angle_rad: f64) -> f64 {
         -self.spring.0 * (relative_angle_rad - self.spring.1)
+    }
+
+    /// Returns the torque of spring, equilibrator and stops on the hub at rest, at a hub angle relative to the platform, N m.
+    pub fn support_torque_nm(&self, relative_angle_rad: f64) -> f64 {
+        let spring = self.spring_torque_nm(relative_angle_rad);
+        match &self.loads {
+            Some(loads) => spring + loads.torque_at_rest_nm(relative_angle_rad),
+            None => spring,
+        }
+    }
+
+    /// Returns the stiffness of spring, equilibrator and stops at a hub angle relative to the platform, N m/rad.
+    pub fn support_stiffness_nm_rad(&self, relative_angle_rad: f64) -> f64 {
+        match &self.loads {
+            Some(loads) => self.spring.0 + loads.stiffness_nm_rad(relative_angle_rad),
+            None => self.spring.0,
+        }
+    }
+
+    /// Returns equilibrator, stops and recoil; `None` if there is none of them.
+    #[inline]
+    pub fn loads(&self) -> Option<&Loads> {
+        self.loads.as_ref()
     }
 }

@@ -14,6 +14,8 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
     drive(parameters)?;
     sensors(parameters)?;
     super::learned::check(parameters)?;
+    parameters.loads.check()?;
+    drive_limits(parameters)?;
     interface(parameters)
 }
 
@@ -177,6 +179,23 @@ fn sensor(path: &str, sensor: &Sensor) -> Result<(), Error> {
     not_negative(&at("delay_s"), sensor.delay_s)?;
     not_negative(&at("resolution"), sensor.resolution)?;
     finite(&at("g_sensitivity"), sensor.g_sensitivity)
+}
+
+fn drive_limits(parameters: &Parameters) -> Result<(), Error> {
+    let limits = &parameters.drive_limits;
+    positive_or_infinite("drive_limits.slew_v_s", limits.slew_v_s)?;
+    positive_or_infinite("drive_limits.motor_rate_rad_s", limits.motor_rate_rad_s)?;
+    positive_or_infinite("drive_limits.supply_power_w", limits.supply_power_w)?;
+    positive_or_infinite("drive_limits.continuous_current_a", limits.continuous_current_a)?;
+    positive("drive_limits.overload_time_s", limits.overload_time_s)?;
+    let Some(heat) = &limits.heat else { return Ok(()) };
+    positive("drive_limits.heat.winding_k_w", heat.winding_k_w)?;
+    positive("drive_limits.heat.housing_k_w", heat.housing_k_w)?;
+    positive("drive_limits.heat.winding_time_s", heat.winding_time_s)?;
+    positive("drive_limits.heat.housing_time_s", heat.housing_time_s)?;
+    positive("drive_limits.heat.ambient_k", heat.ambient_k)?;
+    positive("drive_limits.heat.start_k", heat.start_k)?;
+    positive("drive_limits.heat.limit_k", heat.limit_k)
 }
 
 fn interface(parameters: &Parameters) -> Result<(), Error> {

@@ -16,7 +16,7 @@ pub struct BalanceResult {
     pub tilt: [f64; 2],
     /// First moment of mass about the pivot across the beam, kg m.
     pub vertical_offset_kg_m: f64,
-    /// Torque of the spring at the hub, N m.
+    /// Torque of spring, equilibrator and stops at the hub, N m.
     pub spring_nm: f64,
     /// Ripple of the gear's torque, N m.
     pub mesh_ripple_nm: f64,
@@ -50,7 +50,7 @@ impl BalanceResult {
             gravity_m_s2: parameters.gravity_m_s2,
             tilt: [cos, sin],
             vertical_offset_kg_m: plant.body().vertical_offset_kg_m,
-            spring_nm: plant.spring_torque_nm(point.hub_angle_rad - point.platform_angle_rad),
+            spring_nm: plant.support_torque_nm(point.hub_angle_rad - point.platform_angle_rad),
             mesh_ripple_nm: gearbox.mesh_ripple.at(at.motor_angle_rad),
             motor_share: 1.0 / gearbox.ratio + gearbox.kinematic_error.slope_at(at.motor_angle_rad),
             cogging_nm: motor.cogging.at(at.motor_angle_rad),

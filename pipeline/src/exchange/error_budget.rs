@@ -1,6 +1,7 @@
 //! The error budget of the line of sight as plain data.
 
-use counterpoise_verify::{Contribution, ErrorBudget};
+use counterpoise_verify::sight_spectrum::SightSpectrum;
+use counterpoise_verify::{Contribution, ErrorBudget, LinearContribution};
 use serde::Serialize;
 
 /// Values of the line of sight: at the hub and at the tip, over the whole run and within an exposure.
@@ -29,8 +30,28 @@ pub struct ErrorBudgetResult {
     pub sum_rad: SightValues,
     /// Root of the sum of the squares of what each source makes alone, rad: the RMS if superposition held.
     pub superposed_rad: SightValues,
+    /// Root of the sum of the squares of what the linear loop makes of each source, rad.
+    pub linear_rad: SightValues,
+    /// Edges of the bands of frequency of all spectra, Hz: one more than bands.
+    pub edges_hz: Vec<f64>,
+    /// Mean square in each band with all sources, rad^2. Over the width of its band it is the power spectral density, and its sum up to a
+    /// frequency is the square of the cumulative RMS.
+    pub total_rad2: SightBands,
+    /// Mean square in each band with none of them, rad^2.
+    pub none_rad2: SightBands,
     /// The sources.
     pub contributions: Vec<ContributionResult>,
+}
+
+/// Mean squares in bands of frequency, rad^2.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SightBands {
+    /// Hub.
+    pub hub: Vec<f64>,
+    /// Tip.
+    pub tip: Vec<f64>,
+    /// Tip against hub.
+    pub tip_against_hub: Vec<f64>,
 }
 
 /// What one source makes of the error.
@@ -42,6 +63,20 @@ pub struct ContributionResult {
     pub share_rad2: SightValues,
     /// RMS with this source alone, rad.
     pub alone_rad: SightValues,
+    /// The share in each band, rad^2.
+    pub share_bands_rad2: SightBands,
+    /// What the linear loop makes of the source; absent if it has no place in a linear loop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linear: Option<LinearContributionResult>,
+}
+
+/// What the linear loop makes of a source.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LinearContributionResult {
+    /// RMS, rad.
+    pub rms_rad: SightValues,
+    /// Mean square in each band, rad^2.
+    pub bands_rad2: SightBands,
 }
 
 impl From<[f64; 5]> for SightValues {
@@ -50,9 +85,31 @@ impl From<[f64; 5]> for SightValues {
     }
 }
 
+impl From<&SightSpectrum> for SightBands {
+    fn from(spectrum: &SightSpectrum) -> Self {
+        Self {
+            hub: spectrum.hub_rad2.clone(),
+            tip: spectrum.tip_rad2.clone(),
+            tip_against_hub: spectrum.bending_rad2.clone(),
+        }
+    }
+}
+
+impl From<&LinearContribution> for LinearContributionResult {
+    fn from(linear: &LinearContribution) -> Self {
+        Self { rms_rad: linear.rad.into(), bands_rad2: (&linear.spectrum).into() }
+    }
+}
+
 impl From<&Contribution> for ContributionResult {
     fn from(one: &Contribution) -> Self {
-        Self { source: one.source.name(), share_rad2: one.share_rad2.into(), alone_rad: one.alone_rad.into() }
+        Self {
+            source: one.source.name(),
+            share_rad2: one.share_rad2.into(),
+            alone_rad: one.alone_rad.into(),
+            share_bands_rad2: (&one.share).into(),
+            linear: one.linear.as_ref().map(Into::into),
+        }
     }
 }
 
@@ -63,6 +120,10 @@ impl From<&ErrorBudget> for ErrorBudgetResult {
             none_rad: budget.none_rad.into(),
             sum_rad: budget.sum_rad().into(),
             superposed_rad: budget.superposed_rad().into(),
+            linear_rad: budget.linear_rad().into(),
+            edges_hz: budget.edges_hz.clone(),
+            total_rad2: (&budget.total).into(),
+            none_rad2: (&budget.none).into(),
             contributions: budget.contributions.iter().map(Into::into).collect(),
         }
     }

@@ -18,6 +18,7 @@ mod format;
 mod friction;
 pub mod import;
 mod learned;
+mod loads;
 mod loop_sensor;
 pub mod measured;
 pub mod model;

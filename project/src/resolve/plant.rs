@@ -1,15 +1,15 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    AccelerometerAxis, Axis, Clock, Drift, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured,
-    Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    AccelerometerAxis, Axis, Clock, Drift, DriveLimits, Friction, FrictionLaw, Gearbox, Interface, Loads,
+    Lumped, Measured, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::Words;
 use super::friction::{friction, ripple};
 use super::learned::learned;
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
-use super::{drive, loop_sensor, transmission};
+use super::{drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose, list, maybe_number, optional, table};
 
@@ -60,6 +60,8 @@ pub(crate) fn blank() -> Parameters {
         },
         configurations: Vec::new(),
         learned: Vec::new(),
+        loads: Loads::default(),
+        drive_limits: DriveLimits::default(),
     }
 }
 
@@ -113,7 +115,9 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     let rotor = if is_direct && !is_turning { axis } else { Axis::Rotary };
     motor_section(&mut Words::of(rotor, v), &mut plant.motor);
     drive::drive(&mut Words::of(rotor, v), plant);
+    loads::drive_limits(&mut Words::of(rotor, v), plant);
     frictions(v, plant);
+    loads::loads(&mut Words::of(axis, v), plant);
     sensors(&mut Words::of(axis, v), plant);
     drive::without_its_delay(plant);
     table(

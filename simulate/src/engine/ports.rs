@@ -3,10 +3,11 @@
 use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
+use crate::scenario::Firing;
 use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION};
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 use counterpoise_models::plant::{Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
-use counterpoise_models::{Axis, LearnedPlace, Measured, Parameters, Plant};
+use counterpoise_models::{Axis, LearnedPlace, LoadPoint, Loads, Measured, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
@@ -239,6 +240,9 @@ pub(crate) struct Ports {
     lossy: bool,
     needs_mesh_torque: bool,
     learned: Option<Box<LearnedFunctions>>,
+    loads: Option<Box<Loads>>,
+    /// Lowest and highest current that the drive gives, A; `None` if the amplifier alone limits it.
+    current_range_a: Option<[f64; 2]>,
     /// Torques and loads against which an error at a port is small.
     pub scales: [f64; PORTS],
 }
@@ -262,8 +266,11 @@ impl Ports {
         let loaded = |f: &counterpoise_models::Friction| f.load_coefficient != 0.0;
         let held = plant.body().out_of_balance_kg_m.abs() * parameters.gravity_m_s2.abs();
         let ratio = parameters.gearbox.ratio;
-        let hub_scale =
-            parameters.pivot_friction.coulomb_nm() + 0.1 * held + transmission_scale_nm(parameters);
+        let loaded_nm = plant.loads().map_or(0.0, Loads::scale_nm);
+        let hub_scale = parameters.pivot_friction.coulomb_nm()
+            + 0.1 * held
+            + transmission_scale_nm(parameters)
+            + loaded_nm;
         let motor_scale = parameters.motor_friction.coulomb_nm() + 0.1 * held / ratio;
         // an end of the gear without dry friction or weight of its own is measured by the other end's
         let own_or = |own: f64, others: f64| if own > 0.0 { own } else { others };
@@ -294,6 +301,8 @@ impl Ports {
                 || loaded(&parameters.pivot_friction)
                 || plant.learned().is_some_and(LearnedFunctions::needs_mesh_torque),
             learned: plant.learned().cloned().map(Box::new),
+            loads: plant.loads().cloned().map(Box::new),
+            current_range_a: None,
             scales,
         })
     }
@@ -584,6 +593,18 @@ impl Ports {
             motor += error.motor_nm;
             hub += error.hub_nm;
         }
+        if let Some(range) = &self.current_range_a {
+            motor += self.cut_torque_nm(plant, at, motion, range);
+        }
+        if let Some(loads) = &self.loads {
+            hub += loads.torque_nm(&LoadPoint {
+                time_s: at.time_s,
+                angle_rad: motion.pivot_angle,
+                rate_rad_s: motion.pivot_rate,
+                hub_rate_rad_s: at.outputs[HUB_RATE],
+                load_m_s2: load,
+            });
+        }
         if let Some(functions) = &self.learned {
             let current_a = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);
             let regime = LearnedRegime { current_a, drive_v: at.drive_v, ..motion.regime(at.time_s) };
@@ -592,6 +613,32 @@ impl Ports {
             hub += added.hub_nm;
         }
         [motor, hub, load]
+    }
+}
+
+impl Ports {
+    /// Leaves the shots of a recoiling machine out, or takes the plant's own.
+    pub fn fire(&mut self, plant: &Plant, firing: Firing) {
+        self.loads = plant.loads().cloned().map(Box::new);
+        if let (Some(loads), Firing::Silent) = (&mut self.loads, firing) {
+            loads.recoil = None;
+        }
+    }
+
+    /// Sets the lowest and the highest current that the drive gives, A.
+    pub fn limit_current(&mut self, range_a: Option<[f64; 2]>) {
+        self.current_range_a = range_a;
+    }
+
+    /// Returns what the limits of the drive take from the motor's torque beside the amplifier's peak current.
+    #[inline]
+    fn cut_torque_nm(&self, plant: &Plant, at: &Point, motion: &Motion, [low, high]: &[f64; 2]) -> f64 {
+        let (motor, amplifier) = (&plant.parameters().motor, &plant.parameters().amplifier);
+        let current = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);
+        let peak = current.clamp(-amplifier.current_limit_a, amplifier.current_limit_a);
+        let given = peak.min(*high).max(*low);
+        let constant = motor.torque_constant_nm_a * (1.0 + motor.torque_ripple.at(motion.motor_angle));
+        constant * (given - peak)
     }
 }
 

@@ -10,6 +10,7 @@ use super::present::{Ordinary, Present, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS};
 use crate::Error;
+use crate::scenario::Firing;
 use crate::tolerance::{
     BRISTLE_LEVELS, CONTACT_LEVELS, CONTACT_TOLERANCE, EVENT_BITS, FEWEST_CONTACT_LEVELS, LENGTHEN_BELOW,
     MANY_CHANGES,
@@ -125,6 +126,19 @@ impl Stepper {
     /// Returns the defect that a step may leave, relative to the ports' scales.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
+    }
+
+    /// Lets a machine that recoils fire, or not, in the runs that follow.
+    pub fn fire(&mut self, firing: Firing) {
+        let Present { plant, ports, .. } = &mut self.present;
+        if plant.loads().is_some() {
+            ports.fire(plant, firing);
+        }
+    }
+
+    /// Sets the lowest and the highest current that the drive gives, A.
+    pub fn limit_current(&mut self, range_a: Option<[f64; 2]>) {
+        self.present.ports.limit_current(range_a);
     }
 
     /// Returns the state of the plant.

@@ -28,7 +28,7 @@ use crate::Error;
 use crate::ensemble::{Variant, run_ensemble};
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
-use crate::scenario::{Detail, Initial, Scenario};
+use crate::scenario::{Detail, Firing, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::{LOOK_AHEAD, Signal};
 use crate::tolerance::SAME_PERIOD;
@@ -412,6 +412,7 @@ impl<'a> Replayer<'a> {
             imperfections: self.imperfections,
             initial: Initial::State(Box::new(start.clone())),
             detail: Detail::Recording,
+            firing: Firing::Stated,
         }
     }
 

@@ -260,7 +260,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         let (sin, cos) = self.plant.tilt(angle);
         let gravity = self.plant.parameters().gravity_m_s2 + self.replayer.platform().heave_m_s2.at(0.0);
         gravity * (body.out_of_balance_kg_m * cos - body.vertical_offset_kg_m * sin)
-            - self.plant.spring_torque_nm(angle)
+            - self.plant.support_torque_nm(angle)
     }
 
     /// Returns the state of the plant that the unknowns describe.

@@ -8,7 +8,7 @@
 use super::normal::{Normal, squares};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
 use crate::run::{Simulator, holding_control};
-use crate::scenario::{Detail, Initial, Scenario};
+use crate::scenario::{Detail, Firing, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
 use crate::tolerance::{
@@ -191,6 +191,7 @@ impl<'a, 'b> Windows<'a, 'b> {
             imperfections: Imperfections::None,
             initial: Initial::State(Box::new(start.clone())),
             detail: Detail::Recording,
+            firing: Firing::Stated,
         };
         self.simulator.run(&mut Playback::new(&self.control_v[from..]), &scenario)
     }

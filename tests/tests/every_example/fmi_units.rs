@@ -15,7 +15,7 @@ use counterpoise_pipeline::{Modelled, World, export, model, reduce, synthesise, 
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_simulate::signal::Sine;
-use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
+use counterpoise_simulate::{Firing, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
 use crate::every_example::support::{self, STRICT, folder, is_there, provenance, run, write};
@@ -34,7 +34,9 @@ fn scenario() -> Scenario {
         pitch_rate_rad_s: swing(0.05, 7.0),
         ..PlatformMotion::STILL
     };
-    Scenario { demand_rad_s: Signal::step(0.2, 0.1), platform, ..Scenario::still(2.0) }
+    // the unit fires at the instants that the machine states
+    let firing = Firing::Stated;
+    Scenario { demand_rad_s: Signal::step(0.2, 0.1), platform, firing, ..Scenario::still(2.0) }
 }
 
 fn csv(run: &TimeHistory) -> String {

@@ -15,7 +15,7 @@ use counterpoise_pipeline::recordings::{Gaps, ReplayLength, ReplayedRecording, r
 use counterpoise_project::{Attachments, Document, Project, Purpose, Setting, StructureChoice};
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::signal::{Signal, Sine};
-use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+use counterpoise_simulate::{Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 use counterpoise_tests::examples::{self, Designed};
 use counterpoise_tests::exported_loop::controller_file;
 
@@ -70,6 +70,7 @@ fn record(designed: &Designed, plant: &Plant, controller: &mut dyn SampledContro
         imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
         initial: Initial::Rest { hub_angle_rad: designed.project.model.operating_point.hub_angle_rad },
         detail: Detail::Recording,
+        firing: Firing::Stated,
     };
     let history = Simulator::new(plant).unwrap().run(controller, &scenario).unwrap();
     history.readings.recording("run", history.sample_period_s)

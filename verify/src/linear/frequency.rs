@@ -72,7 +72,7 @@ pub struct PlantResponse {
     /// (control, heave, pitch rate) to all outputs, continuous.
     pub(super) continuous: Vec<CMat>,
     /// Control to readings, sampled.
-    readings: Vec<CMat>,
+    pub(super) readings: Vec<CMat>,
 }
 
 impl PlantResponse {
@@ -87,7 +87,7 @@ impl PlantResponse {
         Ok(Self { frequency_hz, rates_rad_s, continuous, readings })
     }
 
-    fn controller(&self, closed: &Closed) -> Result<Option<Vec<CMat>>, Error> {
+    pub(super) fn controller(&self, closed: &Closed) -> Result<Option<Vec<CMat>>, Error> {
         let K = closed.controller.as_ref();
         K.map(|K| Ok(Response::of(K)?.at_all(&self.rates_rad_s)?)).transpose()
     }
@@ -136,7 +136,7 @@ impl Curves {
 }
 
 /// L = -K P.
-fn broken_at(K: &[CMat], P: &[CMat]) -> Vec<C64> {
+pub(super) fn broken_at(K: &[CMat], P: &[CMat]) -> Vec<C64> {
     let at = |(K, P): (&CMat, &CMat)| -(0..P.nrows()).map(|i| K[(0, i)] * P[(i, 0)]).sum::<C64>();
     K.iter().zip(P).map(at).collect()
 }

@@ -3,12 +3,13 @@
 //! Friction observers are taken as sliding and the out-of-balance estimator as standing still (see
 //! [`counterpoise_controller::Controller::linear`]).
 //!
-//! Modules in reading order: [`plant`], [`closed`], [`frequency`], [`loop_responses`], [`root_locus`](mod@root_locus), [`loop_shape`](mod@loop_shape), [`time`], [`surge`].
+//! Modules in reading order: [`plant`], [`closed`], [`frequency`], [`loop_responses`], [`noise`], [`root_locus`](mod@root_locus), [`loop_shape`](mod@loop_shape), [`time`], [`surge`].
 
 pub mod closed;
 pub mod frequency;
 pub mod loop_responses;
 pub mod loop_shape;
+pub mod noise;
 pub mod plant;
 pub mod root_locus;
 pub mod surge;

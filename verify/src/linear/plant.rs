@@ -80,14 +80,44 @@ pub enum Resolver {
     Unread,
 }
 
+/// What drives a plant beside its control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drivers {
+    /// Heave and pitch rate, which the platform's sensors feel.
+    Platform,
+    /// Torques on the motor shaft and on the hub, which no sensor feels.
+    Torques,
+}
+
 impl SampledPlant {
     /// The plant with the sensors and the clock of `parameters`.
     ///
     /// # Errors
     /// [`Error::Range`] if the delays together are longer than [`MOST_DELAY_STATES`] samples; those of the models and of the sampling.
     pub fn new(plant: &LinearPlant, parameters: &Parameters, resolver: Resolver) -> Result<Self, Error> {
+        Self::driven(plant, parameters, resolver, Drivers::Platform)
+    }
+
+    /// The plant on a platform that stands still, with torques on the motor shaft and on the hub in the places of heave and pitch rate.
+    ///
+    /// # Errors
+    /// As [`SampledPlant::new`].
+    pub fn driven_by_torques(
+        plant: &LinearPlant,
+        parameters: &Parameters,
+        resolver: Resolver,
+    ) -> Result<Self, Error> {
+        Self::driven(&plant.driven_by_torques()?, parameters, resolver, Drivers::Torques)
+    }
+
+    fn driven(
+        plant: &LinearPlant,
+        parameters: &Parameters,
+        resolver: Resolver,
+        drivers: Drivers,
+    ) -> Result<Self, Error> {
         Delays::of(parameters).check()?;
-        let sensed = with_truths(plant, parameters)?;
+        let sensed = with_truths(plant, parameters, drivers)?;
         let hub_angle_rad = plant.equilibrium.point.hub_angle_rad;
         let share = parameters.sensors.accelerometer_axis.share_of_heave(hub_angle_rad);
         let continuous = series(&sensed, &sensors(parameters, resolver, share)?)?;
@@ -110,11 +140,12 @@ impl SampledPlant {
 
 /// Outputs: hub, tip, motor rate and current; then what each sensor feels: measured output and heave, pitch rate and heave, heave and
 /// pitch rate, motor rate, hub rate less pitch rate (in a loop of position the hub's position).
-fn with_truths(plant: &LinearPlant, parameters: &Parameters) -> Result<StateSpace, Error> {
+fn with_truths(plant: &LinearPlant, parameters: &Parameters, drivers: Drivers) -> Result<StateSpace, Error> {
     let g = &plant.system;
     let output = |row: usize| (g.C.block(row, 0, 1, g.order()), g.D.block(row, 0, 1, 3));
     let input = |column: usize| {
-        (Mat::zeros(1, g.order()), Mat::from_fn(1, 3, |_, j| if j == column { 1.0 } else { 0.0 }))
+        let is_felt = |j: usize| j == column && drivers == Drivers::Platform;
+        (Mat::zeros(1, g.order()), Mat::from_fn(1, 3, |_, j| if is_felt(j) { 1.0 } else { 0.0 }))
     };
     let current = (Mat::row(&plant.current.states), Mat::row(&plant.current.inputs));
     let (hub, motor) = (output(LinearPlant::HUB_RATE), output(LinearPlant::MOTOR_RATE));

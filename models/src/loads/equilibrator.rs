@@ -1,0 +1,225 @@
+//! An equilibrator: a spring or a gas strut between elevated mass and platform that holds the out-of-balance.
+//!
+//! It joins a pin on the elevated mass, at the radius r from the trunnion and the angle a from the beam, to a pin on the platform at the
+//! distance R and the angle b. With the hub at the angle p on the platform its length is L, and a tension F turns the hub by
+//!
+//! ```text
+//!     c = b - a - p       L^2 = r^2 + R^2 - 2 r R cos c       T = F r R sin(c) / L = -F dL/dp
+//! ```
+//!
+//! (virtual work; US Army Materiel Command, *Engineering Design Handbook: Carriages and Mounts Series, Equilibrators*, AMCP 706-345, 1960). A spring has
+//! F = k (L - L_0). A gas of the absolute pressure p_0 at the temperature t_0, enclosed in V_0 at the length L_0, has at the temperature t
+//!
+//! ```text
+//!     p = p_0 (t / t_0) (V_0 / V)^n       V = V_0 -+ A (L - L_0)       F = +-(p - p_a) A
+//! ```
+//!
+//! with the upper signs for a cylinder that pulls (its gas is pressed together as it grows longer) and the lower ones for a strut that pushes.
+//! The charge follows the gas law at a constant volume, fast strokes the polytropic exponent n (1 isothermal, 1.4 adiabatic).
+
+use super::{finite, positive, require};
+use crate::Error;
+
+/// Pressure of the atmosphere, Pa (ISO 2533).
+pub const ATMOSPHERE_PA: f64 = 101_325.0;
+
+/// An equilibrator and its pins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrator {
+    /// Distance of the pin on the elevated mass from the trunnion, m.
+    pub arm_m: f64,
+    /// Its angle from the beam, rad.
+    pub arm_angle_rad: f64,
+    /// Distance of the pin on the platform from the trunnion, m.
+    pub anchor_m: f64,
+    /// Its angle above forward, rad.
+    pub anchor_angle_rad: f64,
+    /// Factor on the force; 1 as stated.
+    pub factor: f64,
+    /// What makes the force.
+    pub force: Force,
+}
+
+/// What makes the force of an equilibrator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Force {
+    /// A coil spring that pulls.
+    Spring {
+        /// Stiffness, N/m.
+        stiffness_n_m: f64,
+        /// Length without force, m.
+        free_length_m: f64,
+    },
+    /// A gas.
+    Gas {
+        /// Whether it pulls or pushes.
+        acts: Action,
+        /// Absolute pressure of the charge, Pa.
+        pressure_pa: f64,
+        /// Area of the piston, m^2.
+        area_m2: f64,
+        /// Volume of the gas at the length below, m^3.
+        volume_m3: f64,
+        /// Length at which pressure and volume are stated, m.
+        length_m: f64,
+        /// Polytropic exponent.
+        exponent: f64,
+        /// Temperature of the charge, K.
+        charge_temperature_k: f64,
+        /// Temperature of the gas, K.
+        temperature_k: f64,
+    },
+}
+
+/// Whether a strut pulls or pushes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Action {
+    /// It pulls its pins together.
+    #[default]
+    Pull,
+    /// It pushes them apart.
+    Push,
+}
+
+/// A force with its slope over the length.
+#[derive(Debug, Clone, Copy)]
+struct Tension {
+    /// N, positive where it pulls.
+    force_n: f64,
+    /// N/m.
+    slope_n_m: f64,
+}
+
+impl Equilibrator {
+    /// Returns the length at an angle of the hub on the platform, m.
+    #[inline]
+    pub fn length_m(&self, angle_rad: f64) -> f64 {
+        let between = self.anchor_angle_rad - self.arm_angle_rad - angle_rad;
+        let square = self.arm_m * self.arm_m + self.anchor_m * self.anchor_m
+            - 2.0 * self.arm_m * self.anchor_m * between.cos();
+        square.max(0.0).sqrt()
+    }
+
+    /// Returns the lever of the force about the trunnion, m: T = F x lever, lever = -dL/dp.
+    #[inline]
+    fn lever_m(&self, angle_rad: f64) -> f64 {
+        let between = self.anchor_angle_rad - self.arm_angle_rad - angle_rad;
+        let length = self.length_m(angle_rad);
+        if length == 0.0 { 0.0 } else { self.arm_m * self.anchor_m * between.sin() / length }
+    }
+
+    /// Returns the torque on the hub, N m.
+    #[inline]
+    pub fn torque_nm(&self, angle_rad: f64) -> f64 {
+        self.tension(self.length_m(angle_rad)).force_n * self.lever_m(angle_rad)
+    }
+
+    /// Returns the tension, N; negative where it pushes.
+    pub fn tension_n(&self, angle_rad: f64) -> f64 {
+        self.tension(self.length_m(angle_rad)).force_n
+    }
+
+    /// Returns minus the slope of the torque, N m/rad: with s the lever, ds/dp = (s^2 - r R cos c) / L and dL/dp = -s.
+    pub fn stiffness_nm_rad(&self, angle_rad: f64) -> f64 {
+        let between = self.anchor_angle_rad - self.arm_angle_rad - angle_rad;
+        let (length, lever) = (self.length_m(angle_rad), self.lever_m(angle_rad));
+        if length == 0.0 {
+            return 0.0;
+        }
+        let tension = self.tension(length);
+        let turning = (lever * lever - self.arm_m * self.anchor_m * between.cos()) / length;
+        tension.slope_n_m * lever * lever - tension.force_n * turning
+    }
+
+    #[inline]
+    fn tension(&self, length_m: f64) -> Tension {
+        let Tension { force_n, slope_n_m } = self.force.tension(length_m);
+        Tension { force_n: self.factor * force_n, slope_n_m: self.factor * slope_n_m }
+    }
+
+    /// Refuses pins and forces that make no equilibrator.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        positive("equilibrator.arm", self.arm_m)?;
+        finite("equilibrator.arm_angle", self.arm_angle_rad)?;
+        positive("equilibrator.anchor", self.anchor_m)?;
+        finite("equilibrator.anchor_angle", self.anchor_angle_rad)?;
+        finite("equilibrator.factor", self.factor)?;
+        match self.force {
+            Force::Spring { stiffness_n_m, free_length_m } => {
+                positive("equilibrator.spring.stiffness", stiffness_n_m)?;
+                finite("equilibrator.spring.free_length", free_length_m)
+            }
+            Force::Gas { .. } => self.check_gas(),
+        }
+    }
+
+    fn check_gas(&self) -> Result<(), Error> {
+        let Force::Gas {
+            acts,
+            pressure_pa,
+            area_m2,
+            volume_m3,
+            length_m,
+            exponent,
+            charge_temperature_k,
+            temperature_k,
+        } = self.force
+        else {
+            return Ok(());
+        };
+        for (name, value) in [
+            ("equilibrator.gas.pressure", pressure_pa),
+            ("equilibrator.gas.area", area_m2),
+            ("equilibrator.gas.length", length_m),
+            ("equilibrator.gas.exponent", exponent),
+            ("equilibrator.gas.charge_temperature", charge_temperature_k),
+            ("equilibrator.gas.temperature", temperature_k),
+        ] {
+            positive(name, value)?;
+        }
+        // the longest or the shortest length of the linkage leaves gas in the cylinder
+        let extreme = match acts {
+            Action::Pull => self.arm_m + self.anchor_m,
+            Action::Push => (self.arm_m - self.anchor_m).abs(),
+        };
+        let stroke = area_m2 * (extreme - length_m).abs();
+        let allowed = "must be more than the piston's area times the way from equilibrator.gas.length to the end of the linkage: no gas would be left there";
+        require(|volume| volume > stroke, "equilibrator.gas.volume", volume_m3, allowed)
+    }
+}
+
+impl Force {
+    #[inline]
+    fn tension(&self, length_m: f64) -> Tension {
+        match *self {
+            Self::Spring { stiffness_n_m, free_length_m } => {
+                // a coil spring that hangs slack does not push
+                let stretch = length_m - free_length_m;
+                if stretch > 0.0 {
+                    Tension { force_n: stiffness_n_m * stretch, slope_n_m: stiffness_n_m }
+                } else {
+                    Tension { force_n: 0.0, slope_n_m: 0.0 }
+                }
+            }
+            Self::Gas {
+                acts,
+                pressure_pa,
+                area_m2,
+                volume_m3,
+                length_m: stated_m,
+                exponent,
+                charge_temperature_k,
+                temperature_k,
+            } => {
+                let sign = if acts == Action::Pull { 1.0 } else { -1.0 };
+                let volume = volume_m3 - sign * area_m2 * (length_m - stated_m);
+                let pressure =
+                    pressure_pa * temperature_k / charge_temperature_k * (volume_m3 / volume).powf(exponent);
+                Tension {
+                    force_n: sign * (pressure - ATMOSPHERE_PA) * area_m2,
+                    slope_n_m: exponent * pressure * area_m2 * area_m2 / volume,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The spectrum of the line of sight as figures: its power spectral density and its cumulative RMS, with the shares of its sources.
+
+use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
+use counterpoise_verify::sight_spectrum::SightSpectrum;
+use counterpoise_verify::{Contribution, ErrorBudget};
+
+/// Microradians in a radian.
+const MICRO: f64 = 1e6;
+
+/// A place at which the line of sight is observed.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    name: &'static str,
+    of: fn(&SightSpectrum) -> &Vec<f64>,
+}
+
+const PLACES: [Place; 3] = [
+    Place { name: "hub", of: |spectrum| &spectrum.hub_rad2 },
+    Place { name: "tip", of: |spectrum| &spectrum.tip_rad2 },
+    Place { name: "tip against the hub", of: |spectrum| &spectrum.bending_rad2 },
+];
+
+/// Returns the spectrum at the hub and at the tip, and that of the tip against the hub; a place where nothing moves is left out.
+pub fn figures(budget: &ErrorBudget) -> Vec<Figure> {
+    let moves = |place: &Place| (place.of)(&budget.total).iter().sum::<f64>() > 0.0;
+    PLACES.into_iter().filter(moves).map(|place| figure(budget, place)).collect()
+}
+
+fn figure(budget: &ErrorBudget, place: Place) -> Figure {
+    let largest = largest(budget, place);
+    let linear = linear(budget, place);
+    let density = |bands: &[f64]| densities(&budget.edges_hz, bands);
+    let total = (place.of)(&budget.total);
+    let mut powers = vec![Series::solid("all sources", Colour::Muted, density(total))];
+    let mut roots = vec![Series::solid("all sources", Colour::Muted, cumulative(&budget.edges_hz, total))];
+    let mut shares = Vec::new();
+    for (one, colour) in largest.iter().zip(Colour::CYCLE) {
+        let share = (place.of)(&one.share);
+        powers.push(Series::solid(one.source.name(), colour, density(share)));
+        shares.push(Series::solid("", colour, part(&budget.edges_hz, share, total)));
+        if let Some(linear) = &one.linear {
+            let name = format!("{}, linear loop", one.source.name());
+            powers.push(Series::dotted(&name, colour, density((place.of)(&linear.spectrum))));
+        }
+    }
+    roots.push(Series::dotted("linear loop", Colour::Muted, cumulative(&budget.edges_hz, &linear)));
+    let panels = vec![
+        Panel::new(Axis::logarithmic("power spectrum", "urad\u{B2}/Hz"), powers).with_height(260.0),
+        Panel::new(Axis::linear("cumulative RMS", "urad"), roots).with_height(150.0),
+        Panel::new(Axis::linear("cumulative share", "%"), shares).with_height(150.0),
+    ];
+    Figure::new(
+        &format!("Spectrum of the line of sight, {}", place.name),
+        Axis::logarithmic("frequency", "Hz"),
+        panels,
+    )
+    .with_caption(
+        "Shares of the sources that move it most. The cumulative share is that of the mean square of the whole run; it is negative for a source that reduces \
+         the error of the others.",
+    )
+}
+
+/// Returns the sources with the largest shares, at most as many as there are colours.
+fn largest(budget: &ErrorBudget, place: Place) -> Vec<&Contribution> {
+    let size = |one: &Contribution| (place.of)(&one.share).iter().sum::<f64>().abs();
+    let mut all: Vec<&Contribution> = budget.contributions.iter().filter(|one| size(one) > 0.0).collect();
+    all.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    all.truncate(Colour::CYCLE.len());
+    all
+}
+
+/// Returns the sum of the spectra of the linear loop.
+fn linear(budget: &ErrorBudget, place: Place) -> Vec<f64> {
+    let mut sum = vec![0.0; budget.edges_hz.len().saturating_sub(1)];
+    for one in budget.contributions.iter().filter_map(|one| one.linear.as_ref()) {
+        sum.iter_mut().zip((place.of)(&one.spectrum)).for_each(|(sum, square)| *sum += square);
+    }
+    sum
+}
+
+/// Returns the middle of each band and the density in it; the lowest band has no middle on a logarithmic axis and stands at half its width.
+fn densities(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
+    let middle = |low: f64, high: f64| if low > 0.0 { (low * high).sqrt() } else { 0.5 * high };
+    edges_hz
+        .windows(2)
+        .zip(bands)
+        .map(|(edges, square)| {
+            let density = MICRO * MICRO * square / (edges[1] - edges[0]);
+            (middle(edges[0], edges[1]), if density > 0.0 { density } else { f64::NAN })
+        })
+        .collect()
+}
+
+fn sums(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
+    let mut sum = 0.0;
+    let mut next = |(edge, square): (&f64, &f64)| {
+        sum += square;
+        (*edge, sum)
+    };
+    edges_hz.iter().skip(1).zip(bands).map(&mut next).collect()
+}
+
+fn cumulative(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
+    sums(edges_hz, bands).into_iter().map(|(hz, sum)| (hz, MICRO * sum.max(0.0).sqrt())).collect()
+}
+
+fn part(edges_hz: &[f64], share: &[f64], total: &[f64]) -> Vec<(f64, f64)> {
+    let whole: f64 = total.iter().sum();
+    sums(edges_hz, share).into_iter().map(|(hz, sum)| (hz, 100.0 * sum / whole)).collect()
+}

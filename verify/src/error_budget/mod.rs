@@ -1,0 +1,239 @@
+//! The error budget: how much of the line of sight's error each source makes, by switching sources on and off in the simulator, and by the
+//! linear loop.
+//!
+//! The mean square of the error with all sources is divided among them. Sources are switched on one after the other, and each is charged with
+//! what the mean square grows by; this is done in one order and in the opposite one, and the two charges are averaged. The shares add
+//! up to the simulated mean square whatever is nonlinear (they are Shapley values over these two orders; L. Shapley, 1953). A negative share
+//! belongs to a source whose presence reduces the error of the others, as friction may. The same is done in each band of frequency.
+//!
+//! Beside it stands what each source makes alone, and what the linear loop makes of it ([`propagation`]). If the loop were linear and the sources
+//! independent, the squares of either would add up, too: the differences say how far linear theory and superposition hold.
+//!
+//! Modules in reading order: [`sources`], [`propagation`].
+
+pub mod propagation;
+pub mod sources;
+
+use counterpoise_controller::Controller;
+use counterpoise_models::Plant;
+use counterpoise_simulate::{Simulator, TimeHistory};
+
+use crate::line_of_sight::{SightAngles, experiment};
+use crate::sight_spectrum::{Bands, SightSpectrum};
+use crate::{Error, LineOfSight, Procedure, nonlinear};
+use propagation::Propagation;
+use sources::{Switched, switch_off};
+
+pub use sources::ErrorSource;
+
+/// What one source makes of the error: values in the order of [`crate::line_of_sight::SightError::values`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contribution {
+    /// The source.
+    pub source: ErrorSource,
+    /// Its share of the mean square, rad^2; negative if it reduces the error of the others.
+    pub share_rad2: [f64; 5],
+    /// RMS with this source alone, on the flexible structure, rad.
+    pub alone_rad: [f64; 5],
+    /// The share in each band.
+    pub share: SightSpectrum,
+    /// What the linear loop makes of the source; `None` if it has no place in a linear loop.
+    pub linear: Option<LinearContribution>,
+}
+
+/// What the linear loop makes of a source.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearContribution {
+    /// RMS, rad, in the order of [`crate::line_of_sight::SightError::values`].
+    pub rad: [f64; 5],
+    /// The mean square in each band.
+    pub spectrum: SightSpectrum,
+}
+
+/// The error of the line of sight and what it is made of: values in the order of [`crate::line_of_sight::SightError::values`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorBudget {
+    /// RMS with all sources, rad.
+    pub total_rad: [f64; 5],
+    /// RMS with none: what the start of the run leaves, rad.
+    pub none_rad: [f64; 5],
+    /// Every source that the machine and its motion have.
+    pub contributions: Vec<Contribution>,
+    /// Edges of the bands of all spectra, Hz.
+    pub edges_hz: Vec<f64>,
+    /// Spectrum with all sources.
+    pub total: SightSpectrum,
+    /// Spectrum with none.
+    pub none: SightSpectrum,
+}
+
+impl ErrorBudget {
+    /// Returns the root of the sum of all shares, rad: the simulated RMS.
+    pub fn sum_rad(&self) -> [f64; 5] {
+        std::array::from_fn(|j| {
+            let shares: f64 = self.contributions.iter().map(|one| one.share_rad2[j]).sum();
+            (shares + self.none_rad[j].powi(2)).max(0.0).sqrt()
+        })
+    }
+
+    /// Returns the root of the sum of squares of what each source makes alone, rad: the RMS if superposition held.
+    pub fn superposed_rad(&self) -> [f64; 5] {
+        std::array::from_fn(|j| {
+            self.contributions.iter().map(|one| one.alone_rad[j].powi(2)).sum::<f64>().sqrt()
+        })
+    }
+
+    /// Returns the root of the sum of squares of what the linear loop makes of each source, rad.
+    pub fn linear_rad(&self) -> [f64; 5] {
+        std::array::from_fn(|j| {
+            let linear = self.contributions.iter().filter_map(|one| one.linear.as_ref());
+            linear.map(|one| one.rad[j].powi(2)).sum::<f64>().sqrt()
+        })
+    }
+}
+
+/// Divides the error of the line of sight of a controller on a plant among its sources; `None` if a motion with some of them diverges, if the
+/// procedure does not ask for the line of sight, or if the loop holds a position.
+///
+/// # Errors
+/// Those of the plant, the controller and the simulator.
+pub fn error_budget(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<Option<ErrorBudget>, Error> {
+    let Some(sight) = procedure.line_of_sight.filter(|_| !plant.parameters().sensors.measured.is_position())
+    else {
+        return Ok(None);
+    };
+    let found = Runs { plant, controller, procedure, sight }.budget();
+    match found {
+        Ok(budget) => Ok(Some(budget)),
+        Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Runs with some of the sources.
+struct Runs<'a> {
+    plant: &'a Plant,
+    controller: &'a Controller,
+    procedure: &'a Procedure,
+    sight: LineOfSight,
+}
+
+/// The error of one run.
+#[derive(Debug, Clone, Default)]
+struct RunError {
+    rad: [f64; 5],
+    spectrum: SightSpectrum,
+}
+
+impl Runs<'_> {
+    fn budget(&self) -> Result<ErrorBudget, Error> {
+        let all: Vec<ErrorSource> = ErrorSource::ALL.to_vec();
+        let whole = self.run(&all)?;
+        let samples = whole.len().saturating_sub(self.first_sample(&whole));
+        let bands = Bands::of(samples, whole.sample_period_s);
+        let present: Vec<ErrorSource> = all.into_iter().filter(|source| self.has(*source)).collect();
+        let n = present.len();
+        let forwards = self.switched_on(&present, &bands)?;
+        let reversed: Vec<ErrorSource> = present.iter().rev().copied().collect();
+        let backwards = self.switched_on(&reversed, &bands)?;
+        let linear = Propagation::new(self.plant, self.controller, self.procedure, &bands)?;
+        let mut contributions = Vec::with_capacity(n);
+        for (k, source) in present.iter().enumerate() {
+            let on = [&forwards[k], &forwards[k + 1]];
+            let back = [&backwards[n - 1 - k], &backwards[n - k]];
+            contributions.push(Contribution {
+                source: *source,
+                share_rad2: std::array::from_fn(|j| 0.5 * (grown(j, on) + grown(j, back))),
+                alone_rad: self.alone(*source, &bands)?.rad,
+                share: mean_growth(on, back),
+                linear: linear.as_ref().map(|loops| loops.of(*source, &whole)).transpose()?.flatten(),
+            });
+        }
+        let (total, none) = (&forwards[n], &forwards[0]);
+        Ok(ErrorBudget {
+            total_rad: total.rad,
+            none_rad: none.rad,
+            contributions,
+            edges_hz: bands.edges_hz,
+            total: total.spectrum.clone(),
+            none: none.spectrum.clone(),
+        })
+    }
+
+    fn first_sample(&self, run: &TimeHistory) -> usize {
+        let settle_s = self.procedure.sight_settle_s();
+        run.time_s().partition_point(|time_s| *time_s < settle_s)
+    }
+
+    /// Returns the errors with none of the sources, with the first, with the first two, and so on.
+    fn switched_on(&self, order: &[ErrorSource], bands: &Bands) -> Result<Vec<RunError>, Error> {
+        (0..=order.len()).map(|count| self.error(&order[..count], bands)).collect()
+    }
+
+    /// Returns the error with a source alone. Bending moves nothing by itself, so the structure stays flexible: the other sources then show what
+    /// they make of the tip.
+    fn alone(&self, source: ErrorSource, bands: &Bands) -> Result<RunError, Error> {
+        match source {
+            ErrorSource::Bending => self.error(&[source], bands),
+            other => self.error(&[ErrorSource::Bending, other], bands),
+        }
+    }
+
+    fn error(&self, on: &[ErrorSource], bands: &Bands) -> Result<RunError, Error> {
+        let run = self.run(on)?;
+        let history = nonlinear::columns_of(run, self.plant, self.procedure, experiment(self.procedure));
+        let Some(angles) = SightAngles::of(&history, self.procedure.sight_settle_s()) else {
+            return Ok(RunError { spectrum: SightSpectrum::still(bands.len()), ..RunError::default() });
+        };
+        Ok(RunError { rad: angles.error(self.sight.exposure_s).values(), spectrum: bands.spectrum(&angles) })
+    }
+
+    /// Runs with some of the sources.
+    fn run(&self, on: &[ErrorSource]) -> Result<TimeHistory, Error> {
+        let mut from = self.whole();
+        ErrorSource::ALL
+            .into_iter()
+            .filter(|source| !on.contains(source))
+            .for_each(|source| switch_off(source, &mut from));
+        let plant = Plant::with_whole_body(&from.parameters, from.body)?;
+        let mut simulator = Simulator::new(&plant)?;
+        nonlinear::run(&mut simulator, self.controller, &from.procedure, experiment(&from.procedure))
+    }
+
+    fn whole(&self) -> Switched {
+        Switched {
+            parameters: self.plant.parameters().clone(),
+            body: self.plant.body().clone(),
+            procedure: self.procedure.clone(),
+        }
+    }
+
+    /// Returns whether switching a source off changes anything.
+    fn has(&self, source: ErrorSource) -> bool {
+        let mut from = self.whole();
+        switch_off(source, &mut from);
+        let moved = |procedure: &Procedure| match &procedure.road {
+            Some(road) => (road.heave_m_s2.clone(), road.pitch_rate_rad_s.clone(), road.further.clone()),
+            None => (vec![procedure.heave.amplitude], vec![procedure.pitch.amplitude], None),
+        };
+        from.parameters != *self.plant.parameters()
+            || from.body != *self.plant.body()
+            || moved(&from.procedure) != moved(self.procedure)
+    }
+}
+
+/// What a mean square grows by between two runs.
+fn grown(j: usize, [before, after]: [&RunError; 2]) -> f64 {
+    after.rad[j].powi(2) - before.rad[j].powi(2)
+}
+
+/// The mean of what the spectrum grows by in two pairs of runs.
+fn mean_growth(on: [&RunError; 2], back: [&RunError; 2]) -> SightSpectrum {
+    let still = SightSpectrum::still(on[0].spectrum.hub_rad2.len());
+    let signed = [(0.5, on[1]), (-0.5, on[0]), (0.5, back[1]), (-0.5, back[0])];
+    signed.into_iter().fold(still, |sum, (factor, run)| sum.plus(factor, &run.spectrum))
+}
