@@ -12,7 +12,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::{Clock, Drift, Friction, FrictionLaw, Parameters, Plant, Ripple, Sensor};
 use counterpoise_simulate::Simulator;
 
-use crate::line_of_sight::{SightError, experiment, sight_error};
+use crate::line_of_sight::{SightAngles, SightError, experiment};
 use crate::{Error, FurtherRoad, Procedure, nonlinear};
 
 /// A source of the line of sight's error.
@@ -104,6 +104,17 @@ pub struct ErrorBudget {
     pub none_rad: [f64; 5],
     /// Every source that the machine and its motion have.
     pub contributions: Vec<Contribution>,
+    /// The runs from which all of this is computed.
+    pub runs: Vec<BudgetRun>,
+}
+
+/// The error of the line of sight in a run with some of the sources.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BudgetRun {
+    /// The sources that are switched on.
+    pub on: Vec<ErrorSource>,
+    /// RMS, rad, in the order of [`SightError::values`].
+    pub error_rad: [f64; 5],
 }
 
 impl ErrorBudget {
@@ -136,7 +147,7 @@ pub fn error_budget(
     if procedure.line_of_sight.is_none() || plant.parameters().sensors.measured.is_position() {
         return Ok(None);
     }
-    let runs = Runs { plant, controller, procedure };
+    let mut runs = Runs::new(plant, controller, procedure);
     let found = runs.budget();
     match found {
         Ok(budget) => Ok(Some(budget)),
@@ -145,15 +156,33 @@ pub fn error_budget(
     }
 }
 
+/// Returns the error of the line of sight in samples in a run with some of the sources alone; `None` if the run is shorter than two samples.
+///
+/// # Errors
+/// Those of the plant, the controller and the simulator.
+pub fn budget_angles(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    on: &[ErrorSource],
+) -> Result<Option<SightAngles>, Error> {
+    Runs::new(plant, controller, procedure).angles(on)
+}
+
 /// Runs with some of the sources.
 struct Runs<'a> {
     plant: &'a Plant,
     controller: &'a Controller,
     procedure: &'a Procedure,
+    done: Vec<BudgetRun>,
 }
 
-impl Runs<'_> {
-    fn budget(&self) -> Result<ErrorBudget, Error> {
+impl<'a> Runs<'a> {
+    fn new(plant: &'a Plant, controller: &'a Controller, procedure: &'a Procedure) -> Self {
+        Self { plant, controller, procedure, done: Vec::new() }
+    }
+
+    fn budget(&mut self) -> Result<ErrorBudget, Error> {
         let present: Vec<ErrorSource> =
             ErrorSource::ALL.into_iter().filter(|source| self.has(*source)).collect();
         let n = present.len();
@@ -171,15 +200,29 @@ impl Runs<'_> {
                 alone_rad: self.error(&[*source])?,
             });
         }
-        Ok(ErrorBudget { total_rad: forwards[n], none_rad: forwards[0], contributions })
+        let runs = std::mem::take(&mut self.done);
+        Ok(ErrorBudget { total_rad: forwards[n], none_rad: forwards[0], contributions, runs })
     }
 
     /// Returns the errors with none of the sources, with the first, with the first two, and so on.
-    fn switched_on(&self, order: &[ErrorSource]) -> Result<Vec<[f64; 5]>, Error> {
+    fn switched_on(&mut self, order: &[ErrorSource]) -> Result<Vec<[f64; 5]>, Error> {
         (0..=order.len()).map(|count| self.error(&order[..count])).collect()
     }
 
-    fn error(&self, on: &[ErrorSource]) -> Result<[f64; 5], Error> {
+    /// The errors with some of the sources; a run that was done before is not repeated.
+    fn error(&mut self, on: &[ErrorSource]) -> Result<[f64; 5], Error> {
+        let mut on = on.to_vec();
+        on.sort_by_key(|source| ErrorSource::ALL.iter().position(|one| one == source));
+        if let Some(done) = self.done.iter().find(|run| run.on == on) {
+            return Ok(done.error_rad);
+        }
+        let exposure_s = self.procedure.line_of_sight.unwrap_or_default().exposure_s;
+        let error: SightError = self.angles(&on)?.map(|angles| angles.error(exposure_s)).unwrap_or_default();
+        self.done.push(BudgetRun { on, error_rad: error.values() });
+        Ok(error.values())
+    }
+
+    fn angles(&self, on: &[ErrorSource]) -> Result<Option<SightAngles>, Error> {
         let mut parameters = self.plant.parameters().clone();
         let mut procedure = self.procedure.clone();
         for source in ErrorSource::ALL.into_iter().filter(|source| !on.contains(source)) {
@@ -189,9 +232,7 @@ impl Runs<'_> {
         let mut simulator = Simulator::new(&plant)?;
         let history =
             nonlinear::history(&mut simulator, self.controller, &procedure, experiment(&procedure))?;
-        let sight = procedure.line_of_sight.unwrap_or_default();
-        let error: SightError = sight_error(&history, procedure.sight_settle_s(), sight);
-        Ok(error.values())
+        Ok(SightAngles::of(&history, procedure.sight_settle_s()))
     }
 
     /// Returns whether switching a source off changes anything.
