@@ -100,7 +100,8 @@ def lengths(node):
 
 def derived(result):
     """Printed figures that follow from the result by one formula: shares in percent, ratios of a trial, moduli and angles of complex errors,
-    differences of a value and its limit, sizes and damping of poles, and the margins at every crossing of the loop."""
+    differences of a value and its limit, sizes and damping of poles, the margins at every crossing of the loop, and where the disk margin is
+    smallest."""
     verify = result.get("verify", result)
     verdicts = verify.get("verdicts", [])
     for word in ("holds", "fails", "not applicable"):
@@ -135,6 +136,10 @@ def margins(systems):
         yield from (rate / (2.0 * math.pi), abs(responses.decibels(abs(one(rate)))))
     for rate in responses.crossings(rates, np.abs(values) - 1.0, lambda r: abs(one(r)) - 1.0):
         yield from (rate / (2.0 * math.pi), abs(math.degrees(np.angle(-one(rate)))))
+    # where the disk margin is smallest
+    skew = lambda rate: abs(0.5 * (1.0 - one(rate)) / (1.0 + one(rate)))
+    k = int(np.argmax(np.abs((1.0 - values) / (1.0 + values))))
+    yield responses.golden(skew, rates[max(k - 1, 0)], rates[min(k + 1, len(rates) - 1)]) / (2.0 * math.pi)
 
 
 class Pool:
