@@ -60,6 +60,8 @@ pub struct ExperimentFigures {
     pub error_rms_rad_s: f64,
     /// That against double, dB: what the numbers cost in rejection. Nothing where the loop in double has no error at all.
     pub cost_db: Option<f64>,
+    /// Demand less hub rate, rad/s, one each a sample.
+    pub errors_rad_s: Vec<f64>,
 }
 
 /// The comparison of a verified controller's targets.
@@ -130,7 +132,7 @@ pub struct TargetRuns<'a> {
 struct Run {
     experiment: Experiment,
     seen: Record,
-    error_rms_rad_s: f64,
+    errors_rad_s: Vec<f64>,
 }
 
 impl<'a> TargetRuns<'a> {
@@ -157,7 +159,7 @@ impl<'a> TargetRuns<'a> {
     /// Returns the figures in double.
     pub fn double(&self) -> TargetFigures {
         let judged = (Numbers::Double, Deviation::none(self.samples), Measured::default());
-        let experiments = self.runs.iter().map(|run| run.compared(run.error_rms_rad_s)).collect();
+        let experiments = self.runs.iter().map(|run| run.compared(rms(&run.errors_rad_s))).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
         with_runs(judged, experiments, closed_loops)
     }
@@ -203,7 +205,7 @@ impl<'a> TargetRuns<'a> {
         let (mut experiments, mut closed_loops) = (Vec::new(), Vec::new());
         for known in &self.runs {
             let found = run(&mut simulator, acting(), self.procedure, known.experiment)?;
-            experiments.push(found.compared(known.error_rms_rad_s));
+            experiments.push(found.compared(rms(&known.errors_rad_s)));
             closed_loops.push(found.seen);
         }
         Ok(with_runs(judged, experiments, closed_loops))
@@ -227,15 +229,16 @@ fn run(
 ) -> Result<Run, counterpoise_verify::Error> {
     let mut recorder = Recorder { inner, seen: Record::default() };
     let history = nonlinear::history_of(simulator, &mut recorder, procedure, experiment)?;
-    Ok(Run { experiment, seen: recorder.seen, error_rms_rad_s: error_rms(&history) })
+    Ok(Run { experiment, seen: recorder.seen, errors_rad_s: errors(&history) })
 }
 
 impl Run {
     /// The run's error against that in double.
     fn compared(&self, in_double: f64) -> ExperimentFigures {
-        let error_rms_rad_s = self.error_rms_rad_s;
+        let error_rms_rad_s = rms(&self.errors_rad_s);
         let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
-        ExperimentFigures { experiment: self.experiment, error_rms_rad_s, cost_db }
+        let errors_rad_s = self.errors_rad_s.clone();
+        ExperimentFigures { experiment: self.experiment, error_rms_rad_s, cost_db, errors_rad_s }
     }
 }
 
@@ -248,9 +251,12 @@ fn with_runs(
     TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops }
 }
 
-fn error_rms(history: &History) -> f64 {
-    let squares = history.demand_rad_s.iter().zip(&history.hub_rate_rad_s).map(|(r, y)| (r - y).powi(2));
-    (squares.sum::<f64>() / history.time_s.len().max(1) as f64).sqrt()
+fn errors(history: &History) -> Vec<f64> {
+    history.demand_rad_s.iter().zip(&history.hub_rate_rad_s).map(|(r, y)| r - y).collect()
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e.powi(2)).sum::<f64>() / errors.len().max(1) as f64).sqrt()
 }
 
 /// A controller whose readings and controls are kept.

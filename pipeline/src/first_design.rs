@@ -17,6 +17,7 @@ use counterpoise_synth::{
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
 use serde::Serialize;
 
+use crate::exchange::SystemResult;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::{Modelled, PipelineError, Reduced, model, reduce};
@@ -199,6 +200,8 @@ pub struct FirstDesignResult {
     pub max_sensitivity: f64,
     /// Largest sensitivity with every lightly damped mode off by 15 %.
     pub max_sensitivity_modes_shifted: f64,
+    /// The sampled loops that were judged, broken at the control: that of the plant, then those of the plants with shifted modes.
+    pub loops: Vec<SystemResult>,
     /// Feedforwards that could not be had, with the reason.
     pub left_out: Vec<String>,
 }
@@ -235,6 +238,11 @@ impl From<&FirstDesign> for FirstDesignResult {
             phase_margin_deg: judged.phase_margin_deg,
             max_sensitivity: judged.max_sensitivity,
             max_sensitivity_modes_shifted: judged.shifted_sensitivity,
+            loops: first
+                .loops
+                .iter()
+                .map(|system| SystemResult::new("loop", system, &["control_v"], &["returned_control_v"]))
+                .collect(),
             left_out: first.left_out.iter().map(ToString::to_string).collect(),
         }
     }

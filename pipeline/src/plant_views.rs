@@ -99,6 +99,10 @@ pub struct FrictionLoop {
     pub over_rate: Vec<[f64; 2]>,
     /// Energy lost in a period, J.
     pub lost_j: f64,
+    /// Largest torque, N m.
+    pub largest_torque_nm: f64,
+    /// Viscous damping that loses as much, N m s/rad.
+    pub equivalent_damping_nm_s_rad: f64,
 }
 
 /// Share of the whole mass or inertia that is rounding.
@@ -248,9 +252,14 @@ fn looped(model: &FrictionModel, amplitude_rad: f64) -> FrictionLoop {
         let kept = (0..x.len()).step_by(KEPT).chain([0]);
         kept.map(|k| [x[k], found.torque_nm[k]]).collect()
     };
+    let points = closed(&found.angle_rad);
     FrictionLoop {
         amplitude_rad,
-        points: closed(&found.angle_rad),
+        largest_torque_nm: points.iter().map(|p| p[1].abs()).fold(0.0, f64::max),
+        // a damper d loses pi d w a^2 in a period
+        equivalent_damping_nm_s_rad: found.lost_j
+            / (std::f64::consts::PI * TAU * LOOP_HZ * amplitude_rad.powi(2)),
+        points,
         over_rate: closed(&found.rate_rad_s),
         lost_j: found.lost_j,
     }

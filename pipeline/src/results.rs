@@ -9,17 +9,17 @@ use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
-use counterpoise_synth::{Channel, Specification, Weight};
+use counterpoise_synth::{Specification, Weight};
 use counterpoise_verify::acceptance::Acceptance;
 use counterpoise_verify::{Limit, Value, Verdict, Verification};
 use serde::Serialize;
 
 use crate::exchange::controller_file::PathResult;
-use crate::exchange::error_budget::ErrorBudgetResult;
-use crate::exchange::systems::stored_frequencies_hz;
+use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
+use crate::exchange::systems::{controllers_of_design, stored_frequencies_hz};
 use crate::exchange::verified::{histories, responses};
 use crate::exchange::{
-    BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult,
+    BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,
 };
 use crate::recordings::ReplayedRecording;
@@ -27,8 +27,12 @@ use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
 pub use robustness::{AdviceResult, RobustnessResult};
 
+use crate::certificates::Certificate;
+use crate::plant_views::FrictionView;
+use crate::studies::accuracy::Accuracy;
 use crate::studies::adapt::AdaptRun;
 use crate::studies::adaptation_trials::Trials;
+use crate::studies::comparison::Comparison;
 use crate::{Designed, Modelled, Reduced, Synthesised};
 
 /// A complex number as real and imaginary part.
@@ -67,6 +71,12 @@ pub struct ModelResult {
     /// The finite elements of the structure with their modes; absent if it has none, or in the results of `design`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure: Option<StructureResult>,
+    /// Friction at the motor and at the pivot; absent in the results of `design`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub frictions: Vec<FrictionView>,
+    /// The simulator's own error; absent unless a report was asked for, which shows it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub accuracy: Vec<Accuracy>,
 }
 
 /// The reduction.
@@ -107,6 +117,8 @@ pub struct SynthResult {
     pub largest_pole_modulus: f64,
     /// Largest relative difference between a cost as predicted and as computed on the assembled loop.
     pub cost_difference: Option<f64>,
+    /// The costs of the parts.
+    pub costs: Vec<CostResult>,
     /// The largest rate that a loop of position demands, and why; absent for a loop of rate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub demanded_rate: Option<String>,
@@ -124,6 +136,17 @@ pub struct SynthResult {
     pub sampled_loop: SystemResult,
     /// Responses of the controllers and of the sampled loop.
     pub responses: Vec<ResponseResult>,
+}
+
+/// The cost of a part of the design: the mean square of its weighted signals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CostResult {
+    /// The part.
+    pub part: String,
+    /// As its equations predict it.
+    pub predicted: Option<f64>,
+    /// As the assembled loop of this part has it.
+    pub achieved: Option<f64>,
 }
 
 /// A figure with its value.
@@ -181,6 +204,9 @@ pub struct VerifyResult {
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptation_trials: Option<Trials>,
+    /// How the line of sight is judged; absent where it was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sight_procedure: Option<SightProcedureResult>,
     /// What the error of the line of sight is made of; absent where it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
@@ -195,10 +221,11 @@ pub struct VerifyResult {
 }
 
 impl VerifyResult {
-    /// Leaves out the time histories, and those of the certificate's motions.
+    /// Leaves out the time histories, those of the certificate's motions, and those of the adaptation's trials.
     pub fn leave_histories_out(&mut self) {
         self.histories.clear();
         self.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
+        self.adaptation_trials.iter_mut().for_each(|trials| trials.histories.clear());
     }
 
     /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
@@ -217,6 +244,17 @@ pub struct AdaptResult {
     pub trials: Trials,
 }
 
+/// A number that certifies a design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DesignCertificateResult {
+    /// What was computed.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Whether it is within its limit.
+    pub holds: bool,
+}
+
 /// A whole design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignResult {
@@ -230,6 +268,14 @@ pub struct DesignResult {
     pub synth: SynthResult,
     /// The verification.
     pub verify: VerifyResult,
+    /// What each weight asks for, in words.
+    pub weights_in_words: Vec<String>,
+    /// Residuals, costs and poles that certify the design.
+    pub certificates: Vec<DesignCertificateResult>,
+    /// The design beside its alternatives.
+    pub beside: Comparison,
+    /// The controller in every kind of numbers.
+    pub targets: TargetsResult,
     /// Names of the files of code.
     pub files: Vec<String>,
     /// Code that the project asks for and cannot have, with the reason.
@@ -303,6 +349,8 @@ impl From<&Modelled> for ModelResult {
             assumption_effects: Vec::new(),
             assumed_loop: None,
             structure: None,
+            frictions: Vec::new(),
+            accuracy: Vec::new(),
             balance: BalanceResult::of(&modelled.plant, linear),
         }
     }
@@ -327,7 +375,7 @@ impl From<&Reduced> for ReduceResult {
 impl From<&Synthesised> for SynthResult {
     fn from(made: &Synthesised) -> Self {
         let paths = &made.sampled.controller.parts().paths;
-        let controllers = controllers(made);
+        let controllers = controllers_of_design(&made.design);
         let design_plant = made.design.plant.measured().ok().map(|system| {
             let outputs: Vec<&str> =
                 std::iter::once("measured_rate_rad_s").chain(LinearPlant::OUTPUTS).collect();
@@ -350,6 +398,7 @@ impl From<&Synthesised> for SynthResult {
                 .into_iter()
                 .flatten()
                 .max_by(f64::total_cmp),
+            costs: costs(made),
             demanded_rate: made.demanded_rate.as_ref().map(ToString::to_string),
             warnings: made.warnings.iter().map(ToString::to_string).collect(),
         }
@@ -399,10 +448,25 @@ impl VerifyResult {
             measured_on,
             responses: responses(found),
             histories: histories(found),
+            sight_procedure: SightProcedureResult::of(&found.evidence.procedure),
             error_budget: found.error_budget.as_ref().map(Into::into),
             certificate: None,
             adaptation_trials: None,
         }
+    }
+}
+
+impl From<&Certificate> for DesignCertificateResult {
+    fn from(found: &Certificate) -> Self {
+        Self { name: found.name.clone(), value: found.value, holds: found.holds }
+    }
+}
+
+impl DesignResult {
+    /// Leaves out every time history.
+    pub fn leave_histories_out(&mut self) {
+        self.verify.leave_histories_out();
+        self.targets.leave_histories_out();
     }
 }
 
@@ -419,6 +483,10 @@ impl From<&Designed> for DesignResult {
                 ..VerifyResult::new(made.verified.verification(), designed.verified_loop.clone())
             }
             .with_adaptation(designed.adaptation.clone()),
+            weights_in_words: designed.weights.clone(),
+            certificates: designed.certificates.iter().map(DesignCertificateResult::from).collect(),
+            beside: designed.comparison.clone(),
+            targets: (&designed.targets).into(),
             files: made.files.iter().map(|f| f.name.clone()).collect(),
             left_out: made.left_out.iter().map(ToString::to_string).collect(),
         }
@@ -467,6 +535,24 @@ fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
 }
 
+/// The costs of every part that was designed in continuous and in sampled time.
+fn costs(made: &Synthesised) -> Vec<CostResult> {
+    let design = &made.design;
+    let feedforwards = [("heave", &design.heave), ("pitch", &design.pitch)].into_iter();
+    let feedforwards = feedforwards.filter_map(|(name, part)| Some((name, part.as_ref()?.cost)));
+    let joint = design.joint.iter().map(|joint| ("joint", joint.cost));
+    let continuous = std::iter::once(("feedback", design.feedback.cost)).chain(feedforwards).chain(joint);
+    let continuous = continuous.map(|(name, cost)| (name.to_owned(), cost));
+    let sampled = made.sampled.certified.iter();
+    let sampled = sampled.map(|part| (format!("{} in sampled time", part.part), part.cost));
+    let result = |(part, cost): (String, counterpoise_synth::Cost)| CostResult {
+        part,
+        predicted: cost.predicted,
+        achieved: cost.achieved,
+    };
+    continuous.chain(sampled).map(result).collect()
+}
+
 /// The weights of every part of the design.
 fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     let of = |name: &str, weight: &Weight| TransferFunctionResult::of(name, weight);
@@ -479,24 +565,6 @@ fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
         {
             all.push(of(&format!("{name}.{role}"), weight));
         }
-    }
-    all
-}
-
-/// The controllers of the design in continuous time, with their systems.
-fn controllers(made: &Synthesised) -> Vec<(SystemResult, StateSpace)> {
-    let feedback = made.design.feedback_controller();
-    let inputs: &[&str] =
-        if feedback.inputs() == 2 { &["demand_rad_s", "hub_rate_rad_s"] } else { &["rate_error_rad_s"] };
-    let mut all = vec![(SystemResult::new("feedback", &feedback, inputs, &["control_v"]), feedback.clone())];
-    for (channel, name, input) in
-        [(Channel::Heave, "heave", "platform_accel_m_s2"), (Channel::Pitch, "pitch", "platform_rate_rad_s")]
-    {
-        all.extend(
-            made.design
-                .feedforward_controller(channel)
-                .map(|system| (SystemResult::new(name, &system, &[input], &["control_v"]), system)),
-        );
     }
     all
 }

@@ -319,9 +319,8 @@ fn losses(loops: &[&FrictionLoop]) -> Table {
     ];
     let mut table = Table::new("Loops under a 1 Hz sine", &columns);
     for one in loops {
-        let torque = one.points.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
-        let damping = one.lost_j / (2.0 * (std::f64::consts::PI * one.amplitude_rad).powi(2));
-        let cells = [1e3 * one.amplitude_rad, torque, one.lost_j, damping];
+        let cells =
+            [1e3 * one.amplitude_rad, one.largest_torque_nm, one.lost_j, one.equivalent_damping_nm_s_rad];
         table.rows.push(cells.iter().map(|value| Cell::number(*value)).collect());
     }
     table

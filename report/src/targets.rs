@@ -52,7 +52,7 @@ const ROUNDING: &str = "Predicted: what every operation rounds is carried on by 
 
 fn work(operations: Operations) -> String {
     let Operations { multiplications, additions, states } = operations;
-    let needed = 2 * multiplications + additions + 2 * states;
+    let needed = operations.instructions_by_hand();
     format!(
         "One step takes {multiplications} multiplications and {additions} additions on {states} states, without a loop; only \
          limits branch, so the largest count is the worst case within a few instructions. By hand a step in single precision \

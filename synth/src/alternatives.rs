@@ -33,6 +33,8 @@ pub struct Alternative {
     pub controller: StateSpace,
     /// The norm it reached: H2 or H-infinity from the noises to the weighted error and control; none for LQG/LTR.
     pub norm: Option<f64>,
+    /// The controller on the generalised plant, from its measurement to its control; `None` if the method has none.
+    pub on_generalised: Option<StateSpace>,
 }
 
 /// The feedback designed by one method. Weights and plant are the same for all.
@@ -48,24 +50,26 @@ pub fn alternative(
         Method::ThreePart => {
             let part = feedback(plant, weights, Reference::Error)?;
             let norm = part.cost.achieved.map(f64::sqrt);
-            Ok(Alternative { method, controller: part.controller.select(&[0], &[0, 1]), norm })
+            let controller = part.controller.select(&[0], &[0, 1]);
+            Ok(Alternative { method, controller, norm, on_generalised: None })
         }
         Method::JointH2 => {
             let part = h2syn(&generalised(plant, weights)?)?;
-            let controller = from_error(&part.controller, weights)?;
-            Ok(Alternative { method, controller, norm: Some(part.achieved_norm) })
+            let (controller, norm) = (from_error(&part.controller, weights)?, Some(part.achieved_norm));
+            Ok(Alternative { method, controller, norm, on_generalised: Some(part.controller) })
         }
         Method::HInfinity => {
             let part = hinfsyn(&generalised(plant, weights)?, ALTERNATIVE_BOUND)?;
-            let controller = from_error(&part.controller, weights)?;
-            Ok(Alternative { method, controller, norm: Some(part.achieved_norm) })
+            let (controller, norm) = (from_error(&part.controller, weights)?, Some(part.achieved_norm));
+            Ok(Alternative { method, controller, norm, on_generalised: Some(part.controller) })
         }
         Method::LqgLtr => {
             let seen = plant.measured()?.select(&[0], &[plant.control]);
             let shape = series(&weights.error.realise()?, &weights.control.realise_inverse()?)?;
             let recovery = weights.loop_recovery.max(f64::MIN_POSITIVE) / weights.measurement_noise;
             let part = lqg_ltr(&seen, &shape, 1.0, recovery)?;
-            Ok(Alternative { method, controller: both(&part.controller.negate())?, norm: None })
+            let controller = both(&part.controller.negate())?;
+            Ok(Alternative { method, controller, norm: None, on_generalised: None })
         }
     }
 }

@@ -50,7 +50,7 @@ pub struct TotalCost {
 /// Decades below and above the poles of the loop that the integrals reach.
 const DECADES_BEYOND: f64 = 3.0;
 /// Points of the grid per decade.
-const PER_DECADE: usize = 60;
+const PER_DECADE: usize = 240;
 /// Points that each lightly damped pole adds, within so many half widths of it.
 const AROUND_POLE: i32 = 24;
 const HALF_WIDTHS: f64 = 30.0;

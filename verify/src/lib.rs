@@ -44,14 +44,16 @@ pub mod verification;
 
 pub use coincidence::Coincidence;
 pub use error::Error;
-pub use error_budget::{Contribution, ErrorBudget, ErrorSource, LinearContribution, error_budget};
+pub use error_budget::{
+    BudgetRun, Contribution, ErrorBudget, ErrorSource, LinearContribution, budget_angles, error_budget,
+};
 pub use figure::{
     Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source, StepFigure,
     TriangleFigure,
 };
 pub use history::{Experiment, History};
 pub use image_motion::Optics;
-pub use line_of_sight::LineOfSight;
+pub use line_of_sight::{LineOfSight, SightAngles, SightError};
 pub use measure::{Measured, Value};
 pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};

@@ -3,7 +3,7 @@
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::results::AdaptResult;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
-use counterpoise_pipeline::studies::adaptation_trials::trials;
+use counterpoise_pipeline::studies::adaptation_trials::{Trials, trials};
 use counterpoise_project::Purpose;
 
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub fn run(options: &AdaptOptions) -> Done {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
     }
-    let result = AdaptResult { runs, trials: tried };
+    let result = AdaptResult { runs, trials: Trials { histories: Vec::new(), ..tried } };
     let (runs, tried) = (&result.runs, &result.trials);
     if !output::json(&options.outputs.results, &result)? {
         print(runs);

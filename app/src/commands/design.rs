@@ -4,9 +4,10 @@ use crate::output::say;
 use counterpoise_export::File;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::terminal::tell;
-use counterpoise_pipeline::exchange::ControllerResult;
+use counterpoise_pipeline::exchange::{ControllerResult, error_budget_result};
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::studies::advice::Kept;
 use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
@@ -39,11 +40,16 @@ pub fn run(options: &DesignOptions) -> Done {
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
     let mut result = DesignResult::from(&designed);
-    if !options.histories {
-        result.verify.leave_histories_out();
+    if options.histories {
+        let (verified, plant) = (&designed.stages.verified, &designed.stages.modelled.plant);
+        result.verify.error_budget =
+            error_budget_result(verified.verification(), plant, verified.controller(), Kept::Histories)?;
+    } else {
+        result.leave_histories_out();
     }
     let code = &designed.targets.code;
     let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
+    result.targets = result.targets.with_answers(&proofs, &costs);
     let compiled = compiled(&proofs, &costs);
     let systems = options.results.loop_systems();
     let ranked = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions, systems);

@@ -56,12 +56,14 @@ pub fn run(options: &ModelOptions) -> Done {
     }
     let views = view_plant(&loaded.project, &modelled)?;
     result.structure = StructureResult::of(&views, loaded.project.plant.beam.as_ref());
+    result.frictions.clone_from(&views.frictions);
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
         let workers = Workers::new(options.results.progress());
         let accuracy = accuracy(&modelled, &workers);
         workers.finish();
-        let page = report(&result, &views, &accuracy?, &command);
+        result.accuracy = accuracy?;
+        let page = report(&result, &views, &result.accuracy, &command);
         projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {

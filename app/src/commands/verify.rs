@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
+use counterpoise_pipeline::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
 use counterpoise_pipeline::loop_view::{LoopView, loop_view};
 use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
@@ -114,6 +114,7 @@ struct Shown {
 fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Result<()> {
     let (found, stability) = (&study.found, study.stability.as_ref());
     let mut result = VerifyResult::new(found, study.measured_on.clone());
+    result.error_budget = study.budget.clone();
     result.certificate = study.certificate.as_ref().map(Into::into);
     let mut result = result.with_adaptation(study.adaptation.clone());
     if !options.histories {
@@ -160,6 +161,8 @@ struct VerificationStudy {
     regimes: Vec<RegimeRobustness>,
     /// What to change where a requirement fails.
     advice: Vec<Advice>,
+    /// What the error of the line of sight is made of, with the angles of its runs if time histories were asked for.
+    budget: Option<ErrorBudgetResult>,
     /// Trials of the project's adaptation; `None` if it has none, or on the linear plant alone.
     adaptation: Option<Trials>,
 }
@@ -206,8 +209,10 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     };
     let kept = if options.histories { Kept::Histories } else { Kept::Systems };
     let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, &found, kept)?;
+    let budget = error_budget_result(&found, &plant, controller, kept)?;
     Ok(VerificationStudy {
         measured_on,
+        budget,
         identity,
         on_road: spectral(&found),
         loop_view: loop_view(&found)?,

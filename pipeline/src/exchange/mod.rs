@@ -4,7 +4,7 @@
 //! `control.ss(A, B, C, D, dt)` of python-control and `ss(A, B, C, D, Ts)` of MATLAB take.
 //!
 //! Modules in reading order: [`systems`], [`balance`], [`structure`], [`verified`], [`pulled_loop`], [`error_budget`],
-//! [`controller_file`].
+//! [`targets`], [`controller_file`].
 
 pub mod balance;
 pub mod controller_file;
@@ -12,14 +12,16 @@ pub mod error_budget;
 pub mod pulled_loop;
 pub mod structure;
 pub mod systems;
+pub mod targets;
 pub mod verified;
 
 pub use balance::BalanceResult;
 pub use controller_file::ControllerResult;
-pub use error_budget::{ErrorBudgetResult, SightValues};
+pub use error_budget::{ErrorBudgetResult, SightValues, error_budget_result};
 pub use pulled_loop::PulledLoopResult;
 pub use structure::StructureResult;
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
+pub use targets::TargetsResult;
 pub use verified::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};
 
 /// Name and version of the schema of every result. The number rises when a key changes its meaning or goes; new keys

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Response, StateSpace, Timebase};
-use counterpoise_synth::Weight;
+use counterpoise_synth::{Channel, Design, Weight};
 use serde::Serialize;
 
 /// A signal by its name and unit.
@@ -192,6 +192,24 @@ pub fn stored_frequencies_hz() -> Vec<f64> {
     let (lowest, highest): (f64, f64) = (0.02, 500.0);
     let ratio = (highest / lowest).ln() / f64::from(POINTS - 1);
     (0..POINTS).map(|k| lowest * (ratio * f64::from(k)).exp()).collect()
+}
+
+/// Returns the controllers of a design in continuous time, with their systems.
+pub(crate) fn controllers_of_design(design: &Design) -> Vec<(SystemResult, StateSpace)> {
+    let feedback = design.feedback_controller();
+    let inputs: &[&str] =
+        if feedback.inputs() == 2 { &["demand_rad_s", "hub_rate_rad_s"] } else { &["rate_error_rad_s"] };
+    let mut all = vec![(SystemResult::new("feedback", &feedback, inputs, &["control_v"]), feedback.clone())];
+    for (channel, name, input) in
+        [(Channel::Heave, "heave", "platform_accel_m_s2"), (Channel::Pitch, "pitch", "platform_rate_rad_s")]
+    {
+        all.extend(
+            design
+                .feedforward_controller(channel)
+                .map(|system| (SystemResult::new(name, &system, &[input], &["control_v"]), system)),
+        );
+    }
+    all
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::parameters::{Parameters, Sensor};
-use counterpoise_models::plant::Plant;
+use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed::{Closed, arranged, resolver_use};
 use counterpoise_verify::{
@@ -11,6 +11,7 @@ use counterpoise_verify::{
 };
 use serde::Serialize;
 
+use super::BalanceResult;
 use super::systems::{ResponseResult, SystemResult};
 use crate::PipelineError;
 
@@ -26,6 +27,10 @@ pub struct VerifiedLoop {
     pub reading_delays_samples: Vec<usize>,
     /// Control that holds the mechanism at its operating point, V.
     pub holding_v: f64,
+    /// First moment of mass about the pivot, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// How the holding control is found.
+    pub balance: BalanceResult,
     /// Time after which a disturbance is judged, s.
     pub settle_s: f64,
 }
@@ -69,10 +74,11 @@ pub fn verified_loop(
     controller: &Controller,
     procedure: &Procedure,
 ) -> Result<VerifiedLoop, PipelineError> {
-    let sampled = sampled_plant(plant, controller, procedure)?;
+    let linear = linear_plant(plant, procedure)?;
+    let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
     let mut systems = plants(&sampled);
     systems.extend(controllers(plant, &sampled, controller)?);
-    Ok(verified_on(plant, &sampled, procedure, systems))
+    Ok(verified_on(plant, &linear, procedure, systems))
 }
 
 /// Returns what [`verified_loop`] does without the controllers and the loop: for one of several plants under a controller.
@@ -84,8 +90,9 @@ pub fn plants_of(
     controller: &Controller,
     procedure: &Procedure,
 ) -> Result<VerifiedLoop, PipelineError> {
-    let sampled = sampled_plant(plant, controller, procedure)?;
-    Ok(verified_on(plant, &sampled, procedure, plants(&sampled)))
+    let linear = linear_plant(plant, procedure)?;
+    let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
+    Ok(verified_on(plant, &linear, procedure, plants(&sampled)))
 }
 
 /// Returns the controllers and the loop of [`verified_loop`]: for one of several controllers of a plant.
@@ -97,21 +104,14 @@ pub fn controllers_of(
     controller: &Controller,
     procedure: &Procedure,
 ) -> Result<Vec<SystemResult>, PipelineError> {
-    controllers(plant, &sampled_plant(plant, controller, procedure)?, controller)
-}
-
-fn sampled_plant(
-    plant: &Plant,
-    controller: &Controller,
-    procedure: &Procedure,
-) -> Result<SampledPlant, PipelineError> {
     let linear = linear_plant(plant, procedure)?;
-    Ok(SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?)
+    let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
+    controllers(plant, &sampled, controller)
 }
 
 fn verified_on(
     plant: &Plant,
-    sampled: &SampledPlant,
+    linear: &LinearPlant,
     procedure: &Procedure,
     systems: Vec<SystemResult>,
 ) -> VerifiedLoop {
@@ -119,7 +119,9 @@ fn verified_on(
         systems,
         control_delay_samples: plant.parameters().interface.output_delay_samples,
         reading_delays_samples: delays(plant.parameters()),
-        holding_v: sampled.holding_v,
+        holding_v: linear.equilibrium.control_v,
+        out_of_balance_kg_m: plant.body().out_of_balance_kg_m,
+        balance: BalanceResult::of(plant, linear),
         settle_s: procedure.settle_s,
     }
 }
@@ -202,7 +204,7 @@ impl HistoryResult {
     /// Returns a time history as plain data.
     pub fn new(history: &History, sample_time_s: f64) -> Self {
         Self {
-            name: name(history.model, history.experiment),
+            name: history_name(history.model, history.experiment),
             start_s: history.time_s.first().copied().unwrap_or(0.0),
             sample_time_s,
             demand_rad_s: history.demand_rad_s.clone(),
@@ -218,8 +220,8 @@ impl HistoryResult {
     }
 }
 
-/// The beginning of the keys of an experiment's figures.
-fn name(model: Model, experiment: Experiment) -> String {
+/// Returns the name of a time history: the beginning of the keys of its experiment's figures.
+pub(super) fn history_name(model: Model, experiment: Experiment) -> String {
     let (key, ending) = match experiment {
         Experiment::Step => (Figure::Step(model, StepFigure::Overshoot).key(), "_overshoot_percent"),
         Experiment::Triangle => (Figure::Triangle(model, TriangleFigure::ErrorRms).key(), "_error_rms_rad_s"),

@@ -34,6 +34,14 @@ pub struct Operations {
     pub states: usize,
 }
 
+impl Operations {
+    /// Returns about how many instructions a step in single precision needs: a product and the load of its coefficient, a sum, a load and a
+    /// store of each state.
+    pub fn instructions_by_hand(self) -> usize {
+        2 * self.multiplications + self.additions + 2 * self.states
+    }
+}
+
 /// Whether compiled code answers as its model does.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answered {

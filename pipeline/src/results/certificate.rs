@@ -48,8 +48,18 @@ pub struct CaseResult {
     pub rest_rms_rad_s: f64,
     /// RMS of the hub rate over the second half of a run in motion, over that of the first half.
     pub motion_growth: f64,
-    /// Noise floor of the hub rate, rad/s.
+    /// Noise floor of the hub rate, rad/s: RMS of noise and quantisation of a reading.
     pub noise_floor_rad_s: f64,
+    /// RMS of the white noise of a reading, rad/s.
+    pub reading_noise_rad_s: f64,
+    /// Step of a reading, rad/s.
+    pub reading_step_rad_s: f64,
+    /// The hub's rate about its mean in the run at rest, rad/s, at the sample time of the loop; absent unless time histories were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rest_rates_rad_s: Vec<f64>,
+    /// The same in the run in motion.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub motion_rates_rad_s: Vec<f64>,
 }
 
 /// A sector argument.
@@ -193,7 +203,10 @@ pub struct OrbitResult {
 impl CertificateResult {
     /// Leaves out the rates of motions on the simulator.
     pub fn leave_histories_out(&mut self) {
-        self.cases.iter_mut().flat_map(|case| &mut case.orbits).for_each(|orbit| orbit.rates_rad_s.clear());
+        for case in &mut self.cases {
+            (case.rest_rates_rad_s, case.motion_rates_rad_s) = (Vec::new(), Vec::new());
+            case.orbits.iter_mut().for_each(|orbit| orbit.rates_rad_s.clear());
+        }
     }
 }
 
@@ -244,6 +257,10 @@ impl From<&CaseCertificate> for CaseResult {
             rest_rms_rad_s: case.rest.rms_rad_s,
             motion_growth: case.motion.second_half_rad_s / case.motion.first_half_rad_s,
             noise_floor_rad_s: case.noise_floor_rad_s,
+            reading_noise_rad_s: case.noise.white_rad_s,
+            reading_step_rad_s: case.noise.step_rad_s,
+            rest_rates_rad_s: case.rest.rates_rad_s.clone(),
+            motion_rates_rad_s: case.motion.rates_rad_s.clone(),
         }
     }
 }

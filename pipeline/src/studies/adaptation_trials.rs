@@ -66,6 +66,24 @@ pub struct Trials {
     pub rows: Vec<TrialRow>,
     /// Methods that are refused for this project, with the reason.
     pub refused: Vec<Refusal>,
+    /// The hub's rate once the load has settled, of every run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub histories: Vec<TrialHistory>,
+}
+
+/// The hub's rate in a run of a trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialHistory {
+    /// The motion.
+    pub motion: Motion,
+    /// The load.
+    pub load: Load,
+    /// `none`, `told`, or the method's key.
+    pub acts: &'static str,
+    /// Sample time, s.
+    pub sample_time_s: f64,
+    /// From when the hub rate is measured until the end, rad/s; empty if the motion diverges.
+    pub hub_rate_rad_s: Vec<f64>,
 }
 
 /// Why a method is refused.
@@ -167,20 +185,31 @@ fn asked(project: &Project) -> Option<&Adaptation> {
 }
 
 fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<Trials, PipelineError> {
-    let mut rows = Vec::new();
+    let (mut rows, mut histories) = (Vec::new(), Vec::new());
+    let sample_time_s = stage.modelled.parameters.interface.sample_period_s;
     for motion in [Motion::Sines, Motion::Road, Motion::Multisine] {
         let platform = stage.platform(motion)?;
         for load in [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow] {
-            let rms = |acts| stage.hub_rms(&platform, load, acts);
-            let (without_rad_s, told_rad_s) = (rms(Acts::Without)?, rms(Acts::Told)?);
+            let mut rms = |acts, name| {
+                let hub_rate_rad_s = stage.hub_rates(&platform, load, acts)?;
+                let found = rms_or_infinite(&hub_rate_rad_s);
+                histories.push(TrialHistory { motion, load, acts: name, sample_time_s, hub_rate_rad_s });
+                Ok::<_, PipelineError>(found)
+            };
+            let (without_rad_s, told_rad_s) = (rms(Acts::Without, "none")?, rms(Acts::Told, "told")?);
             for &(method, name) in methods {
-                let with_rad_s = rms(Acts::Adapts(method))?;
+                let with_rad_s = rms(Acts::Adapts(method), name)?;
                 rows.push(TrialRow { method: name, motion, load, without_rad_s, with_rad_s, told_rad_s });
             }
         }
     }
     let refused = methods.iter().filter_map(|(_, name)| refusal(name, &rows)).collect();
-    Ok(Trials { rows, refused })
+    Ok(Trials { rows, refused, histories })
+}
+
+/// The RMS of rates; infinite if there are none, because the motion diverged.
+fn rms_or_infinite(rates: &[f64]) -> f64 {
+    if rates.is_empty() { f64::INFINITY } else { counterpoise_verify::signals::rms(rates) }
 }
 
 /// The trial in which a method does worst, if that is reason enough to refuse it.
@@ -206,8 +235,13 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// The RMS of the hub's rate after the load has settled; infinite if the motion diverges.
-    fn hub_rms(&self, platform: &PlatformMotion, load: Load, acts: Acts) -> Result<f64, PipelineError> {
+    /// The hub's rate after the load has settled; empty if the motion diverges.
+    fn hub_rates(
+        &self,
+        platform: &PlatformMotion,
+        load: Load,
+        acts: Acts,
+    ) -> Result<Vec<f64>, PipelineError> {
         let mut runner = self.runner(acts)?;
         let design = self.modelled.plant.body().out_of_balance_kg_m;
         if load == Load::WrongStart && acts != Acts::Told {
@@ -229,7 +263,7 @@ impl Stage<'_> {
                 ..Scenario::still(part.to_s - part.from_s)
             };
             let run = match Simulator::new(&plant)?.run(&mut runner, &scenario) {
-                Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(f64::INFINITY),
+                Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(Vec::new()),
                 other => other?,
             };
             rates.extend(run.truth.hub_rate_rad_s);
@@ -238,7 +272,7 @@ impl Stage<'_> {
         }
         let period_s = self.modelled.parameters.interface.sample_period_s;
         let first = ((MEASURED_S / period_s) as usize).min(rates.len());
-        Ok(counterpoise_verify::signals::rms(&rates[first..]))
+        Ok(rates.split_off(first))
     }
 
     fn runner(&self, acts: Acts) -> Result<Runner, PipelineError> {

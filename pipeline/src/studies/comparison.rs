@@ -1,18 +1,20 @@
 //! A design compared: other methods with the same figures, what a lower order costs, the tip beside the hub, other states of
 //! balance, and a plant with modes that the design neglects.
 
-use counterpoise_linalg::C64;
-use counterpoise_lti::StateSpace;
+use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::{StateSpace, Timebase, feedback, series};
 use counterpoise_models::plant::LinearPlant;
+use counterpoise_synth::alternatives::generalised;
 use counterpoise_synth::{
-    Alternative, Channel, Design, DesignPlant, Figures, JointOptimum, Method, Reference, Refusal, Sampled,
-    SourceCost, Weighed, Weight, alternative, attempt, check, discretise, error_at, figure_systems, figures,
-    total_cost,
+    Alternative, Channel, Design, DesignPlant, Entry, FeedbackWeights, Figures, JointOptimum, Method,
+    Reference, Refusal, Sampled, SourceCost, Weighed, Weight, alternative, attempt, check, discretise,
+    error_at, figure_systems, figures, total_cost,
 };
 use serde::Serialize;
 
-use super::cost_basis::{CostBasis, cost_basis};
-use crate::exchange::SystemResult;
+use super::cost_basis::{CostBasis, cost_basis, feedback_basis};
+use crate::exchange::systems::controllers_of_design;
+use crate::exchange::{SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, rows};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
@@ -31,10 +33,23 @@ pub struct Comparison {
     pub motions: Vec<MotionRow>,
     /// States of balance.
     pub balance: Vec<BalanceRow>,
+    /// What they are computed from, row by row.
+    pub balance_basis: Vec<BalanceBasis>,
     /// The loop on the structure with the modes that the design does not know.
     pub spillover: Option<Spillover>,
     /// Cost of the assembled loop, all parts acting together; absent if another method made the feedback.
     pub total_cost: Option<TotalCostResult>,
+}
+
+/// A state of balance: its own design, and the nominal one on its plant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BalanceBasis {
+    /// Feedback and feedforwards that were designed for it, in continuous time.
+    pub controllers: Vec<SystemResult>,
+    /// The nominal design on its plant.
+    pub nominal: CostBasis,
+    /// Its own design.
+    pub redesign: CostBasis,
 }
 
 /// The cost of the assembled loop, each source of disturbance under its own part's weights.
@@ -81,6 +96,29 @@ pub struct MethodRow {
     pub systems: Vec<SystemResult>,
     /// Why there is none.
     pub why: Option<String>,
+    /// What order and norm are computed from; absent if there is no controller, or for a fixed structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub problem: Option<MethodProblem>,
+}
+
+/// The continuous problem that a method solved, with its answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodProblem {
+    /// The feedback from demand and measured rate to the control.
+    pub feedback: SystemResult,
+    /// The error weight.
+    pub error_weight: TransferFunctionResult,
+    /// The control weight.
+    pub control_weight: TransferFunctionResult,
+    /// The textbook's plant from (noises, weighted control) to (weighted error, weighted control, error), if the method solves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub generalised: Option<SystemResult>,
+    /// Its controller from the error to the weighted control: the norm is that of the loop of these two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_generalised: Option<SystemResult>,
+    /// What the cost of the three-part feedback is computed from: the norm is its root.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub basis: Option<CostBasis>,
 }
 
 /// Figures of a sampled loop.
@@ -115,6 +153,8 @@ pub struct LoweredRow {
     pub after: LoopFigures,
     /// The systems that the figures before are measured on, and those after, as in a row of a method.
     pub systems: [Vec<SystemResult>; 2],
+    /// The closed loop in continuous time from the demand to the measured rate, before and after.
+    pub closed_loops: [SystemResult; 2],
 }
 
 /// RMS rates under an expected disturbance, rad/s.
@@ -139,6 +179,9 @@ pub struct Spillover {
     pub largest_pole: f64,
     /// These poles, in the z-plane; empty if the loop is not stable.
     pub poles: Vec<[f64; 2]>,
+    /// The sampled loop there, broken at the control; absent if it is not stable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampled_loop: Option<SystemResult>,
 }
 
 /// Band over which |S| is averaged, rad/s: 0.2 to 2 Hz.
@@ -164,9 +207,23 @@ pub fn compare_designs(
         lowered: lowered(made)?,
         motions: motions(&made.design)?,
         balance: rows(&made.balance),
+        balance_basis: balance_basis(&made.balance)?,
         spillover: spillover(project, (asked, modelled), made)?,
         total_cost: cost_of(made)?,
     })
+}
+
+fn balance_basis(entries: &[Entry]) -> Result<Vec<BalanceBasis>, PipelineError> {
+    let Some(base) = entries.first().map(|entry| &entry.design) else { return Ok(Vec::new()) };
+    let basis = |entry: &Entry| {
+        let design = &entry.design;
+        Ok(BalanceBasis {
+            controllers: controllers_of_design(design).into_iter().map(|(result, _)| result).collect(),
+            nominal: cost_basis(&Design { plant: design.plant.clone(), ..base.clone() })?,
+            redesign: cost_basis(design)?,
+        })
+    };
+    entries.iter().map(basis).collect()
 }
 
 fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError> {
@@ -274,10 +331,12 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
     let integrates = level != weights.error;
     for (variant, error) in [&weights.error, &level].into_iter().enumerate().take(1 + usize::from(integrates))
     {
-        let weights = counterpoise_synth::FeedbackWeights { error: error.clone(), ..weights.clone() };
+        let weights = FeedbackWeights { error: error.clone(), ..weights.clone() };
         for &method in all.iter().skip(usize::from(variant == 0)) {
             let answer = attempt(alternative(&made.design.plant, &weights, method))?;
-            rows.push(method_row(made, (method, integrates && variant == 0), answer)?);
+            let problem = answer.as_ref().ok().map(|found| problem(made, &weights, found)).transpose()?;
+            let row = method_row(made, (method, integrates && variant == 0), answer)?;
+            rows.push(MethodRow { problem, ..row });
         }
     }
     Ok(rows)
@@ -298,7 +357,14 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
         (asked.options.method.name().to_owned(), without_integral(error) != *error)
     };
     let on = measured_loop(made, &made.sampled)?;
+    let weights = &made.design.specification.feedback;
+    let problem = match &made.other {
+        Some(other) => Some(problem(made, weights, other)?),
+        None if made.has_fixed_structure() => None,
+        None => Some(three_part(made, weights, &made.design.feedback.controller)?),
+    };
     Ok(MethodRow {
+        problem,
         method: format!("{method} (built)"),
         integral,
         order: made.design.feedback_controller().order(),
@@ -322,6 +388,7 @@ fn method_row(
         figures: None,
         systems: Vec::new(),
         why: None,
+        problem: None,
     };
     Ok(match answer {
         Err(refusal) => MethodRow { why: Some(words(&refusal.findings)), ..blank },
@@ -332,6 +399,50 @@ fn method_row(
                 Err(why) => MethodRow { why: Some(why), ..row },
             }
         }
+    })
+}
+
+/// What an alternative solved.
+fn problem(
+    made: &Synthesised,
+    weights: &FeedbackWeights,
+    found: &Alternative,
+) -> Result<MethodProblem, PipelineError> {
+    let of_method = three_part(made, weights, &found.controller)?;
+    if found.method == Method::ThreePart {
+        return Ok(of_method);
+    }
+    let unnamed = |name: &str, system: &StateSpace| SystemResult::new(name, system, &[], &[]);
+    let inner = &found.on_generalised;
+    let plant = inner.as_ref().map(|_| generalised(&made.design.plant, weights)).transpose()?;
+    Ok(MethodProblem {
+        generalised: plant.map(|plant| unnamed("generalised plant", &plant.system)),
+        on_generalised: inner.as_ref().map(|it| unnamed("controller of the generalised plant", it)),
+        basis: None,
+        ..of_method
+    })
+}
+
+/// What a three-part feedback solved.
+fn three_part(
+    made: &Synthesised,
+    weights: &FeedbackWeights,
+    feedback: &StateSpace,
+) -> Result<MethodProblem, PipelineError> {
+    let mut design = made.design.clone();
+    design.specification.feedback = weights.clone();
+    Ok(MethodProblem {
+        feedback: SystemResult::new(
+            "feedback",
+            &feedback.select(&[0], &[0, 1]),
+            &["demand_rad_s", "measured_rate_rad_s"],
+            &["control_v"],
+        ),
+        error_weight: TransferFunctionResult::of("feedback.error", &weights.error),
+        control_weight: TransferFunctionResult::of("feedback.control", &weights.control),
+        generalised: None,
+        on_generalised: None,
+        basis: Some(feedback_basis(&design, feedback)?),
     })
 }
 
@@ -352,7 +463,15 @@ fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
     let (Ok(before), Ok(now)) = (with_feedback(made, &lowered.before)?, with_feedback(made, &after)?) else {
         return Ok(None);
     };
+    let seen = made.design.plant.measured()?.select(&[0], &[made.design.plant.control]);
+    let closed = |from_error: &StateSpace| {
+        let unit = StateSpace::gain(Mat::eye(1), Timebase::Continuous)?;
+        let system = feedback(&series(from_error, &seen)?, &unit)?;
+        Ok::<_, PipelineError>(SystemResult::new("closed loop", &system, &[], &[]))
+    };
+    let reduced = &lowered.reduction.reduction.system;
     Ok(Some(LoweredRow {
+        closed_loops: [closed(&lowered.before.select(&[0], &[0]))?, closed(reduced)?],
         order: [lowered.before.order(), after.order()],
         loop_change: lowered.reduction.closed_loop_error.value,
         before: before.figures,
@@ -394,8 +513,11 @@ fn spillover(
     let order = plant.system.order();
     let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let pair = |pole: &C64| [pole.re, pole.im];
-    let (largest_pole, poles) = match attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))?
-    {
+    let checked = attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))?;
+    let sampled_loop = checked.as_ref().ok().map(|sampled| {
+        SystemResult::new("sampled loop", &sampled.loop_gain, &["control_v"], &["returned_control_v"])
+    });
+    let (largest_pole, poles) = match checked {
         Ok(sampled) => (largest(&sampled.closed_loop), sampled.closed_loop.iter().map(pair).collect()),
         Err(refusal) => (
             refusal
@@ -409,5 +531,5 @@ fn spillover(
             Vec::new(),
         ),
     };
-    Ok(Some(Spillover { modes, order, largest_pole, poles }))
+    Ok(Some(Spillover { modes, order, largest_pole, poles, sampled_loop }))
 }

@@ -1,6 +1,7 @@
 //! What the total cost of an assembled loop is computed from, as plain data: with these systems and densities, and with the weights, another
 //! program computes the cost and its slopes again.
 
+use counterpoise_lti::StateSpace;
 use counterpoise_synth::{Assembly, Channel, Design, FeedforwardWeights, Knowledge};
 use serde::Serialize;
 
@@ -74,13 +75,30 @@ pub struct ChannelBasis {
 /// # Errors
 /// Those of the plant with its delay.
 pub fn cost_basis(design: &Design) -> Result<CostBasis, PipelineError> {
+    let channels = [Channel::Heave, Channel::Pitch].into_iter();
+    let channels = channels.filter_map(|channel| channel_basis(design, channel)).collect();
+    basis(design, &design.feedback_controller(), channels)
+}
+
+/// Returns what the cost of a feedback alone is computed from, under the weights and on the plant of a design.
+///
+/// # Errors
+/// Those of the plant with its delay.
+pub fn feedback_basis(design: &Design, feedback: &StateSpace) -> Result<CostBasis, PipelineError> {
+    basis(design, feedback, Vec::new())
+}
+
+fn basis(
+    design: &Design,
+    feedback: &StateSpace,
+    channels: Vec<ChannelBasis>,
+) -> Result<CostBasis, PipelineError> {
     let (plant, asked) = (&design.plant, &design.specification);
     let weights = &asked.feedback;
     let recovery = Density { input: plant.control, density: weights.loop_recovery };
     let others = weights.disturbances.iter().map(|&(input, density)| Density { input, density });
     let weighed = |&(output, weight): &(usize, f64)| WeighedOutput { output, weight };
     let mirrored = weights.error.realise().map_err(PipelineError::from)?;
-    let channels = [Channel::Heave, Channel::Pitch].into_iter();
     Ok(CostBasis {
         assembly: match asked.assembly {
             Assembly::SimpleAdd => "simple-add",
@@ -90,7 +108,7 @@ pub fn cost_basis(design: &Design) -> Result<CostBasis, PipelineError> {
         plant: SystemResult::new("design plant", &plant.measured()?, &[], &[]),
         feedback: SystemResult::new(
             "feedback",
-            &design.feedback_controller().select(&[0], &[1]),
+            &feedback.select(&[0], &[1]),
             &["measured_rate_rad_s"],
             &["control_v"],
         ),
@@ -100,7 +118,7 @@ pub fn cost_basis(design: &Design) -> Result<CostBasis, PipelineError> {
         disturbances: std::iter::once(recovery).chain(others).collect(),
         combination: weights.combination.iter().map(weighed).collect(),
         direct_error_weight: weights.error.rational().gain.signum() * mirrored.D[(0, 0)],
-        channels: channels.filter_map(|channel| channel_basis(design, channel)).collect(),
+        channels,
     })
 }
 

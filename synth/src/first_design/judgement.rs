@@ -143,6 +143,16 @@ impl<'a> Judge<'a> {
         Ok(Some(found))
     }
 
+    /// Returns the sampled loops of a controller, broken at the control: that of the plant, then those of the plants beside it.
+    ///
+    /// # Errors
+    /// Those of the discretisation.
+    pub fn loops(&self, controller: &StateSpace) -> Result<Vec<StateSpace>, Error> {
+        let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]).negate();
+        let beside = self.neighbours.iter().map(|neighbour| &neighbour.held);
+        std::iter::once(&self.held).chain(beside).map(|held| Ok(series(held, &K)?)).collect()
+    }
+
     /// Whether the loop of a controller with the plant certainly exceeds the required sensitivity: a few frequencies about an aim show it.
     ///
     /// # Errors

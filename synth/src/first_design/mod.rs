@@ -30,6 +30,8 @@ mod scan;
 pub use feedforwards::Motion;
 pub use judgement::{LoopJudgement, RequiredMargins};
 
+use counterpoise_lti::StateSpace;
+
 use crate::bandwidth::Bandwidth;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
@@ -74,6 +76,8 @@ pub struct FirstDesign {
     pub bandwidth: Bandwidth,
     /// What the sampled feedback loop does.
     pub judgement: LoopJudgement,
+    /// The sampled loops that were judged, broken at the control: that of the plant, then those of the plants with shifted modes.
+    pub loops: Vec<StateSpace>,
     /// Channels that are measured but have no feedforward, with the reason.
     pub left_out: Vec<Finding>,
 }
@@ -91,5 +95,6 @@ pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error>
     };
     let bandwidth = lifted::bandwidth(&mut scan, &found)?;
     let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;
-    Ok(FirstDesign { specification, bandwidth, judgement: found.judgement, left_out })
+    let loops = scan.loops(&found)?;
+    Ok(FirstDesign { specification, bandwidth, judgement: found.judgement, loops, left_out })
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use counterpoise_lti::StateSpace;
+
 use super::Circumstances;
 use super::candidate::{DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
@@ -224,13 +226,10 @@ impl<'a> Scan<'a> {
     fn judged(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
         let weights = SHAPES.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
         let Some(weights) = weights else { return Ok(None) };
-        let plant = &self.circumstances.plant;
-        let Ok(designed) = attempt(feedback(plant.weighted(), &weights, Reference::Error))? else {
+        let position_gain = position_gain(self.circumstances, aim_rad_s);
+        let Ok(controller) = attempt(self.controller(&weights, position_gain))? else {
             return Ok(None);
         };
-        let position_gain = position_gain(self.circumstances, aim_rad_s);
-        let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
-        let controller = cascade.unwrap_or(designed.controller);
         if self.most_missed == 1 && self.judge.exceeds_sensitivity(&controller, aim_rad_s)? {
             return Ok(None);
         }
@@ -238,6 +237,22 @@ impl<'a> Scan<'a> {
             self.most_missed < usize::MAX && self.missed(found).len() >= self.most_missed
         })?;
         Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, position_gain, judgement }))
+    }
+
+    /// The feedback of weights, with the position loop about it if the plant has one.
+    fn controller(&self, weights: &FeedbackWeights, position_gain: Option<f64>) -> Result<StateSpace, Error> {
+        let plant = &self.circumstances.plant;
+        let designed = feedback(plant.weighted(), weights, Reference::Error)?;
+        let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
+        Ok(cascade.unwrap_or(designed.controller))
+    }
+
+    /// Returns the sampled loops on which a feedback was judged: that of the plant, then those of the plants with shifted modes.
+    ///
+    /// # Errors
+    /// Those of the design.
+    pub fn loops(&self, tried: &Tried) -> Result<Vec<StateSpace>, Error> {
+        self.judge.loops(&self.controller(&tried.weights, tried.position_gain)?)
     }
 
     fn keeps_all(&self, found: &LoopJudgement) -> bool {

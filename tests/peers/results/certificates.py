@@ -225,6 +225,11 @@ def sector(found, name):
     yield f"share through aliases, {name}", found["aliases"], worst, 1e-5
 
 
+NO_RATE = "its rate is not part of the result: ask for --histories"
+# Crossings count that leave this share of the range about the mean.
+BAND = 0.25
+
+
 def cycle(rates, dt):
     """Half the range of a rate."""
     return 0.5 * (max(rates) - min(rates))
@@ -238,18 +243,77 @@ def orbits(case, dt, floor):
         if orbit["amplitude_rad_s"] is None:
             yield f"{name}: diverged before a stretch ended", 0.0, float(len(rates)), HOLDS
         elif len(rates) == 0:
-            yield f"{name}", orbit["amplitude_rad_s"], "its rate is not part of the result: ask for --histories"
+            yield f"{name}", orbit["amplitude_rad_s"], NO_RATE
         elif orbit["amplitude_rad_s"] > 0.0:
             yield f"amplitude, {name}", orbit["amplitude_rad_s"], cycle(rates, dt), 1e-12
-            if orbit["frequency_hz"] > 0.0:
-                yield f"frequency, {name}", orbit["frequency_hz"], frequency(rates, dt), 1e-2
+            yield f"frequency, {name}", orbit["frequency_hz"], frequency_of(rates, dt), 1e-6
         else:
             left = float(np.sqrt(np.mean(rates**2)))
             yield f"it faded or fades: rate left over two noise floors, {name}", 0.0, 0.0 if left < 2.0 * floor else 1.0, HOLDS
 
 
 def frequency(rates, dt):
-    """The frequency of the strongest line, between the points of the transform."""
-    count = len(rates)
-    spectrum = np.abs(np.fft.rfft(rates * np.hanning(count), 16 * count))
-    return float(np.argmax(spectrum[1:]) + 1) / (16 * count * dt)
+    """The frequency with which a series repeats itself: the first peak of its correlation with itself, by a parabola."""
+    block = -(-len(rates) // 4000)
+    x = rates[: len(rates) // block * block].reshape(-1, block).mean(axis=1)
+    x, count = x - np.mean(x), len(x)
+    sums = np.concatenate([[0.0], np.cumsum(x**2)])
+    lags = np.arange(count // 2 + 1)
+    products = np.correlate(x, x, "full")[count - 1 : count + count // 2]
+    r = products / np.sqrt(sums[count - lags] * (sums[-1] - sums[lags]))
+    below = np.nonzero(r <= 0.0)[0]
+    if not len(below):
+        return math.nan
+    peaks = [k for k in range(max(below[0], 1), len(r) - 1) if r[k] >= r[k - 1] and r[k] >= r[k + 1]]
+    most = max([0.6] + [r[k] for k in peaks])
+    lag = next((k for k in peaks if r[k] >= max(0.9 * most, 0.6)), None)
+    if lag is None:
+        return math.nan
+    bend = r[lag - 1] - 2.0 * r[lag] + r[lag + 1]
+    return 1.0 / ((lag + (0.5 * (r[lag - 1] - r[lag + 1]) / bend if bend < 0.0 else 0.0)) * block * dt)
+
+
+def crossed(rates, dt):
+    """The frequency of upward crossings of a band of a quarter of the range about the mean."""
+    middle, band = np.mean(rates), BAND * (np.max(rates) - np.min(rates))
+    above, count, first, last = True, 0, 0, 0
+    for k, rate in enumerate(rates):
+        if not above and rate > middle + band:
+            above, count, last = True, count + 1, k
+            first = k if count == 1 else first
+        elif rate < middle - band:
+            above = False
+    return (count - 1) / ((last - first) * dt) if count > 1 else 0.0
+
+
+def frequency_of(rates, dt):
+    by_crossings, repeats = crossed(rates, dt), frequency(rates, dt)
+    return repeats if by_crossings > 0.0 and repeats < 0.9 * by_crossings else by_crossings
+
+
+def runs(case, dt):
+    """The runs with noise by their rates, the noise floor, and which motion the limit cycle is."""
+    name = case["name"]
+    floor = math.hypot(case["reading_noise_rad_s"], case["reading_step_rad_s"] / math.sqrt(12.0))
+    yield f"noise floor, {name}", case["noise_floor_rad_s"], floor, 1e-12
+    rest, moved = (np.array(case.get(key, [])) for key in ("rest_rates_rad_s", "motion_rates_rad_s"))
+    spread = lambda part: float(np.std(part))
+    if len(rest):
+        yield f"rate at rest, {name}", case["rest_rms_rad_s"], spread(rest), 1e-10
+    elif case["rest_rms_rad_s"] is not None:
+        yield f"rate at rest, {name}", case["rest_rms_rad_s"], NO_RATE
+    if len(moved):
+        half = len(moved) // 2
+        yield f"growth in motion, {name}", case["motion_growth"], spread(moved[half:]) / spread(moved[:half]), 1e-10
+    elif case["motion_growth"] is not None:
+        yield f"growth in motion, {name}", case["motion_growth"], NO_RATE
+    cycle_ = case["limit_cycle"]
+    if cycle_ is None:
+        return
+    known = [(orbit["amplitude_rad_s"], orbit["frequency_hz"]) for orbit in case["orbits"]]
+    if len(rest):
+        late = rest[len(rest) // 2 :]
+        known.append((cycle(late, dt), frequency_of(late, dt)))
+    near = min(known, key=lambda pair: abs((pair[0] or math.inf) - cycle_["amplitude_rad_s"]))
+    yield f"amplitude of the limit cycle, {name}", cycle_["amplitude_rad_s"], near[0], 1e-10
+    yield f"frequency of the limit cycle, {name}", cycle_["frequency_hz"], near[1], 1e-6

@@ -21,29 +21,35 @@ import recompute
 SYSTEM = r"[ABCD]\.\d+\.\d+|sample_time_s"
 DATA, RECOMPUTED = "data", "recomputed"
 
-BY_NOISE = "a run of the simulator with noise of its own, whose time history is not part of the result"
-BY_SIMULATION = "the simulator's own motion: the result has no nonlinear plant. Its rate is checked (amplitude and frequency), not simulated"
-BY_METHOD = "the norm of the generalised plant of each method's own problem, which the result does not contain"
+BY_DESCRIBING = "describing functions of the friction laws, which the result does not contain: where the search for motions starts, no statement rests on it"
+BY_ROUNDING = "the rounding of every operation of the generated code: its self test and `counterpoise design` compare them with the compiled code"
 
 # (pattern of the whole path, class or reason). The first that matches counts.
 CLASSES = [
     # systems, responses, histories
-    (rf".*(systems\.\d+|plant|plant_before|design_plant|sampled_loop|controllers\.\d+|paths\.\d+|module|sensor|true_sensor|feedback)\.({SYSTEM})", DATA),
-    (r".*\.lowered\.systems\..*", DATA),
-    (r".*paths\.\d+\.system\..*", DATA),
+    (rf".*(systems(\.\d+)+|plant|plant_before|design_plant|sampled_loop|controllers\.\d+|paths\.\d+|module|sensor|true_sensor|feedback|generalised"
+     rf"|on_generalised|closed_loops\.\d+|loops\.\d+|path_forms\.\d+\.system)\.({SYSTEM})", DATA),
+    (r".*paths\.\d+\.(system|scaling)\..*", DATA),
     (r".*paths\.\d+\.anti_windup\.\d+", "a gain of the limiter, which no linear figure depends on; the histories run with it"),
     (r".*responses\.\d+\.frequency_hz\.\d+", DATA),
     (r".*responses\.\d+\.(real|imaginary)\.\d+", RECOMPUTED),
     (r".*(histories\.\d+|history)\..*", DATA),
+    (r".*\.(rest_rates_rad_s|motion_rates_rad_s|errors_rad_s|hub_rad|tip_rad)\.\d+", DATA),
     (r".*(control_delay_samples|reading_delays_samples\.\d+|settle_s)", DATA),
     # model
     (r"model\.(order|holding_v|poles_rad_s\.\d+\.\d+)", RECOMPUTED),
     (r"model\.(out_of_balance_kg_m|balance\..*|assumptions\.\d+\.(value|usual\.\d+))", DATA),
     (r"model\.assumption_effects\.\d+\.(value|at\.\d+\.value)", DATA),
-    (r".*\.(assumed_loop|measured_on)\.holding_v|verify\.holding_v", "the control about which the loop is linear; model.holding_v is recomputed"),
+    (r".*\.(assumed_loop|measured_on)\.holding_v|verify\.holding_v", RECOMPUTED),
+    (r"(.*\.(assumed_loop|measured_on)|verify)\.(out_of_balance_kg_m|balance\..*)", DATA),
     (r"model\.assumption_effects\.\d+\.(largest_change_db|at\.\d+\.(is_stable|\w+_change_(db|deg)))", RECOMPUTED),
     (r"model\.structure\.(elements\..*|beam\..*|meshes\.reference|meshes\.\w+\.\d+\.elements)", DATA),
     (r"model\.structure\.(modes\..*|meshes\..*)", RECOMPUTED),
+    (r"model\.frictions\.\d+\.(steady\..*|loops\.\d+\.(points|over_rate)\..*)", DATA),
+    (r"model\.frictions\.\d+\.loops\.\d+\..*", RECOMPUTED),
+    (r"model\.accuracy\.\d+\.order", RECOMPUTED),
+    (r"model\.accuracy\.\d+\.(step_s\.\d+|sticks)", DATA),
+    (r"model\.accuracy\..*", "errors of the simulator's own runs against those of its second method, which the result does not contain"),
     # reduce
     (r"reduce\.(order\.\d+|bound|error\.\d+)", RECOMPUTED),
     (r"reduce\.ranked\.\d+", RECOMPUTED),
@@ -51,14 +57,16 @@ CLASSES = [
     (r"synth\.weights\.\d+\.(denominator|numerator)\.\d+", DATA),
     (r"synth\.weights\.\d+\.(gain|(zeros|poles)\.\d+\.\d+)", RECOMPUTED),
     (r"synth\.(plant_order|path_orders\..*|largest_pole_modulus|closed_loop_poles\.\d+\.\d+)", RECOMPUTED),
-    (r"synth\.cost_difference", "rounding errors of this program's own arithmetic"),
-    (r"synth\.beside\.total_cost\.basis\..*", DATA),
-    (r"synth\.beside\.(total_cost\..*|motions\..*|methods\.\d+\.figures\..*|spillover\.largest_pole)", RECOMPUTED),
-    (r"synth\.beside\.spillover\.(modes|order|poles\..*)", DATA),
-    (r"synth\.beside\.methods\.\d+\.(norm|integral|order)", BY_METHOD),
-    (r"synth\.beside\.lowered\.(before|after)\..*", RECOMPUTED),
-    (r"synth\.beside\.lowered\.(loop_change|error|orders?.*|bound)", "the error in continuous time, before sampling"),
-    (r"synth\.beside\.balance\..*", "a design for another mechanism"),
+    (r"synth\.cost_difference", RECOMPUTED),
+    (r"synth\.costs\.\d+\.(predicted|achieved)", DATA),
+    (r".*beside\.(total_cost\.basis|balance_basis\.\d+\.(nominal|redesign)|methods\.\d+\.problem\.basis)\..*", DATA),
+    (r".*beside\.methods\.\d+\.problem\.(error|control)_weight\..*", DATA),
+    (r".*beside\.(total_cost\..*|motions\..*|methods\.\d+\.(figures\..*|norm|integral|order))", RECOMPUTED),
+    (r".*beside\.spillover\.(modes|order)", DATA),
+    (r".*beside\.spillover\.(largest_pole|poles\..*)", RECOMPUTED),
+    (r".*beside\.lowered\.((before|after)\..*|loop_change|order\.\d+)", RECOMPUTED),
+    (r".*beside\.balance\.\d+\.out_of_balance_kg_m", DATA),
+    (r".*beside\.balance\..*", RECOMPUTED),
     # verify
     (r"verify\.figures\.\d+\.value", RECOMPUTED),
     (r"verify\.verdicts\.\d+\.limit", DATA),
@@ -77,14 +85,30 @@ CLASSES = [
     (r"verify\.certificate\.cases\.\d+\.orbits\.\d+\.rates_rad_s\.\d+", DATA),
     (r"verify\.certificate\.cases\.\d+\.orbits\.\d+\.(amplitude_rad_s|frequency_hz)", RECOMPUTED),
     (r"verify\.certificate\.cases\.\d+\.orbits\.\d+\.start_rad_s", DATA),
-    (r"verify\.certificate\.cases\.\d+\.(limit_cycle|predicted).*", BY_SIMULATION),
-    (r"verify\.certificate\.cases\.\d+\.(out_of_balance_kg_m|noise_floor_rad_s)", DATA),
-    (r"verify\.certificate\.cases\.\d+\.(rest_rms_rad_s|motion_growth)", BY_NOISE),
+    (r"verify\.certificate\.cases\.\d+\.limit_cycle\..*", RECOMPUTED),
+    (r"verify\.certificate\.cases\.\d+\.predicted.*", BY_DESCRIBING),
+    (r"verify\.certificate\.cases\.\d+\.(out_of_balance_kg_m|reading_noise_rad_s|reading_step_rad_s)", DATA),
+    (r"verify\.certificate\.cases\.\d+\.(rest_rms_rad_s|motion_growth|noise_floor_rad_s)", RECOMPUTED),
     (r"verify\.advice\.\d+\.(limit|sensitivities\.\d+\.tried\.factor|change\.(factor|tried\.factor))", DATA),
     (r"verify\.advice\.\d+\..*", RECOMPUTED),
-    (r"verify\.error_budget\..*", "an angle that is integrated in runs of the simulator with sources switched off, which are not among the histories"),
-    (r"verify\.adaptation_trials\..*", BY_NOISE),
-    (r"first_design\..*", "the search for the weights; the design that it found is recomputed"),
+    (r"verify\.sight_procedure\..*", DATA),
+    (r"verify\.error_budget\.runs\.\d+\.sample_time_s", DATA),
+    (r"verify\.error_budget\..*", RECOMPUTED),
+    (r"verify\.adaptation_trials\..*", RECOMPUTED),
+    # design
+    (r"certificates\.\d+\.value", RECOMPUTED),
+    (r"certificates\.\d+\.holds", "the value against a limit of the program"),
+    (r"targets\.numbers\.\d+\.experiments\.\d+\.(error_rms_rad_s|cost_db)", RECOMPUTED),
+    (r"targets\.numbers\.\d+\.(predicted|worst|measured)\w*", BY_ROUNDING),
+    (r"targets\.path_forms\.\d+\.(coefficients|predicted|measured)", RECOMPUTED),
+    (r"targets\.path_forms\.\d+\.is_in_use", DATA),
+    (r"targets\.by_form\.\d+\.multiplications|targets\.instructions_by_hand", RECOMPUTED),
+    (r"targets\.by_form\.\d+\.(double|single)\w*", BY_ROUNDING),
+    (r"targets\.(multiplications|additions|states)", DATA),
+    (r"targets\.(compiled|cores)\..*", "what a compiler and an emulator answered about the generated code"),
+    (r"first_design\.(bandwidth_rad_s|gain_margin_db|phase_margin_deg|max_sensitivity\w*|limits\.\d+\.over_reached)", RECOMPUTED),
+    (r"first_design\.asked_rad_s", DATA),
+    (r"first_design\.limits\.\d+\.(bandwidth_rad_s|lifted_rad_s)", "the best of some hundred designs of a search, of which the result holds the chosen one"),
 ]
 
 

@@ -17,7 +17,10 @@ import control
 import numpy as np
 
 import certificates
+import sight
 import stages
+import targets
+import trials
 from responses import at, bisect, crossings, decibels, golden, largest, named, same_response, system
 
 # Margins are found here by another method than in the program (a dense grid, then bisection).
@@ -182,11 +185,14 @@ def assumption_rows(model, verify):
     if not effects:
         return
     assumed = dict(model["assumed_loop"])
+    yield "control that holds the weight, assumed loop", assumed["holding_v"], *stages.holding(assumed)
     before = assumption_figures(assumed, assumed)
     for effect in effects:
         largest_ = 0.0
         for end in effect["at"]:
             name = f"{effect['key']} at {end['value']:.6g}"
+            if end.get("measured_on"):
+                yield f"control that holds the weight, {name}", end["measured_on"]["holding_v"], *stages.holding(end["measured_on"])
             after = assumption_figures(assumed, end["measured_on"]) if end.get("measured_on") else None
             is_stable = after is not None and after["radius"] < 1.0
             yield f"{name}: stable", float(end["is_stable"]), float(is_stable), 0.0
@@ -238,6 +244,10 @@ def recomputed(verify):
     all_ = loop_figures(verify)
     for history in verify.get("histories", []):
         all_.update(history_figures(history, verify["settle_s"]))
+    asked = verify.get("sight_procedure")
+    judged = next((one for one in verify.get("histories", []) if asked and one["name"] == asked["experiment"]), None)
+    if judged:
+        all_.update(sight.figures(judged, asked))
     for figure in verify["figures"]:
         key = figure["figure"]
         if "_drr_db at " in key:
@@ -276,8 +286,6 @@ def check_responses(synth):
 
 # What no figure of a result determines.
 NO_HISTORY = "its time history is not part of the result: ask for --histories"
-BY_SIMULATION = "a run of the simulator that is not among the histories"
-BY_SIGHT = "an angle that is integrated in runs of the simulator, which are not among the histories"
 
 
 def verify_rows(verify):
@@ -291,13 +299,14 @@ def verify_rows(verify):
         else:
             yield key, value, mine[key], LOOP_TOLERANCE if key in loop_keys else TOLERANCE
     yield from verdict_rows(verify, mine)
+    yield "control that holds the weight", verify["holding_v"], *stages.holding(verify)
     yield from certificate_rows(verify)
     yield from robustness_rows(verify)
     yield from response_rows_of(verify)
     for advice in verify.get("advice", []):
         yield from advice_rows(verify, advice)
-    if verify.get("error_budget"):
-        yield "error budget of the line of sight", math.nan, BY_SIGHT
+    yield from sight.budget(verify)
+    yield from trials.rows(verify.get("adaptation_trials"))
 
 
 def verdict_rows(verify, mine):
@@ -372,7 +381,11 @@ def certificate_rows(verify):
             values = at(loop, rates, dt)[:, 0, 0]
             one = lambda rate: at(loop, np.array([rate]), dt)[0, 0, 0]
             real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
-            margin = min((abs(20.0 * math.log10(abs(one(r)))) for r in real), default=math.inf)
+            gains = [abs(one(r)) for r in real]
+            # a loop without integral action also crosses the axis at zero frequency: a gain of that size lets the mechanism fall
+            still = one(1e-9)
+            gains += [abs(still)] if still.real < 0.0 and abs(still.imag) < 1e-3 * abs(still) else []
+            margin = min((abs(20.0 * math.log10(gain)) for gain in gains), default=math.inf)
             # the certificate reads both off a grid of frequencies
             yield f"gain margin, {name}", regime["gain_margin_db"], margin, 5e-3
             sensitivity = largest(rates, np.abs(1 / (1 + values)), lambda r: abs(1 / (1 + one(r))))
@@ -382,6 +395,7 @@ def certificate_rows(verify):
             yield from certificates.sector(case["sector"], case["name"])
         dt = case["regimes"][0]["sampled_loop"]["sample_time_s"]
         yield from certificates.orbits(case, dt, case["noise_floor_rad_s"])
+        yield from certificates.runs(case, dt)
 
 
 def response_row(verify, one):
@@ -429,8 +443,10 @@ def rows_of(result):
         yield from stages.model(result["model"])
         yield from assumption_rows(result["model"], result["verify"])
         yield from stages.reduce(result["reduce"])
-        yield from stages.synth(result["synth"])
+        yield from stages.synth(dict(result["synth"], beside=result["beside"]))
         yield from check_responses(result["synth"])
+        yield from stages.first_design(result.get("first_design"))
+        yield from targets.rows(result)
         yield from verify_rows(result["verify"])
     elif "poles_rad_s" in result:
         yield from stages.model(result)
@@ -439,6 +455,7 @@ def rows_of(result):
         yield from stages.reduce(result)
     elif "path_orders" in result:
         yield from stages.synth(result)
+        yield from stages.first_design(result.get("first_design"))
         yield from check_responses(result)
     else:
         yield from verify_rows(result)

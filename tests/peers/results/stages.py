@@ -9,6 +9,7 @@ import math
 import control
 import numpy as np
 
+import designs
 import structure
 from responses import at, bisect, crossings, decibels, golden, largest, response_rows, system
 
@@ -20,6 +21,8 @@ MARGINS = 1e-6
 INTEGRALS = 2e-4
 # The same sums.
 SUMS = 1e-9
+# Every fifth point of a loop.
+AREAS = 2e-2
 
 
 def model(result):
@@ -34,7 +37,34 @@ def model(result):
             yield "damping of a pole", -a.real / abs(a), -b.real / abs(b), POLES * abs(a) / max(abs(a.real), 1e-12)
     yield "holding_v", result["holding_v"], *holding(result)
     yield from structure.rows(result)
+    yield from frictions(result)
+    yield from accuracy(result)
     yield from response_rows(plant, result["responses"], range(3))
+
+
+def frictions(result):
+    """Loops of friction under a sine of 1 Hz by their points: what they lose, their largest torque, and the damping that loses as much."""
+    for friction in result.get("frictions", []):
+        for loop in friction["loops"]:
+            name = f"at the {friction['place']}, {loop['amplitude_rad']:.3e} rad"
+            angle, torque = np.array(loop["points"]).T
+            yield f"largest torque {name}", loop["largest_torque_nm"], float(np.max(np.abs(torque))), SUMS
+            yield f"swing {name}", loop["amplitude_rad"], float(np.max(np.abs(angle))), 1e-2
+            # the area of the polygon of every fifth point
+            area = abs(float(np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(angle))))
+            yield f"lost in a period {name}", loop["lost_j"], area, AREAS
+            damping = loop["lost_j"] / (2.0 * (math.pi * loop["amplitude_rad"]) ** 2)
+            yield f"equivalent damping {name}", loop["equivalent_damping_nm_s_rad"], damping, SUMS
+
+
+def accuracy(result):
+    """The order of the simulator's error: the slope between the longest step and the shortest whose error is no rounding."""
+    for law in result.get("accuracy", []):
+        floor = max(10.0 * law["second_method"], 1e-9)
+        known = [(step, error) for step, error in zip(law["step_s"], law["plain"]) if error > floor]
+        if law["order"] is not None:
+            (long, first), (short, last) = known[0], known[-1]
+            yield f"order of the error, {law['name']}", law["order"], math.log(first / last) / math.log(long / short), SUMS
 
 
 def holding(result):
@@ -296,34 +326,39 @@ def synth(result):
     yield "largest modulus of the poles", result["largest_pole_modulus"], max(moduli), SUMS
     yield "poles of the loop, broken and closed again", result["largest_pole_modulus"], max(
         [poles_of_the_sampled_loop(result)] + feedforward_moduli(result)), 1e-6
-    if result["cost_difference"] is not None:
-        yield "difference of costs", result["cost_difference"], "rounding errors of this program's own arithmetic"
+    yield from costs(result)
     beside = result.get("beside")
     if beside is None:
         return
     for row in beside["methods"]:
+        yield from designs.method(row)
         if row["figures"]:
             mine = loop_figures(row["systems"])
             for key, told in row["figures"].items():
                 yield f"{row['method']}: {key}", told, mine[key], MARGINS
-            yield f"{row['method']}: norm", row["norm"] or math.nan, "the norm of the generalised plant of its own method"
     if beside["lowered"]:
         row = beside["lowered"]
         for which, systems in zip(("before", "after"), row["systems"]):
             mine = loop_figures(systems)
             for key, told in row[which].items():
                 yield f"order lowered, {which}: {key}", told, mine[key], MARGINS
-        T = [control.feedback(system(s[0]), control.ss([], [], [], [[1.0]], system(s[0]).dt)) for s in row["systems"]]
-        del T
-        yield "change of the closed loop", row["loop_change"], "the error in continuous time, before sampling"
+        change, _ = largest_singular_value(*(system(one) for one in row["closed_loops"]))
+        yield "change of the closed loop", row["loop_change"], change, 1e-6
+        plant_order = len(result["design_plant"]["A"])
+        for told, one in zip(row["order"], row["closed_loops"]):
+            order = system(one).nstates - plant_order
+            yield "order of the feedback, lowered or not", told, order, 0.0
     if beside["total_cost"]:
         yield from total_cost(beside["total_cost"], result["weights"], beside["motions"])
-    for row in beside["balance"]:
-        yield f"state of balance {row['name']}", row["out_of_balance_kg_m"], "a design for another mechanism"
+    yield from designs.balance(beside, result["weights"])
     if beside["spillover"]:
         row = beside["spillover"]
         moduli = [abs(complex(*pole)) for pole in row["poles"]]
         yield "largest modulus on the structure with all its modes", row["largest_pole"], max(moduli, default=math.inf), SUMS
+        if row.get("sampled_loop"):
+            loop = system(row["sampled_loop"])
+            closed = control.feedback(loop, control.ss([], [], [], [[1.0]], loop.dt), sign=-1)
+            yield "the same by closing the loop", row["largest_pole"], float(np.max(np.abs(np.linalg.eigvals(closed.A)))), 1e-6
 
 
 def feedforward_moduli(result):
@@ -334,3 +369,25 @@ def feedforward_moduli(result):
             if len(one["A"]):
                 all_.append(float(np.max(np.abs(np.linalg.eigvals(np.array(one["A"]))))))
     return all_
+
+
+def costs(result):
+    """The largest difference of a cost as predicted and as achieved; the cost of the feedback, and of each feedforward by itself."""
+    pairs = [(one["predicted"], one["achieved"]) for one in result["costs"] if None not in (one["predicted"], one["achieved"])]
+    if pairs:
+        yield "difference of costs", result["cost_difference"], max(abs(a - p) / abs(p) for p, a in pairs), SUMS
+
+
+def first_design(found):
+    """Margins and bandwidth of the loops on which a first design was judged."""
+    if not found:
+        return
+    mine = [designs.margins(system(one)) for one in found["loops"]]
+    yield "bandwidth", found["bandwidth_rad_s"], mine[0]["crossover_rad_s"], MARGINS
+    for key in ("gain_margin_db", "phase_margin_deg", "max_sensitivity"):
+        yield f"first design: {key}", found[key], mine[0][key], 1e-4
+    worst = max(one["max_sensitivity"] for one in mine)
+    yield "largest sensitivity with shifted modes", found["max_sensitivity_modes_shifted"], worst, 1e-4
+    for row in found["limits"]:
+        if row["over_reached"] is not None:
+            yield f"{row['limit']}: over what was reached", row["over_reached"], row["bandwidth_rad_s"] / found["bandwidth_rad_s"], SUMS

@@ -88,6 +88,24 @@ pub struct CaseCertificate {
     pub motion: Run,
     /// Noise floor of the hub's rate, rad/s: RMS of the hub gyroscope's noise and quantisation.
     pub noise_floor_rad_s: f64,
+    /// What the noise floor is made of.
+    pub noise: ReadingNoise,
+}
+
+/// What a reading of the hub's rate is uncertain by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadingNoise {
+    /// RMS of the gyroscope's noise that is white, rad/s.
+    pub white_rad_s: f64,
+    /// Step of the converter, rad/s.
+    pub step_rad_s: f64,
+}
+
+impl ReadingNoise {
+    /// Returns the RMS of noise and quantisation together, rad/s.
+    pub fn rms_rad_s(&self) -> f64 {
+        self.white_rad_s.hypot(self.step_rad_s / 12f64.sqrt())
+    }
 }
 
 /// The certificate over all cases.
@@ -145,12 +163,16 @@ pub(crate) struct Subject<'a> {
 impl Subject<'_> {
     /// Returns the noise floor of the hub's rate, rad/s.
     pub(crate) fn noise_floor_rad_s(&self) -> f64 {
+        self.noise().rms_rad_s()
+    }
+
+    fn noise(&self) -> ReadingNoise {
         let parameters = self.case.plant.parameters();
         let (gyro, interface) = (&parameters.sensors.hub_gyro, &parameters.interface);
-        let step = 2.0 * counterpoise_simulate::sensing::CONVERTER_RANGE_V
+        let step_rad_s = 2.0 * counterpoise_simulate::sensing::CONVERTER_RANGE_V
             / f64::from(interface.input_bits).exp2()
             / gyro.scale_v_unit;
-        gyro.white_noise_rms(interface.sample_period_s).hypot(step / 12f64.sqrt())
+        ReadingNoise { white_rad_s: gyro.white_noise_rms(interface.sample_period_s), step_rad_s }
     }
 }
 
@@ -172,6 +194,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
         rest,
         motion,
         noise_floor_rad_s,
+        noise: subject.noise(),
     };
     found.stability = judge(&found);
     Ok(found)

@@ -14,7 +14,7 @@ use crate::tolerance::{
 };
 
 /// A run of 20 s after the controller has settled.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// RMS of the hub's rate about its mean over the whole run, rad/s; infinite if it diverged.
     pub rms_rad_s: f64,
@@ -28,6 +28,8 @@ pub struct Run {
     pub frequency_hz: f64,
     /// By how much the RMS of runs that differ only in noise differs, rad/s; 0 if one run is quiet enough to decide alone.
     pub spread_rad_s: f64,
+    /// The hub's rate about its mean, rad/s; empty if it diverged.
+    pub rates_rad_s: Vec<f64>,
 }
 
 impl Run {
@@ -118,6 +120,7 @@ fn run(
                 amplitude_rad_s: infinite,
                 frequency_hz: 0.0,
                 spread_rad_s: 0.0,
+                rates_rad_s: Vec::new(),
             });
         }
         other => other?,
@@ -134,5 +137,6 @@ fn run(
         amplitude_rad_s,
         frequency_hz,
         spread_rad_s: 0.0,
+        rates_rad_s: centred(rates),
     })
 }

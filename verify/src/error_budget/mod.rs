@@ -65,6 +65,17 @@ pub struct ErrorBudget {
     pub total: SightSpectrum,
     /// Spectrum with none.
     pub none: SightSpectrum,
+    /// The runs from which all of this is computed.
+    pub runs: Vec<BudgetRun>,
+}
+
+/// The error of the line of sight in a run with some of the sources.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BudgetRun {
+    /// The sources that are switched on.
+    pub on: Vec<ErrorSource>,
+    /// RMS, rad, in the order of [`crate::line_of_sight::SightError::values`].
+    pub error_rad: [f64; 5],
 }
 
 impl ErrorBudget {
@@ -106,12 +117,26 @@ pub fn error_budget(
     else {
         return Ok(None);
     };
-    let found = Runs { plant, controller, procedure, sight }.budget();
+    let found = Runs { plant, controller, procedure, sight, done: Vec::new() }.budget();
     match found {
         Ok(budget) => Ok(Some(budget)),
         Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
         Err(error) => Err(error),
     }
+}
+
+/// Returns the error of the line of sight in samples in a run with some of the sources alone; `None` if the run is shorter than two samples.
+///
+/// # Errors
+/// Those of the plant, the controller and the simulator.
+pub fn budget_angles(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    on: &[ErrorSource],
+) -> Result<Option<SightAngles>, Error> {
+    let sight = procedure.line_of_sight.unwrap_or_default();
+    Runs { plant, controller, procedure, sight, done: Vec::new() }.angles(on)
 }
 
 /// Runs with some of the sources.
@@ -120,6 +145,8 @@ struct Runs<'a> {
     controller: &'a Controller,
     procedure: &'a Procedure,
     sight: LineOfSight,
+    /// The runs so far, with their sources in the order of [`ErrorSource::ALL`].
+    done: Vec<(Vec<ErrorSource>, RunError)>,
 }
 
 /// The error of one run.
@@ -130,7 +157,7 @@ struct RunError {
 }
 
 impl Runs<'_> {
-    fn budget(&self) -> Result<ErrorBudget, Error> {
+    fn budget(&mut self) -> Result<ErrorBudget, Error> {
         let all: Vec<ErrorSource> = ErrorSource::ALL.to_vec();
         let whole = self.run(&all)?;
         let samples = whole.len().saturating_sub(self.first_sample(&whole));
@@ -161,6 +188,7 @@ impl Runs<'_> {
             edges_hz: bands.edges_hz,
             total: total.spectrum.clone(),
             none: none.spectrum.clone(),
+            runs: self.done.iter().map(|(on, error)| BudgetRun { on: on.clone(), error_rad: error.rad }).collect(),
         })
     }
 
@@ -170,26 +198,40 @@ impl Runs<'_> {
     }
 
     /// Returns the errors with none of the sources, with the first, with the first two, and so on.
-    fn switched_on(&self, order: &[ErrorSource], bands: &Bands) -> Result<Vec<RunError>, Error> {
+    fn switched_on(&mut self, order: &[ErrorSource], bands: &Bands) -> Result<Vec<RunError>, Error> {
         (0..=order.len()).map(|count| self.error(&order[..count], bands)).collect()
     }
 
     /// Returns the error with a source alone. Bending moves nothing by itself, so the structure stays flexible: the other sources then show what
     /// they make of the tip.
-    fn alone(&self, source: ErrorSource, bands: &Bands) -> Result<RunError, Error> {
+    fn alone(&mut self, source: ErrorSource, bands: &Bands) -> Result<RunError, Error> {
         match source {
             ErrorSource::Bending => self.error(&[source], bands),
             other => self.error(&[ErrorSource::Bending, other], bands),
         }
     }
 
-    fn error(&self, on: &[ErrorSource], bands: &Bands) -> Result<RunError, Error> {
+    /// Returns the error with some of the sources; a run that was done before is not repeated.
+    fn error(&mut self, on: &[ErrorSource], bands: &Bands) -> Result<RunError, Error> {
+        let on: Vec<ErrorSource> = ErrorSource::ALL.into_iter().filter(|one| on.contains(one)).collect();
+        if let Some((_, error)) = self.done.iter().find(|(known, _)| *known == on) {
+            return Ok(error.clone());
+        }
+        let error = match self.angles(&on)? {
+            Some(angles) => RunError {
+                rad: angles.error(self.sight.exposure_s).values(),
+                spectrum: bands.spectrum(&angles),
+            },
+            None => RunError { spectrum: SightSpectrum::still(bands.len()), ..RunError::default() },
+        };
+        self.done.push((on, error.clone()));
+        Ok(error)
+    }
+
+    fn angles(&self, on: &[ErrorSource]) -> Result<Option<SightAngles>, Error> {
         let run = self.run(on)?;
         let history = nonlinear::columns_of(run, self.plant, self.procedure, experiment(self.procedure));
-        let Some(angles) = SightAngles::of(&history, self.procedure.sight_settle_s()) else {
-            return Ok(RunError { spectrum: SightSpectrum::still(bands.len()), ..RunError::default() });
-        };
-        Ok(RunError { rad: angles.error(self.sight.exposure_s).values(), spectrum: bands.spectrum(&angles) })
+        Ok(SightAngles::of(&history, self.procedure.sight_settle_s()))
     }
 
     /// Runs with some of the sources.
