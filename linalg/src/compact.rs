@@ -145,7 +145,8 @@ fn reduce(A: &mut Mat) -> Vec<Reflector> {
 }
 
 /// `I - tau v v'`, the first entry of `v` one.
-struct Reflector {
+#[derive(Debug)]
+pub(crate) struct Reflector {
     v: Vec<f64>,
     tau: f64,
 }
@@ -153,7 +154,7 @@ struct Reflector {
 impl Reflector {
     /// The reflection that takes `x` to a multiple of the first unit vector; `x` becomes that.
     #[inline(always)]
-    fn of(x: &mut [f64]) -> Self {
+    pub(crate) fn of(x: &mut [f64]) -> Self {
         let mut v = x.to_vec();
         let (alpha, tail) = (x[0], dot(&x[1..], &x[1..]));
         x[1..].fill(0.0);
@@ -170,7 +171,7 @@ impl Reflector {
 
     /// Applied to the rows from `from` on of each column of length `ld`.
     #[inline(always)]
-    fn left(&self, columns: &mut [f64], ld: usize, from: usize) {
+    pub(crate) fn left(&self, columns: &mut [f64], ld: usize, from: usize) {
         if self.tau == 0.0 {
             return;
         }
@@ -183,7 +184,7 @@ impl Reflector {
 
     /// Applied from the right to all rows of the columns of length `ld`, as many as `v` has entries.
     #[inline(always)]
-    fn right(&self, columns: &mut [f64], ld: usize) {
+    pub(crate) fn right(&self, columns: &mut [f64], ld: usize) {
         if self.tau == 0.0 {
             return;
         }

@@ -118,15 +118,20 @@ vectorised! {
 
 /// The same by slices and fast products.
 fn sliced_product(A: &Mat, B: &Mat) -> Extended {
-    let inner = A.ncols().max(2) as f64;
+    // The two products of the first slices with the second ones are summed exactly, too: twice as many terms.
+    let inner = 2.0 * A.ncols().max(1) as f64;
     let bits = ((53.0 - inner.log2().ceil()) / 2.0).floor() as i32;
-    let [a1, a2, a3] = slices(A, &row_exponents(A), bits, Side::Left);
-    let [b1, b2, b3] = slices(B, &column_exponents(B), bits, Side::Right);
-    let mut high = &a1 * &b1;
-    let tail = &b2 + &b3;
-    let mut low = &a2 * &tail + &a3 * B + &a1 * &b3;
-    accumulate(&mut high, &mut low, &(&a1 * &b2));
-    accumulate(&mut high, &mut low, &(&a2 * &b1));
+    let (a, b) =
+        (slices(A, &row_exponents(A), bits, Side::Left), slices(B, &column_exponents(B), bits, Side::Right));
+    let empty = || Mat::zeros(A.nrows(), B.ncols());
+    let (mut high, mut middle, mut low) = (empty(), empty(), empty());
+    high.add_product(&a.first, &b.first);
+    middle.add_product(&a.first, &b.second);
+    middle.add_product(&a.second, &b.first);
+    low.add_product(&a.second, &b.rest);
+    low.add_product(&a.third, B);
+    low.add_product(&a.first, &b.third);
+    accumulate(&mut high, &mut low, &middle);
     renormalise(&mut high, &mut low);
     Extended { high, low: Some(low) }
 }
@@ -155,36 +160,49 @@ fn above(value: f64) -> f64 {
     if value == 0.0 { 1.0 } else { value.log2().ceil().clamp(-900.0, 900.0).exp2() }
 }
 
-/// Three slices that sum to `A` (up to its last bits where a row or column spans more than they hold): each of the
-/// first two has `bits` bits counted from its row's or column's largest entry.
-fn slices(A: &Mat, largest: &[f64], bits: i32, side: Side) -> [Mat; 3] {
+/// Slices that sum to a matrix (up to its last bits where a row or column spans more than they hold).
+struct Slices {
+    first: Mat,
+    second: Mat,
+    third: Mat,
+    /// The second and the third.
+    rest: Mat,
+}
+
+/// The slices of `A`: each of the first two has `bits` bits counted from its row's or column's largest entry.
+fn slices(A: &Mat, largest: &[f64], bits: i32, side: Side) -> Slices {
     let anchor: Vec<f64> = largest.iter().map(|l| 1.5 * l * f64::from(52 - bits).exp2()).collect();
-    let step = f64::from(-bits).exp2();
-    let (first, rest) = cut(A, &anchor, side);
-    let finer: Vec<f64> = anchor.iter().map(|a| a * step).collect();
-    let (second, third) = cut(&rest, &finer, side);
-    [first, second, third]
+    let empty = || Mat::zeros(A.nrows(), A.ncols());
+    let mut parts = Slices { first: A.clone(), second: empty(), third: empty(), rest: empty() };
+    cut(&anchor, f64::from(-bits).exp2(), side, &mut parts);
+    parts
 }
 
 vectorised! {
-    /// The leading bits that survive the addition of the anchor, and what is left.
-    fn cut<'a>(A: &'a Mat, anchor: &'a [f64], side: Side) -> (Mat, Mat) {
-        let (mut lead, mut rest) = (A.clone(), A.clone());
-        for j in 0..A.ncols() {
-            let columns = lead.column_mut(j).iter_mut().zip(rest.column_mut(j));
+    /// Cuts the matrix that stands in the place of the first slice: the leading bits of each entry survive the addition of the anchor, those
+    /// that follow that of the anchor times `step`.
+    fn cut<'a>(anchor: &'a [f64], step: f64, side: Side, parts: &'a mut Slices) -> () {
+        for j in 0..parts.first.ncols() {
+            let columns = (parts.first.column_mut(j).iter_mut().zip(parts.second.column_mut(j)))
+                .zip(parts.third.column_mut(j).iter_mut().zip(parts.rest.column_mut(j)));
             match side {
-                Side::Left => columns.zip(anchor).for_each(|((l, r), &s)| shave(l, r, s)),
-                Side::Right => columns.for_each(|(l, r)| shave(l, r, anchor[j])),
+                Side::Left => columns.zip(anchor).for_each(|(entry, &s)| shave(entry, s, s * step)),
+                Side::Right => columns.for_each(|entry| shave(entry, anchor[j], anchor[j] * step)),
             }
         }
-        (lead, rest)
     }
 }
 
+/// The slices of one entry.
+type Entry<'a> = ((&'a mut f64, &'a mut f64), (&'a mut f64, &'a mut f64));
+
 #[inline(always)]
-fn shave(lead: &mut f64, rest: &mut f64, anchor: f64) {
-    *lead = (*lead + anchor) - anchor;
-    *rest -= *lead;
+fn shave(((first, second), (third, rest)): Entry, anchor: f64, finer: f64) {
+    let whole = *first;
+    *first = (whole + anchor) - anchor;
+    *rest = whole - *first;
+    *second = (*rest + finer) - finer;
+    *third = *rest - *second;
 }
 
 #[cfg(test)]

@@ -54,6 +54,22 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     Ok((form.reached(B)?, form.seen(C)?))
 }
 
+/// A square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
+///
+/// # Errors
+/// As for [`lyap_factor`].
+pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    Prepared::of(A, Kind::Continuous)?.reached(B)
+}
+
+/// A square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
+///
+/// # Errors
+/// As for [`dlyap_factor`].
+pub fn dlyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    Prepared::of(A, Kind::Discrete)?.reached(B)
+}
+
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
     let square = Prepared::of(A, kind)?.reached(B)?;
     Ok(qr_r(&square.t())?.t())

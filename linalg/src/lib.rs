@@ -8,7 +8,7 @@
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
 //! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`stability`], [`refined`] (a transfer matrix to the last digits).
+//! [`stability`], [`range_basis`] (ranks on the way to zeros), [`refined`] (a transfer matrix to the last digits).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};
@@ -42,6 +42,7 @@ mod lyapunov_leaf;
 pub mod mat;
 pub mod pencil_roots;
 mod precise;
+pub mod range_basis;
 pub mod refined;
 pub mod riccati;
 mod scalar;
@@ -52,6 +53,7 @@ mod smith;
 pub mod sparse;
 mod spectrum;
 pub mod stability;
+mod stein_leaf;
 pub mod sylvester;
 pub mod tolerance;
 
@@ -68,10 +70,13 @@ pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use generalised::gsylvester;
 pub use generalised_lyapunov::{Weights, gcare, gdare, gdlyap, glyap};
-pub use hammarling::{dlyap_factor, dlyap_factors, lyap_factor, lyap_factors};
+pub use hammarling::{
+    dlyap_factor, dlyap_factors, dlyap_square_factor, lyap_factor, lyap_factors, lyap_square_factor,
+};
 pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
+pub use range_basis::RangeBasis;
 pub use refined::{Realisation, refined_transfer};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
 pub use schur::{Schur, Subspace, eigenvalues, schur};

@@ -4,7 +4,8 @@ use crate::error::{Error, check_shape, check_square};
 use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
-use crate::sylvester::{Kind, check_spectra, middle, solve_triangular};
+use crate::stein_leaf;
+use crate::sylvester::{Kind, check_spectra, middle};
 use crate::tolerance::DOUBTFUL_SEPARATION;
 
 mod doubtful;
@@ -177,21 +178,33 @@ impl Operator {
     }
 }
 
-/// `T X S' - X + Q = 0` for quasi-triangular `T` and `S`.
+/// `T X S' - X + Q = 0` for quasi-triangular `T` and `S`, the longer side cut in half until both are short.
 fn discrete(T: &Mat, S: &Mat, Q: &Mat) -> Mat {
-    // The triangle of `S'` with its rows and columns in reverse order is one, too.
-    let n = S.nrows();
-    let reversed = Mat::from_fn(n, n, |i, j| S[(n - 1 - j, n - 1 - i)]);
-    let mut X = flipped(Q, -1.0);
-    solve_triangular(T, &reversed, &mut X, Kind::Discrete);
-    flipped(&X, 1.0)
+    let (m, n) = Q.shape();
+    if m <= SMALL && n <= SMALL {
+        let mut X = Q.clone();
+        stein_leaf::solve(T, S, &mut X);
+        return X;
+    }
+    if m >= n {
+        let k = middle(T);
+        let lower = discrete(&T.block(k, k, m - k, m - k), S, &Q.block(k, 0, m - k, n));
+        let rest = Q.block(0, 0, k, n) + &(&T.block(0, k, k, m - k) * &lower) * &S.t();
+        return discrete(&T.block(0, 0, k, k), S, &rest).vstack(&lower);
+    }
+    let k = middle(S);
+    let right = discrete(T, &S.block(k, k, n - k, n - k), &Q.block(0, k, m, n - k));
+    let rest = Q.block(0, 0, m, k) + T * &(&right * S.block(0, k, k, n - k).t());
+    discrete(T, &S.block(0, 0, k, k), &rest).hstack(&right)
 }
 
 /// `T X T' - X + Q = 0` for symmetric `Q`, of which the upper blocks are read: half the work of the general equation.
 fn symmetric_discrete(T: &Mat, Q: &Mat) -> Mat {
     let n = T.nrows();
     if n <= SMALL {
-        return discrete(T, T, Q);
+        let mut X = Q.clone();
+        stein_leaf::solve_symmetric(T, &mut X);
+        return X;
     }
     let k = middle(T);
     let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
@@ -242,16 +255,6 @@ fn against_transpose(T: &Mat, S: &Mat, C: &Mat) -> Mat {
     let right = against_transpose(T, &S.block(k, k, n - k, n - k), &C.block(0, k, m, n - k));
     let rest = C.block(0, 0, m, k) - &right * S.block(0, k, k, n - k).t();
     against_transpose(T, &S.block(0, 0, k, k), &rest).hstack(&right)
-}
-
-/// The columns in reverse order, times a number.
-fn flipped(M: &Mat, factor: f64) -> Mat {
-    let n = M.ncols();
-    let mut out = Mat::zeros(M.nrows(), n);
-    for j in 0..n {
-        out.column_mut(j).iter_mut().zip(M.column(n - 1 - j)).for_each(|(o, &e)| *o = factor * e);
-    }
-    out
 }
 
 /// The Schur form of `A'`: rows, columns and blocks in reverse order.

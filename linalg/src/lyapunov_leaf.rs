@@ -82,9 +82,10 @@ pub(crate) fn climb(T: &Mat, X: &mut Mat, rows: &[Block], right: &Block) {
 pub(crate) struct Block {
     pub(crate) at: usize,
     pub(crate) size: usize,
-    entries: [f64; 4],
-    rate: f64,
-    scale: f64,
+    /// Row by row.
+    pub(crate) entries: [f64; 4],
+    pub(crate) rate: f64,
+    pub(crate) scale: f64,
 }
 
 impl Block {
@@ -99,16 +100,16 @@ impl Block {
         Self { at, size: 2, entries: [a, b, c, a], rate, scale: c.abs().sqrt() / b.abs().sqrt() }
     }
 
-    fn end(&self) -> usize {
+    pub(crate) fn end(&self) -> usize {
         self.at + self.size
     }
 
-    fn range(&self) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self) -> std::ops::Range<usize> {
         self.at..self.end()
     }
 
     /// Whether the scaled coordinate is good: a block far from a rotation is left to elimination.
-    fn is_round(&self) -> bool {
+    pub(crate) fn is_round(&self) -> bool {
         (1.0 / ROUND..ROUND).contains(&self.scale)
     }
 }
@@ -131,7 +132,7 @@ pub(crate) fn diagonal(T: &Mat) -> Vec<Block> {
 
 /// `s p + t q = P`, `s q - t p = Q`.
 #[inline(always)]
-fn turned(s: f64, t: f64, (P, Q): (f64, f64)) -> (f64, f64) {
+pub(crate) fn turned(s: f64, t: f64, (P, Q): (f64, f64)) -> (f64, f64) {
     // Divided by the larger first: the squares of large rates stay in range.
     let size = s.abs().max(t.abs());
     let (c, d) = (s / size, t / size);

@@ -262,9 +262,17 @@ impl<T: Scalar> Dense<T> {
 }
 
 impl Mat {
+    /// Adds `A B`.
+    pub(crate) fn add_product(&mut self, A: &Self, B: &Self) {
+        assert_eq!((A.cols, self.shape()), (B.rows, (A.rows, B.cols)), "shapes differ");
+        f64::gemm(A.rows, A.cols, B.cols, &A.data, &B.data, &mut self.data);
+    }
+
     /// `(A + A') / 2`.
     pub fn symmetric_part(&self) -> Self {
-        Self::from_fn(self.rows, self.cols, |i, j| 0.5 * (self[(i, j)] + self[(j, i)]))
+        let mut out = self.t();
+        out.data.iter_mut().zip(&self.data).for_each(|(a, &b)| *a = 0.5 * (b + *a));
+        out
     }
 
     /// The same numbers as complex ones.

@@ -172,8 +172,13 @@ pub const RITZ_LEAST_DAMPING: f64 = 1e-12;
 /// others.
 pub const RITZ_INDEPENDENT: f64 = 1e4 * LANCZOS_DEPENDENT;
 
-/// If the solution is this sensitive, the spectrum of the first approximation is not that of the last.
-pub const RICCATI_SPECTRUM_MOVES: f64 = 1e6;
+/// If the closed loop moves by more than this, relative to its norm, while a solution is refined, its eigenvalues are computed anew: they are
+/// known to a few parts in 1e10 otherwise.
+pub const RICCATI_SPECTRUM_MOVES: f64 = 1e6 * EPS;
+
+/// ... or by more than this share of the separation, which bounds how far the eigenvalues are from the boundary of stability: the slowest is
+/// known to four digits otherwise.
+pub const RICCATI_SPECTRUM_SHARE: f64 = 1e-4;
 
 /// Below this separation, relative to the data, a solution is examined twice: rounding may have moved a mode that
 /// cannot be moved.
@@ -212,6 +217,17 @@ pub const DOUBLING_GROWING: f64 = 0.3;
 
 /// Above this relative correction the closed loop is computed anew before the next step.
 pub const NEWTON_STALE_LOOP: f64 = 1e-4;
+
+/// What a step below this share of the solution does to the residual is computed in working precision: its rounding errors are then below
+/// 2^-80 of the norms, five digits below those of the solution's own entries.
+pub const NEWTON_SHORT_STEP: f64 = 1e-9;
+
+/// A gain whose correction is below this share of it is close enough to compute a residual with: what it leaves is of second order in that,
+/// and is taken out but for rounding.
+pub const GAIN_KNOWN: f64 = 1e-8;
+
+/// Corrections of a gain at most; each gains the digits that the condition of the input's weight leaves.
+pub const GAIN_CORRECTIONS: usize = 3;
 
 /// The contraction of a step over its relative size, assumed before there are two steps to compare.
 pub const NEWTON_FIRST_CONTRACTION: f64 = 1e6;

@@ -3,7 +3,6 @@
 use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::During;
-use crate::gramians::ctrb_factor;
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::response::Response;
 use crate::roots::{examined, is_stable, poles};
@@ -31,10 +30,14 @@ pub fn h2norm(g: &StateSpace) -> Result<f64, Error> {
     if g.timebase == Timebase::Continuous && g.D.norm_max() > 0.0 {
         return Ok(f64::INFINITY);
     }
-    match ctrb_factor(&balance(g).0) {
-        Err(Error::Pole { .. }) => Ok(f64::INFINITY),
-        Err(other) => Err(other),
-        Ok(L) => Ok((&balance(g).0.C * &L).norm_fro().hypot(g.D.norm_fro())),
+    let scaled = balance(g).0;
+    let factor = match g.timebase {
+        Timebase::Continuous => linalg::lyap_square_factor(&scaled.A, &scaled.B),
+        Timebase::Discrete { .. } => linalg::dlyap_square_factor(&scaled.A, &scaled.B),
+    };
+    match factor {
+        Err(linalg::Error::NotStable { .. }) => Ok(f64::INFINITY),
+        other => Ok((&scaled.C * &other.during("Gramian")?).norm_fro().hypot(g.D.norm_fro())),
     }
 }
 

@@ -4,9 +4,9 @@ use crate::components::components;
 use crate::entrywise::entrywise_zeros;
 use crate::error::During;
 use crate::scaling::balance;
-use crate::tolerance::{PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SUSPECT_POLE, ZERO_RANK};
+use crate::tolerance::{DIRECT_GROWTH, PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SUSPECT_POLE, ZERO_RANK};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
-use counterpoise_linalg::{self as linalg, Boundary};
+use counterpoise_linalg::{self as linalg, Boundary, RangeBasis};
 
 /// The poles: the eigenvalues of A, sorted by real, then imaginary part.
 ///
@@ -172,23 +172,25 @@ fn unit_gains(g: &StateSpace) -> StateSpace {
 /// and their own equations become outputs of what is left.
 fn compress(mut g: StateSpace, tolerance: f64) -> Result<StateSpace, Error> {
     loop {
-        let (p, n) = (g.outputs(), g.order());
-        let (U, rank) = row_space(&g.D, tolerance)?;
+        let (p, n, m) = (g.outputs(), g.order(), g.inputs());
+        let direct = RangeBasis::of(&g.D, tolerance).during("zeros")?;
+        let rank = direct.rank();
         if rank == p {
             return Ok(g);
         }
-        let (C, D) = (&U.t() * &g.C, &U.t() * &g.D);
-        let hidden = C.block(rank, 0, p - rank, n);
-        let (V, seen) = row_space(&hidden.t(), tolerance)?;
-        let reach = C.block(0, 0, rank, n);
-        let direct = D.block(0, 0, rank, g.inputs());
-        let (A, B, C) = (&V.t() * &(&g.A * &V), &V.t() * &g.B, &reach * &V);
-        let (kept, m) = (n - seen, g.inputs());
+        let turned = |M: &Mat| direct.transpose_times(M).during("zeros");
+        let (C, D) = (turned(&g.C)?, turned(&g.D)?);
+        let hidden = RangeBasis::of(&C.block(rank, 0, p - rank, n).t(), tolerance).during("zeros")?;
+        let seen = hidden.rank();
+        let rows = |M: &Mat| hidden.transpose_times(M).during("zeros");
+        let columns = |M: &Mat| hidden.times(M).during("zeros");
+        let (A, B, C) = (rows(&columns(&g.A)?)?, rows(&g.B)?, columns(&C.block(0, 0, rank, n))?);
+        let kept = n - seen;
         g = StateSpace {
             A: A.block(seen, seen, kept, kept),
             B: B.block(seen, 0, kept, m),
             C: C.block(0, seen, rank, kept).vstack(&A.block(0, seen, seen, kept)),
-            D: direct.vstack(&B.block(0, 0, seen, m)),
+            D: D.block(0, 0, rank, m).vstack(&B.block(0, 0, seen, m)),
             timebase: g.timebase,
         };
         if seen == 0 {
@@ -197,38 +199,37 @@ fn compress(mut g: StateSpace, tolerance: f64) -> Result<StateSpace, Error> {
     }
 }
 
-/// An orthogonal U whose first `rank` columns span the range of M, and that rank.
-fn row_space(M: &Mat, tolerance: f64) -> Result<(Mat, usize), Error> {
-    let rows = M.nrows();
-    if rows == 0 || M.ncols() == 0 || M.norm_max() == 0.0 {
-        return Ok((Mat::eye(rows), 0));
-    }
-    // Columns of zeros make the left factor square.
-    let padded = if M.ncols() < rows { M.hstack(&Mat::zeros(rows, rows - M.ncols())) } else { M.clone() };
-    let svd = linalg::svd(&padded).during("zeros")?;
-    let rank = svd.s.iter().filter(|&&s| s > tolerance).count();
-    Ok((svd.U, rank))
-}
-
-/// The zeros of a system with an invertible direct path: columns of [C D] are compressed to [0 Df], and what is left
-/// of [A - s I, B] is a regular pencil.
+/// The zeros of a system with an invertible direct path: the eigenvalues of A - B inv(D) C if this product is not large beside A;
+/// otherwise columns of [C D] are compressed to [0 Df], and what is left of [A - s I, B] is a regular pencil for QZ, which takes
+/// three times as long.
 fn finite_eigenvalues(g: &StateSpace) -> Result<Vec<C64>, Error> {
-    let n = g.order();
+    let (n, p) = (g.order(), g.outputs());
     if n == 0 {
         return Ok(Vec::new());
     }
-    if g.outputs() == 0 {
+    if p == 0 {
         return linalg::eigenvalues(&g.A).during("zeros");
     }
-    let (Z, _) = row_space(&g.C.hstack(&g.D).t(), 0.0)?;
-    let last = Z.block(0, g.outputs(), Z.nrows(), Z.ncols() - g.outputs());
-    let pencil = &g.A.hstack(&g.B) * &last;
-    let mass = last.block(0, 0, n, last.ncols());
-    let pairs = linalg::gen_eigenvalues(&pencil, &mass).during("zeros")?;
+    if let Some(inner) = without_direct_path(g) {
+        return linalg::eigenvalues(&inner).during("zeros");
+    }
+    let basis = RangeBasis::of(&g.C.hstack(&g.D).t(), 0.0).during("zeros")?;
+    let columns = |M: Mat| basis.times(&M).during("zeros");
+    let (whole, mass) = (columns(g.A.hstack(&g.B))?, columns(Mat::eye(n).hstack(&Mat::zeros(n, p)))?);
+    let pencil = (whole.block(0, p, n, n), mass.block(0, p, n, n));
+    let pairs = linalg::gen_eigenvalues(&pencil.0, &pencil.1).during("zeros")?;
     let mut zeros: Vec<C64> = pairs.into_iter().map(|(alpha, beta)| alpha / beta).collect();
     zeros.retain(|zero| zero.re.is_finite() && zero.im.is_finite());
     sort(&mut zeros);
     Ok(zeros)
+}
+
+/// A - B inv(D) C for a square D, if neither D nor the product magnifies rounding errors by more than [`DIRECT_GROWTH`].
+fn without_direct_path(g: &StateSpace) -> Option<Mat> {
+    let inverse = if g.D.is_square() { linalg::inverse(&g.D).ok()? } else { return None };
+    let growth = g.B.norm_fro() * inverse.norm_fro() * g.C.norm_fro();
+    let is_small = growth <= DIRECT_GROWTH * g.A.norm_fro() && linalg::rcond_one(&g.D) * DIRECT_GROWTH >= 1.0;
+    is_small.then(|| &g.A - &(&(&g.B * &inverse) * &g.C))
 }
 
 /// Sorts by real, then imaginary part.

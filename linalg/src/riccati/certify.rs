@@ -1,10 +1,11 @@
 //! The certificate of a Riccati solution, computed from what is returned.
 
+use crate::lyapunov::Operator;
 use crate::mat::{C64, Mat};
 use crate::precise::Precise;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, ROUNDING};
+use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, RICCATI_SPECTRUM_SHARE, ROUNDING};
 
 use super::newton::{Equation, Refined};
 use super::precise::{self, PreciseEquation, relative_step};
@@ -21,8 +22,25 @@ pub(super) struct Certified {
     pub(super) operator_norm: f64,
     /// The ratio of the last Newton step to the one before it.
     pub(super) contraction: f64,
+    normwise: Normwise,
+}
+
+/// What Kenney and Hewer's condition number is computed from, if it is asked for.
+enum Normwise {
+    /// The norms of the inverse Lyapunov operator applied to `I` and to `X^2`.
+    Norms(f64, f64),
+    /// The first of them, and the operator.
+    Operator(f64, Operator),
+}
+
+impl Certified {
     /// Kenney and Hewer's condition number in scaled units, of changes that are small beside the norms of the data.
-    pub(super) normwise_condition: f64,
+    pub(super) fn normwise_condition(&self, problem: &Problem) -> f64 {
+        match &self.normwise {
+            Normwise::Norms(h0, h2) => condition(problem, (*h0, *h2), &self.solution.X),
+            Normwise::Operator(h0, derivative) => normwise(problem, derivative, *h0, &self.solution.X),
+        }
+    }
 }
 
 /// A refined solution with its closed loop and certificate, or why it is refused.
@@ -33,21 +51,23 @@ pub(super) fn certify(
     method: Method,
 ) -> Result<Certified, Reason> {
     let kind = Equation::kind(equation);
-    let (separation, normwise_condition) = sensitivity(problem, &refined);
-    let closed_loop = spectrum(equation, &refined, normwise_condition);
+    let h0 = refined.derivative.solve_inner(&Mat::eye(problem.A.nrows())).norm_fro();
+    // For a stable operator the solution for the identity attains the norm of the inverse, so that the separation is exact in the 2-norm
+    // (here bounded by the Frobenius norm).
+    let separation = 1.0 / h0;
+    let closed_loop = spectrum(equation, &refined, h0);
     let worst = worst_excess(&closed_loop, kind);
     let inaccurate = |residual| inaccurate(residual, worst, kind);
-    let (residual, size) =
-        equation.residual(&refined.X.clone().into()).ok_or_else(|| inaccurate(f64::INFINITY))?;
-    let remaining = residual.norm_fro();
+    let remaining = refined.residual.norm_fro();
+    let size = refined.terms;
     let relative_residual = if size > 0.0 { remaining / size } else { 0.0 };
     let backward_error = remaining / data_size(problem, &refined.X);
     let sound = relative_residual <= RICCATI_RESIDUAL || backward_error <= ROUNDING;
     if !sound || (worst >= 0.0 && !closed_loop.is_empty()) {
         return Err(inaccurate(relative_residual));
     }
-    let unknown = equation.residual_error(&refined.gain, &refined.X) / separation;
-    let forward_error = refined.derivative.solve(&residual).map(|e| e.abs() + unknown);
+    let unknown = refined.residual_error / separation;
+    let forward_error = refined.derivative.solve(&refined.residual).map(|e| e.abs() + unknown);
     let moduli = equation.moduli(&refined.gain, &refined.X);
     let data_change = refined.derivative.solve(&moduli).map(f64::abs);
     let operator_norm = operator_norm(refined.derivative.form.T.norm_fro(), kind);
@@ -66,7 +86,14 @@ pub(super) fn certify(
         newton_steps: refined.steps,
     };
     let solution = Riccati { X: refined.X, F: refined.gain, closed_loop, certificate };
-    Ok(Certified { solution, residual, operator_norm, contraction: refined.contraction, normwise_condition })
+    let normwise = Normwise::Operator(h0, refined.derivative);
+    Ok(Certified {
+        solution,
+        residual: refined.residual,
+        operator_norm,
+        contraction: refined.contraction,
+        normwise,
+    })
 }
 
 /// A solution in 32 digits, rounded, with its certificate.
@@ -78,7 +105,7 @@ pub(super) fn certify_precise(
     let kind = Equation::kind(equation);
     let X = found.X.rounded().symmetric_part();
     let residual = equation.linearise(&Precise::from(&X))?.residual.high;
-    let (_, size) = equation.residual(&X.clone().into())?;
+    let size = equation.evaluate(&X.clone().into())?.terms;
     let remaining = residual.norm_fro();
     let rounding = found.X.minus(&Precise::from(&X)).high;
     let (h0, h2) = found.inverse_norms;
@@ -96,12 +123,12 @@ pub(super) fn certify_precise(
         method: Method::Precise,
         newton_steps: found.steps,
     };
-    let normwise_condition = condition(problem, (h0, h2), &X);
+    let normwise = Normwise::Norms(h0, h2);
     let mut closed_loop = eigenvalues(&found.closed.rounded()).ok()?;
     closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
     let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
     let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
-    Some(Certified { solution, residual, operator_norm, contraction: 0.0, normwise_condition })
+    Some(Certified { solution, residual, operator_norm, contraction: 0.0, normwise })
 }
 
 /// A bound of the norm of the Lyapunov operator of a closed loop of the given norm.
@@ -144,9 +171,11 @@ fn data_size(problem: &Problem, X: &Mat) -> f64 {
     size.max(f64::MIN_POSITIVE)
 }
 
-/// The eigenvalues of the closed loop, sorted.
-fn spectrum(equation: &impl Equation, refined: &Refined, condition: f64) -> Vec<C64> {
-    if condition > RICCATI_SPECTRUM_MOVES
+/// The eigenvalues of the closed loop, sorted: those of the operator, unless the closed loop has moved since; `h0` is the norm of the inverse
+/// operator applied to `I`.
+fn spectrum(equation: &impl Equation, refined: &Refined, h0: f64) -> Vec<C64> {
+    let change = refined.moved * refined.derivative.form.T.norm_fro();
+    if (refined.moved > RICCATI_SPECTRUM_MOVES || change * h0 > RICCATI_SPECTRUM_SHARE)
         && let Ok(sorted) = eigenvalues(&equation.closed_loop(&refined.gain))
     {
         return sorted;
@@ -156,15 +185,12 @@ fn spectrum(equation: &impl Equation, refined: &Refined, condition: f64) -> Vec<
     values
 }
 
-/// Separation and Kenney-Hewer condition number. For a stable operator the solution for the identity attains the norm of
-/// the inverse, so that the separation is exact in the 2-norm (here bounded by the Frobenius norm).
-fn sensitivity(problem: &Problem, refined: &Refined) -> (f64, f64) {
-    let n = problem.A.nrows();
-    let U = &refined.derivative.form.U;
-    let X = U.t() * &refined.X * U;
-    let h0 = refined.derivative.solve_inner(&Mat::eye(n)).norm_fro();
-    let h2 = refined.derivative.solve_inner(&(&X * &X)).norm_fro();
-    (1.0 / h0, condition(problem, (h0, h2), &X))
+/// Kenney and Hewer's condition number; `h0` is the norm of the inverse operator applied to `I`.
+fn normwise(problem: &Problem, derivative: &Operator, h0: f64, solution: &Mat) -> f64 {
+    let U = &derivative.form.U;
+    let X = U.t() * solution * U;
+    let h2 = derivative.solve_inner(&(&X * &X)).norm_fro();
+    condition(problem, (h0, h2), &X)
 }
 
 /// The condition number from the norms of the inverse operator applied to `I` and to `X^2`.

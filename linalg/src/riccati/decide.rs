@@ -33,18 +33,17 @@ fn is_accurate(found: &Certified) -> bool {
 
 /// Whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
 /// Newton's method makes of a multiple mode that is out of reach.
-fn is_undetermined(found: &Certified) -> bool {
+fn is_undetermined(found: &Certified, problem: &Problem) -> bool {
     let Certificate { forward_error, .. } = &found.solution.certificate;
-    found.normwise_condition * EPS > RICCATI_UNDETERMINED
-        && relative_step(forward_error, &found.solution.X) > SENSITIVE
+    relative_step(forward_error, &found.solution.X) > SENSITIVE
+        && found.normwise_condition(problem) * EPS > RICCATI_UNDETERMINED
 }
 
-/// Whether a small problem's approximation is no solution: 32 digits do not lead to one, and the residual is not small beside the terms. It
-/// may still be rounding beside the factors of the terms if these nearly cancel, as those of a level just below the norm of a difference of
-/// two systems do, for which there is none.
+/// Whether an approximation that is in doubt is no solution: 32 digits do not lead to one, or the problem is too large for them, and the
+/// residual is not small beside the terms. It may still be rounding beside the factors of the terms if these nearly cancel, as those of a
+/// level just below the norm of a difference of two systems do, for which there is none.
 fn is_spurious(found: &Certified) -> bool {
-    found.solution.X.nrows() <= PRECISE_STATES
-        && found.solution.certificate.relative_residual > RICCATI_RESIDUAL
+    found.solution.certificate.relative_residual > RICCATI_RESIDUAL
 }
 
 /// The size to which a separation is compared.
@@ -96,7 +95,7 @@ pub(super) fn decide(
         return accept(better, modes, RICCATI_UNDETERMINED);
     }
     match found {
-        Some(found) if is_undetermined(&found) || is_spurious(&found) => {
+        Some(found) if is_undetermined(&found, problem) || is_spurious(&found) => {
             let residual = found.solution.certificate.relative_residual;
             let reaches = found.solution.closed_loop.iter().map(|&l| reason::excess(l, kind));
             let boundary = if kind == Kind::Continuous { 0.0 } else { 1.0 };
@@ -122,7 +121,7 @@ fn solve_precisely(
 
 /// The solution, unless it is so sensitive that a mode may be within reach, or in sight, by rounding alone.
 fn accept(found: Certified, modes: &Modes, limit: f64) -> Outcome<Certified> {
-    let lost = if found.normwise_condition * EPS > limit {
+    let lost = if found.normwise_condition(modes.problem) * EPS > limit {
         reason::lost_mode(modes, Nearness::Rounding)
     } else {
         None

@@ -9,9 +9,9 @@ use crate::extended::{Extended, exact_product};
 use crate::mat::Mat;
 use crate::precise::Precise;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, EXTENDED_ERROR};
+use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN};
 
-use super::newton::Equation;
+use super::newton::{Change, Equation, Evaluation};
 use super::precise::{Linearised, PreciseEquation};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
@@ -24,10 +24,10 @@ pub(super) struct Data {
 }
 
 impl Data {
-    /// `K'RK - SK - K'S'`, which both equations share, and `Q`.
-    fn weights(&self, K: &Mat) -> Extended {
+    /// `K'RK - SK - K'S'`, which both equations share, and `Q`; from `RK`.
+    fn weights(&self, K: &Mat, RK: &Extended) -> Extended {
         let mut sum = Extended::from(self.Q.clone());
-        sum = sum.add(&Extended::from(K.t()).times(&exact_product(&self.R, K)));
+        sum = sum.add(&Extended::from(K.t()).times(RK));
         if let Some(S) = &self.S {
             let cross = exact_product(S, K).neg();
             sum = sum.add(&cross).add(&cross.t());
@@ -101,20 +101,24 @@ impl Continuous {
 }
 
 impl Equation for Continuous {
-    fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
+    fn evaluate(&self, X: &Extended) -> Option<Evaluation> {
         let data = &self.0;
         let AX = Extended::from(data.A.t()).times(X);
         let BX = Extended::from(data.B.t()).times(X);
-        let K = self.gain_of(&BX)?;
-        let KBX = Extended::from(K.t()).times(&BX).neg();
-        let size = 2.0 * AX.high.norm_fro() + KBX.high.norm_fro() + data.Q.norm_fro();
+        let gain = self.gain_of(&BX)?;
+        let KBX = Extended::from(gain.t()).times(&BX).neg();
+        let terms = 2.0 * AX.high.norm_fro() + KBX.high.norm_fro() + data.Q.norm_fro();
         let half = AX.add(&KBX);
-        let total = half.add(&half.t()).add(&data.weights(&K));
-        Some((total.collapse().symmetric_part(), size))
+        let total = half.add(&half.t()).add(&data.weights(&gain, &exact_product(&data.R, &gain)));
+        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain })
     }
 
-    fn gain(&self, X: &Extended) -> Option<Mat> {
-        self.gain_of(&Extended::from(self.0.B.t()).times(X))
+    fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
+        let half = E * self.0.closed(&before.gain);
+        let driven = self.0.B.t() * E;
+        let gain = solve(&self.0.R, &driven).ok()?;
+        let residual = &half + &half.t() - driven.t() * &gain;
+        Some(Change { gain, residual })
     }
 
     fn closed_loop(&self, K: &Mat) -> Mat {
@@ -169,16 +173,20 @@ pub(super) struct Quadratic {
 }
 
 impl Equation for Quadratic {
-    fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
+    fn evaluate(&self, X: &Extended) -> Option<Evaluation> {
         let AX = Extended::from(self.A.t()).times(X);
-        let square = X.times(&Extended::from(self.G.clone()).times(X)).neg();
-        let size = 2.0 * AX.high.norm_fro() + square.high.norm_fro() + self.Q.norm_fro();
+        let GX = Extended::from(self.G.clone()).times(X);
+        let square = X.times(&GX).neg();
+        let terms = 2.0 * AX.high.norm_fro() + square.high.norm_fro() + self.Q.norm_fro();
         let total = AX.add(&AX.t()).add(&square).add(&self.Q.clone().into());
-        Some((total.collapse().symmetric_part(), size))
+        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain: GX.collapse() })
     }
 
-    fn gain(&self, X: &Extended) -> Option<Mat> {
-        Some(Extended::from(self.G.clone()).times(X).collapse())
+    fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
+        let half = E * (&self.A - &before.gain);
+        let gain = &self.G * E;
+        let residual = &half + &half.t() - E * &gain;
+        Some(Change { gain, residual })
     }
 
     fn closed_loop(&self, K: &Mat) -> Mat {
@@ -226,27 +234,77 @@ impl PreciseEquation for Quadratic {
 /// `A'XA - X - (A'XB+S)(R+B'XB)^-1(B'XA+S') + Q = 0`
 pub(super) struct Discrete(pub(super) Data);
 
-impl Equation for Discrete {
-    fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
+/// The closed loop of the discrete equation with some gain.
+struct Loop {
+    gain: Mat,
+    /// `A - B K`
+    closed: Extended,
+    /// `X (A - B K)`
+    moved: Extended,
+    /// `R K`
+    weighted: Extended,
+    /// The gain that belongs to `X` less this one.
+    correction: Mat,
+}
+
+impl Discrete {
+    /// `(R + B'XB)^-1 (B'XA + S')` in working precision.
+    fn first_gain(&self, X: &Mat, weight: &Mat) -> Option<Mat> {
         let data = &self.0;
-        let K = self.gain(X)?;
-        let closed = exact_product(&data.B, &K).neg().add(&data.A.clone().into());
-        let moved = closed.t().times(&X.times(&closed));
-        let AXA = data.A.t() * &X.high * &data.A;
-        let size = AXA.norm_fro() + X.high.norm_fro() + data.Q.norm_fro() + (&AXA - &moved.high).norm_fro();
-        let total = moved.add(&X.neg()).add(&data.weights(&K));
-        Some((total.collapse().symmetric_part(), size))
+        let BXA = &(data.B.t() * X) * &data.A;
+        solve(weight, &data.S.as_ref().map_or(BXA.clone(), |S| BXA + S.t())).ok()
     }
 
-    fn gain(&self, X: &Extended) -> Option<Mat> {
+    /// `R + B'XB`
+    fn weight(&self, X: &Mat) -> Mat {
+        self.0.B.t() * X * &self.0.B + &self.0.R
+    }
+
+    /// The loop with `gain`; its correction solves `W dK = B'X(A - BK) + S' - RK`, which is small and computed in twice the working
+    /// precision.
+    fn close(&self, X: &Extended, weight: &Mat, gain: Mat) -> Option<Loop> {
         let data = &self.0;
-        let BX = Extended::from(data.B.t()).times(X);
-        let mut right = BX.times(&data.A.clone().into());
+        let closed = exact_product(&data.B, &gain).neg().add(&data.A.clone().into());
+        let moved = X.times(&closed);
+        let weighted = exact_product(&data.R, &gain);
+        let mut rest = Extended::from(data.B.t()).times(&moved).add(&weighted.neg());
         if let Some(S) = &data.S {
-            right = right.add(&S.t().into());
+            rest = rest.add(&S.t().into());
         }
-        let weight = BX.times(&data.B.clone().into()).add(&data.R.clone().into());
-        solve(&weight.collapse(), &right.collapse()).ok()
+        let correction = solve(weight, &rest.collapse()).ok()?;
+        Some(Loop { gain, closed, moved, weighted, correction })
+    }
+}
+
+impl Equation for Discrete {
+    /// A gain `K` that is not quite that of `X` leaves `dK'W dK` more than the residual, `dK` being its correction.
+    fn evaluate(&self, X: &Extended) -> Option<Evaluation> {
+        let data = &self.0;
+        let weight = self.weight(&X.high);
+        let mut at = self.close(X, &weight, self.first_gain(&X.high, &weight)?)?;
+        for _ in 0..GAIN_CORRECTIONS {
+            if at.correction.norm_fro() <= GAIN_KNOWN * at.gain.norm_fro() {
+                break;
+            }
+            at = self.close(X, &weight, &at.gain + &at.correction)?;
+        }
+        let moved = at.closed.t().times(&at.moved);
+        let AXA = data.A.t() * &X.high * &data.A;
+        let terms = AXA.norm_fro() + X.high.norm_fro() + data.Q.norm_fro() + (&AXA - &moved.high).norm_fro();
+        let excess = at.correction.t() * &(&weight * &at.correction);
+        let total =
+            moved.add(&X.neg()).add(&data.weights(&at.gain, &at.weighted)).add(&excess.scale(-1.0).into());
+        let gain = &at.gain + &at.correction;
+        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain })
+    }
+
+    fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change> {
+        let closed = self.0.closed(&before.gain);
+        let moved = E * &closed;
+        let driven = self.0.B.t() * &moved;
+        let gain = solve(&self.weight(X), &driven).ok()?;
+        let residual = closed.t() * &moved - E - driven.t() * &gain;
+        Some(Change { gain, residual })
     }
 
     fn closed_loop(&self, K: &Mat) -> Mat {
@@ -254,7 +312,7 @@ impl Equation for Discrete {
     }
 
     fn residual_error(&self, K: &Mat, X: &Mat) -> f64 {
-        let weight = self.0.B.t() * X * &self.0.B + &self.0.R;
+        let weight = self.weight(X);
         let products = EXTENDED_ERROR * self.0.closed(K).norm_fro().powi(2) * X.norm_fro();
         products + (EPS * K.norm_fro()).powi(2) * weight.norm_fro()
     }

@@ -10,17 +10,35 @@ use crate::mat::Mat;
 use crate::schur::schur;
 use crate::sylvester::Kind;
 use crate::tolerance::{
-    EPS, NEWTON_FIRST_CONTRACTION, NEWTON_NEAR_START, NEWTON_SPOILT, NEWTON_STALE_LOOP, NEWTON_STEPS,
+    EPS, NEWTON_FIRST_CONTRACTION, NEWTON_NEAR_START, NEWTON_SHORT_STEP, NEWTON_SPOILT, NEWTON_STALE_LOOP,
+    NEWTON_STEPS, ROUNDING,
 };
 
 use super::Reason;
 
+/// An equation at an approximation `X`.
+pub(super) struct Evaluation {
+    /// The residual, in twice the working precision before it was rounded.
+    pub(super) residual: Mat,
+    /// The sum of the norms of the equation's terms.
+    pub(super) terms: f64,
+    /// The gain that belongs to `X` (`G X` where no input is known).
+    pub(super) gain: Mat,
+}
+
+/// What a step does to gain and residual, to working precision.
+pub(super) struct Change {
+    pub(super) gain: Mat,
+    pub(super) residual: Mat,
+}
+
 /// What Newton's method needs to know of an equation.
 pub(super) trait Equation {
-    /// The residual in twice the working precision, and the sum of the norms of its terms.
-    fn residual(&self, X: &Extended) -> Option<(Mat, f64)>;
-    /// The gain that belongs to `X` (`G X` where no input is known).
-    fn gain(&self, X: &Extended) -> Option<Mat>;
+    /// The equation at `X`; `None` if a weight is singular.
+    fn evaluate(&self, X: &Extended) -> Option<Evaluation>;
+    /// What the step `E` to `X` does, by the identities `K(X+E) = K + W^-1 B'EA_K` and `residual(X+E) = residual(X) + L(E) -
+    /// (B'EA_K)'W^-1 B'EA_K`, `A_K = A - BK` (continuous: without `A_K` beside `E`), `W` the weight at `X + E`.
+    fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change>;
     /// `A - B K` (`A - K` where no input is known).
     fn closed_loop(&self, K: &Mat) -> Mat;
     /// By how much the computed residual at `X` may be off: rounding of the gain `K`, which counts in second order, and of
@@ -35,8 +53,15 @@ pub(super) struct Refined {
     pub(super) X: Mat,
     /// The gain, from `X` before it was rounded.
     pub(super) gain: Mat,
+    /// The residual of `X` as it is rounded, and by how much its computation may be off.
+    pub(super) residual: Mat,
+    pub(super) residual_error: f64,
+    /// The sum of the norms of the equation's terms.
+    pub(super) terms: f64,
     /// The Lyapunov operator of the closed loop's transpose.
     pub(super) derivative: Operator,
+    /// How far the closed loop is from that of the operator, relative to its norm.
+    pub(super) moved: f64,
     pub(super) steps: usize,
     /// The ratio of the last step to the one before it, zero if there was one step: small if the derivative was computed well.
     pub(super) contraction: f64,
@@ -48,55 +73,114 @@ pub(super) struct Refined {
 /// [`Reason::NoGraph`] where the closed loop has no Schur form or a step cannot be computed, [`Reason::Inaccurate`] where the start is too
 /// far from a solution.
 pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason> {
-    let mut X = Extended::from(X);
-    let mut derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
+    let mut path = Path::from(equation, X).ok_or(Reason::NoGraph)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
     let (mut slow, mut contraction) = (false, 0.0_f64);
     while steps < NEWTON_STEPS {
-        let (residual, terms) = equation.residual(&X).ok_or(Reason::NoGraph)?;
-        let careful = if slow { careful_step(equation, &X, &residual) } else { None };
-        let step = careful.unwrap_or_else(|| derivative.solve(&residual));
-        let step = step.symmetric_part();
-        let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
+        let careful = if slow { path.careful_step(equation) } else { None };
+        let step = careful.unwrap_or_else(|| path.derivative.solve(&path.residual)).symmetric_part();
+        let relative = step.norm_fro() / path.X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < NEWTON_STALE_LOOP;
-        if relative > NEWTON_NEAR_START && derivative.reach() >= derivative.boundary() {
-            let residual = residual.norm_fro() / terms.max(f64::MIN_POSITIVE);
-            return Err(Reason::Inaccurate { residual, stability: derivative.reach(), hardest: None });
+        if relative > NEWTON_NEAR_START && path.derivative.reach() >= path.derivative.boundary() {
+            let residual = path.residual.norm_fro() / path.here.terms.max(f64::MIN_POSITIVE);
+            return Err(Reason::Inaccurate { residual, stability: path.derivative.reach(), hardest: None });
         }
         if !relative.is_finite() || stuck {
             break;
         }
-        X = X.add(&step.into());
         steps += 1;
         let rate = if size.is_finite() { relative / size } else { NEWTON_FIRST_CONTRACTION * relative };
         slow = slow || rate > NEWTON_SPOILT && size.is_finite();
         if size.is_finite() {
             contraction = rate;
         }
-        if relative > NEWTON_STALE_LOOP {
-            derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
-        }
         size = relative;
+        path.advance(equation, &step, relative).ok_or(Reason::NoGraph)?;
         if relative * rate < EPS / 16.0 {
             break;
         }
     }
-    let gain = equation.gain(&X).ok_or(Reason::NoGraph)?;
-    Ok(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps, contraction })
+    let refined = path.end(equation).ok_or(Reason::NoGraph)?;
+    Ok(Refined { steps, contraction, ..refined })
 }
 
-/// The step from the closed loop as it is now, balanced first: a pole close to the border of stability keeps its
-/// distance from it, also where the states' units lie far apart.
-fn careful_step(equation: &impl Equation, X: &Extended, residual: &Mat) -> Option<Mat> {
-    let closed = equation.closed_loop(&equation.gain(X)?).t();
-    match equation.kind() {
-        Kind::Continuous => lyap(&closed, residual).ok(),
-        Kind::Discrete => dlyap(&closed, residual).ok(),
+/// Where Newton's method has come to: `X + ahead`. What the short steps `ahead` do to the equation is computed in working precision.
+struct Path {
+    X: Extended,
+    here: Evaluation,
+    ahead: Mat,
+    /// The residual at `X + ahead`.
+    residual: Mat,
+    derivative: Operator,
+    /// The closed loop of the derivative.
+    closed: Mat,
+}
+
+impl Path {
+    fn from(equation: &impl Equation, X: Mat) -> Option<Self> {
+        let ahead = Mat::zeros(X.nrows(), X.ncols());
+        let X = Extended::from(X);
+        let here = equation.evaluate(&X)?;
+        let closed = equation.closed_loop(&here.gain);
+        let derivative = derivative_of(&closed, equation.kind())?;
+        Some(Self { X, residual: here.residual.clone(), here, ahead, derivative, closed })
+    }
+
+    /// Takes a step of the given size relative to `X`; a long one makes the derivative stale.
+    fn advance(&mut self, equation: &impl Equation, step: &Mat, relative: f64) -> Option<()> {
+        self.ahead += step;
+        if self.ahead.norm_fro() <= NEWTON_SHORT_STEP * self.X.high.norm_fro() {
+            let X = &self.X.high + &self.ahead;
+            self.residual = &self.here.residual + &equation.change(&self.here, &self.ahead, &X)?.residual;
+            return Some(());
+        }
+        self.X = self.X.add(&self.ahead.clone().into());
+        self.ahead = Mat::zeros(step.nrows(), step.ncols());
+        self.here = equation.evaluate(&self.X)?;
+        self.residual = self.here.residual.clone();
+        if relative > NEWTON_STALE_LOOP {
+            self.closed = equation.closed_loop(&self.here.gain);
+            self.derivative = derivative_of(&self.closed, equation.kind())?;
+        }
+        Some(())
+    }
+
+    /// The step from the closed loop as it is now, balanced first: a pole close to the border of stability keeps its
+    /// distance from it, also where the states' units lie far apart.
+    fn careful_step(&self, equation: &impl Equation) -> Option<Mat> {
+        let X = &self.X.high + &self.ahead;
+        let gain = &self.here.gain + &equation.change(&self.here, &self.ahead, &X)?.gain;
+        let closed = equation.closed_loop(&gain).t();
+        match equation.kind() {
+            Kind::Continuous => lyap(&closed, &self.residual).ok(),
+            Kind::Discrete => dlyap(&closed, &self.residual).ok(),
+        }
+    }
+
+    /// The solution, rounded.
+    fn end(self, equation: &impl Equation) -> Option<Refined> {
+        let X = self.X.add(&self.ahead.clone().into()).collapse().symmetric_part();
+        let rounded = self.X.neg().add(&X.clone().into()).collapse();
+        let gain = &self.here.gain + &equation.change(&self.here, &self.ahead, &X)?.gain;
+        let residual = &self.here.residual + &equation.change(&self.here, &rounded, &X)?.residual;
+        let closed = equation.closed_loop(&gain);
+        let size = self.closed.norm_fro();
+        let operator = if equation.kind() == Kind::Continuous { 2.0 * size } else { 1.0 + size * size };
+        Some(Refined {
+            residual: residual.symmetric_part(),
+            residual_error: equation.residual_error(&gain, &X) + ROUNDING * rounded.norm_fro() * operator,
+            terms: self.here.terms,
+            derivative: self.derivative,
+            moved: (&closed - &self.closed).norm_fro() / size.max(f64::MIN_POSITIVE),
+            X,
+            gain,
+            steps: 0,
+            contraction: 0.0,
+        })
     }
 }
 
-fn derivative_at(equation: &impl Equation, X: &Extended) -> Option<Operator> {
-    let closed = equation.closed_loop(&equation.gain(X)?);
-    Operator::new(transposed(&schur(&closed).ok()?), equation.kind()).ok()
+fn derivative_of(closed: &Mat, kind: Kind) -> Option<Operator> {
+    Operator::new(transposed(&schur(closed).ok()?), kind).ok()
 }
