@@ -39,12 +39,14 @@ macro_rules! say {
 }
 pub(crate) use say;
 
-/// An error and its causes, one below the other; a cause that the line above it quotes is not said twice.
+/// Returns an error and its causes, one below the other; a cause that the line above it quotes is not said
+/// twice.
 pub fn error_chain(error: &anyhow::Error) -> String {
     format!("error: {}", causes(error).join("\n  because: "))
 }
 
-/// A number of a printed line: five significant digits, a plain minus sign, and a word for what has no bound.
+/// Returns a number of a printed line: five significant digits, a plain minus sign, and a word for what has
+/// no bound.
 pub fn figure(value: f64) -> String {
     if !value.is_finite() {
         let sign = if value < 0.0 { "minus " } else { "" };

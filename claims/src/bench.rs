@@ -96,17 +96,18 @@ impl<'a> Bench<'a> {
         Ok(Self { project, world, designed, procedure, friction, observing_project, observed })
     }
 
-    /// The mechanism's parameters.
+    /// Returns the mechanism's parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.designed.modelled.parameters
     }
 
-    /// The controller as exported.
+    /// Returns the controller as exported.
     pub fn controller(&self) -> &Controller {
         self.designed.verified.controller()
     }
 
-    /// The controller that a design would export if its observer were identified on another mechanism.
+    /// Returns the controller that a design would export if its observer were identified on another
+    /// mechanism.
     ///
     /// # Errors
     /// Those of the identification and of the design.
@@ -116,12 +117,12 @@ impl<'a> Bench<'a> {
         Ok(synthesise(&project, &made.modelled, &made.reduced)?.sampled.controller)
     }
 
-    /// A figure of the verification, NaN where it was not measured.
+    /// Returns a figure of the verification, NaN where it was not measured.
     pub fn value(&self, figure: Figure) -> f64 {
         self.designed.verified.verification().value(figure).unwrap_or(f64::NAN)
     }
 
-    /// The design of a project that differs.
+    /// Returns the design of a project that differs.
     ///
     /// # Errors
     /// Those of the pipeline.
@@ -131,7 +132,7 @@ impl<'a> Bench<'a> {
         run_stages(&project, self.world)
     }
 
-    /// Figures of a controller on a mechanism.
+    /// Returns figures of a controller on a mechanism.
     ///
     /// # Errors
     /// Those of the verification.
@@ -178,7 +179,8 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Members of a family, the step and the platform in motion drawn over each other, and its figures over the factor.
+    /// Returns members of a family, the step and the platform in motion drawn over each other, and its figures over the
+    /// factor.
     ///
     /// # Errors
     /// Those of the simulator.
@@ -209,7 +211,7 @@ impl<'a> Bench<'a> {
         ])
     }
 
-    /// A time history of a controller on a mechanism.
+    /// Returns a time history of a controller on a mechanism.
     ///
     /// # Errors
     /// Those of the simulator.
@@ -224,7 +226,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// The largest difference in dB between two systems of one output over a band, over the given input.
+/// Returns the largest difference in dB between two systems of one output over a band, over the given input.
 ///
 /// # Errors
 /// A response that does not exist.
@@ -240,7 +242,7 @@ pub fn largest_db(
     Ok((0..rates.len()).map(|k| difference(k).abs()).fold(0.0, f64::max))
 }
 
-/// Two hundred rates in rad/s over a band in Hz.
+/// Returns two hundred rates in rad/s over a band in Hz.
 pub fn rates([low, high]: [f64; 2]) -> Vec<f64> {
     let ratio: f64 = (high / low).ln() / 199.0;
     (0..200).map(|k| std::f64::consts::TAU * low * (ratio * f64::from(k)).exp()).collect()

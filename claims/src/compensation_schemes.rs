@@ -67,7 +67,7 @@ impl SampledController for With {
     }
 }
 
-/// Row C32: schemes against friction that need no model of it.
+/// Returns row C32: schemes against friction that need no model of it.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -140,7 +140,7 @@ fn with(bench: &Bench<'_>, scheme: Scheme) -> With {
     }
 }
 
-/// The hub rate while the platform heaves and pitches.
+/// Returns the hub rate while the platform heaves and pitches.
 fn moved(bench: &Bench<'_>, controller: &mut dyn SampledController) -> Result<Vec<f64>, PipelineError> {
     let sine = |s: &Sine| Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz);
     let platform = PlatformMotion {
@@ -161,7 +161,7 @@ fn judged(bench: &Bench<'_>, hub: &[f64]) -> f64 {
     rms(&hub[first(bench).min(hub.len())..])
 }
 
-/// Hub rate in mrad/s over time, of two seconds after the start.
+/// Returns the hub rate in mrad/s over time, of two seconds after the start.
 fn curve(bench: &Bench<'_>, name: &str, hub: &[f64]) -> Curve {
     let period_s = bench.parameters().interface.sample_period_s;
     let (from, count) = (first(bench), (2.0 / period_s).round() as usize);

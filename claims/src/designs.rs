@@ -16,7 +16,7 @@ use counterpoise_project::resolve::model::StructureChoice;
 /// Control band, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 10.0];
 
-/// Row C9: designed on either model, run on the finer one, linear and nonlinear.
+/// Returns row C9: designed on either model, run on the finer one, linear and nonlinear.
 ///
 /// # Errors
 /// Those of the pipeline.

@@ -112,22 +112,22 @@ impl Curve {
     }
 }
 
-/// Two columns as points, the second times `scale`.
+/// Returns two columns as points, the second times `scale`.
 pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
     x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
 }
 
-/// Hub rate in mrad/s over time.
+/// Returns the hub rate in mrad/s over time.
 pub fn hub(history: &History) -> Vec<(f64, f64)> {
     points_of(&history.time_s, &history.hub_rate_rad_s, 1e3)
 }
 
-/// Hub rate in mrad/s over time, from a time on.
+/// Returns the hub rate in mrad/s over time, from a time on.
 pub fn hub_from(history: &History, time_s: f64) -> Vec<(f64, f64)> {
     hub(history).split_off(history.index_at(time_s))
 }
 
-/// A panel of hub rates in mrad/s.
+/// Returns a panel of hub rates in mrad/s.
 pub fn hub_panel(curves: Vec<Curve>) -> Panel {
     panel(Axis::linear("hub rate", "mrad/s"), curves)
 }

@@ -91,7 +91,7 @@ impl Sliding {
         count
     }
 
-    /// The state after a step, and its error over the tolerance.
+    /// Returns the state after a step, and its error over the tolerance.
     fn tried(&self, time: f64, x: [f64; 2], step: f64) -> ([f64; 2], f64) {
         let mut k = [[0.0; 2]; 7];
         k[0] = self.slope(time, x);

@@ -16,7 +16,7 @@ const SAME_DB: f64 = 0.1;
 /// The experiment that is drawn.
 const DRAWN: Experiment = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
 
-/// Row C25: what is exported is what was verified.
+/// Returns row C25: what is exported is what was verified.
 ///
 /// # Errors
 /// Those of the verification.
@@ -83,7 +83,7 @@ fn name(numbers: Numbers) -> &'static str {
     }
 }
 
-/// The most that smaller numbers cost in any experiment, dB.
+/// Returns the most that smaller numbers cost in any experiment, dB.
 fn cost_db(one: &TargetFigures) -> f64 {
     one.experiments.iter().filter_map(|experiment| experiment.cost_db).fold(0.0, f64::max)
 }
@@ -97,7 +97,8 @@ fn in_words(one: &TargetFigures) -> String {
     )
 }
 
-/// The control by each kind of numbers in the loop that it closes itself, and how far it is from double.
+/// Returns the control by each kind of numbers in the loop that it closes itself, and how far it is from
+/// double.
 fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
     let record = |one: &TargetFigures| -> Option<Record> {
         let at = one.experiments.iter().position(|experiment| experiment.experiment == DRAWN)?;

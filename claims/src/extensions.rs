@@ -11,7 +11,7 @@ use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
 
-/// The tip's rate predicted from the hub's: the beam on its spring,
+/// Returns the tip's rate predicted from the hub's: the beam on its spring,
 ///
 /// ```text
 ///     J_b dw/dt = D_h (w_h - w) + K_h integral (w_h - w)
@@ -43,7 +43,7 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| x - y).collect()
 }
 
-/// Row F2: the tip.
+/// Returns row F2: the tip.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -98,7 +98,7 @@ pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// The tip with and without control, and what hub and prediction say of it.
+/// Returns the tip with and without control, and what hub and prediction say of it.
 fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], first: usize) -> Vec<Drawing> {
     let at_s = &held.time_s[first..];
     let tip = &held.tip_rate_rad_s[first..];
@@ -121,7 +121,7 @@ fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], fir
     ]
 }
 
-/// Row F4: inertia and out-of-balance apart.
+/// Returns row F4: inertia and out-of-balance apart.
 ///
 /// # Errors
 /// Those of the verification.

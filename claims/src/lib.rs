@@ -157,7 +157,7 @@ const ROWS: [(&str, Row); 38] = [
     ("F4", extensions::inertia_and_imbalance_apart),
 ];
 
-/// The names of all rows, in order.
+/// Returns the names of all rows, in order.
 pub fn ids() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|row| row.0)
 }

@@ -18,7 +18,7 @@ fn found<'a>(bench: &'a Bench<'_>) -> &'a Verification {
     bench.designed.verified.verification()
 }
 
-/// Row C5: margins and step.
+/// Returns row C5: margins and step.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -112,7 +112,7 @@ fn peak(bench: &Bench<'_>, source: Source, arrangement: Arrangement) -> f64 {
     bench.value(Figure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
 }
 
-/// Row C6: pitch.
+/// Returns row C6: pitch.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -168,7 +168,7 @@ fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Crit
     ]
 }
 
-/// What else the factor of 13 might mean, each measured.
+/// Returns what else the factor of 13 might mean, each measured.
 fn pitch_rejection_why(bench: &Bench<'_>, by_feedforward: f64) -> String {
     let feedback = peak(bench, Source::Pitch, Arrangement::Feedback);
     let platform = bench.procedure.pitch.amplitude.abs() / feedback;
@@ -209,7 +209,7 @@ fn factors(bench: &Bench<'_>) -> Vec<(f64, f64)> {
 const ARRANGED: [(Arrangement, &str); 2] =
     [(Arrangement::Feedback, "feedback"), (Arrangement::Compensated, "feedback + feedforward")];
 
-/// Time histories of a disturbance on the linear plant, with and without control.
+/// Returns the time histories of a disturbance on the linear plant, with and without control.
 fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
     let run = |arrangement| found(bench).history(Model::Linear, Experiment::Disturbance(source, arrangement));
     let controlled: Vec<Curve> = ARRANGED
@@ -234,7 +234,7 @@ fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     ]
 }
 
-/// Row C7: heave.
+/// Returns row C7: heave.
 ///
 /// # Errors
 /// None beyond the bench's.

@@ -16,7 +16,7 @@ use counterpoise_pipeline::PipelineError;
 const NICHOLS_DB: f64 = 40.0;
 const NYQUIST: f64 = 3.0;
 
-/// Row C28: the loop on Nyquist and Nichols charts.
+/// Returns row C28: the loop on Nyquist and Nichols charts.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -111,7 +111,7 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
 const MEASURED_HZ: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 8.0];
 const DEMAND_RAD_S: f64 = 0.1;
 
-/// Row C29: the open loop measured with the controller inside.
+/// Returns row C29: the open loop measured with the controller inside.
 ///
 /// # Errors
 /// Those of the simulator.

@@ -7,7 +7,7 @@ use counterpoise_plot::number::short;
 use counterpoise_report::verification::Context;
 use counterpoise_report::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 
-/// The report: the verdicts are the first screen. `again` is the command that measures one row again.
+/// Returns the report: the verdicts are the first screen. `again` is the command that measures one row again.
 pub fn report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> String) -> Report {
     let mut sections: Vec<Section> = rows.iter().map(|row| section(row, &again(row.id))).collect();
     sections.extend(context.more);
@@ -65,7 +65,7 @@ fn tile(claim: &Claim) -> Tile {
     Tile { label: claim.id.to_owned(), value: word.to_owned(), unit: String::new(), note, tone }
 }
 
-/// One row a claim.
+/// Returns one row a claim.
 pub fn table(rows: &[Claim]) -> Table {
     let columns = [
         Column::Text(""),
@@ -90,12 +90,12 @@ fn row(claim: &Claim) -> Vec<Cell> {
     ]
 }
 
-/// A reference that is broken only after a comma.
+/// Returns a reference that is broken only after a comma.
 fn whole(source: &str) -> String {
     source.replace('-', "\u{2011}").replace(' ', "\u{A0}").replace(",\u{A0}", ", ")
 }
 
-/// A row as a page of its own: what is said, what was measured, why it differs, and its figures.
+/// Returns a row as a page of its own: what is said, what was measured, why it differs, and its figures.
 fn section(claim: &Claim, command: &str) -> Section {
     let (_, word, why) = outcome(&claim.finding());
     let mut section = Section::new(&format!("{} {}: {word}", claim.id, claim.title))
@@ -113,7 +113,7 @@ fn section(claim: &Claim, command: &str) -> Section {
         .showing(claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }))
 }
 
-/// Every criterion with what the thesis says, the range that agrees with it, and what was measured.
+/// Returns every criterion with what the thesis says, the range that agrees with it, and what was measured.
 fn criteria(all: &[Criterion]) -> Table {
     let columns = [
         Column::Text("quantity"),

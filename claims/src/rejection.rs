@@ -35,7 +35,7 @@ impl Run {
         1e3 * rms(&self.history.hub_rate_rad_s[self.history.index_at(from_s)..])
     }
 
-    /// Mean of the ratio over the band, dB.
+    /// Returns the mean of the ratio over the band, dB.
     fn ratio_db(&self) -> f64 {
         let Some(spectra) = &self.spectra else { return f64::NAN };
         let both = spectra.frequency_hz.iter().zip(spectra.ratio_db());
@@ -45,7 +45,7 @@ impl Run {
     }
 }
 
-/// Row C22: out of balance with feedforward is as good as balanced.
+/// Returns row C22: out of balance with feedforward is as good as balanced.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -105,7 +105,7 @@ fn source_of(bench: &Bench<'_>) -> Source {
     if bench.procedure.road.is_some() { Source::Road } else { Source::Both }
 }
 
-/// Both plants without feedforward, with that of pitch, and with both.
+/// Returns both plants without feedforward, with that of pitch, and with both.
 fn runs(bench: &Bench<'_>, balanced: &Parameters) -> Result<Vec<Run>, PipelineError> {
     let pitch_only = without_heave(&bench.observed)?;
     let arranged = [
@@ -163,7 +163,7 @@ fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<Curve> {
     runs.iter().filter_map(one).collect()
 }
 
-/// The controller without the path that sees the accelerometer.
+/// Returns the controller without the path that sees the accelerometer.
 fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
     let heave = counterpoise_controller::Signal::PlatformAcceleration;
     let kept = controller
@@ -171,7 +171,7 @@ fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
     Ok(kept.map_err(counterpoise_verify::Error::from)?)
 }
 
-/// Row C23: rejection at small amplitude.
+/// Returns row C23: rejection at small amplitude.
 ///
 /// # Errors
 /// Those of the verification.
@@ -219,7 +219,7 @@ pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineErr
     })
 }
 
-/// Largest change from the first value.
+/// Returns the largest change from the first value.
 fn spread(found: &[f64]) -> f64 {
     found.iter().map(|db| (db - found[0]).abs()).fold(0.0, f64::max)
 }
@@ -271,7 +271,8 @@ fn added_inertia(bench: &Bench<'_>) -> Vec<f64> {
     std::iter::once(1.0).chain(added.map(|inertia| 1.0 + inertia / hub)).collect()
 }
 
-/// RMS hub rate over RMS pitch rate, dB, with the observed controller and a third of the procedure's pitch.
+/// Returns the RMS hub rate over RMS pitch rate, dB, with the observed controller and a third of the
+/// procedure's pitch.
 fn ratios_db(
     bench: &Bench<'_>,
     varied: Varied,

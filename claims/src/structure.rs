@@ -29,14 +29,14 @@ const UNSEEN: f64 = 1e-11;
 /// The largest error that keeps the response.
 const KEEPS: f64 = 0.05;
 
-/// The plant by finite elements, the project's other choices kept.
+/// Returns the plant by finite elements, the project's other choices kept.
 fn beam_plant(bench: &Bench, modes: usize) -> Result<LinearPlant, PipelineError> {
     let mut project = bench.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, modes);
     Ok(model(&project)?.linear)
 }
 
-/// A plant with another structure, linear.
+/// Returns a plant with another structure, linear.
 fn with_body(bench: &Bench, body: Body) -> Result<StateSpace, PipelineError> {
     let plant = Plant::with_body(&bench.project.plant, body)?;
     let choice = &bench.project.model;
@@ -87,7 +87,7 @@ fn condense(fe: &FeModel, masters: &[usize]) -> Result<FeModel, PipelineError> {
     })
 }
 
-/// The rate between the poles that stay and those that go, rad/s.
+/// Returns the rate between the poles that stay and those that go, rad/s.
 fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
     let mut sizes: Vec<f64> = poles(system)?.iter().map(|pole| pole.norm()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -95,7 +95,7 @@ fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
     Ok(below.zip(above).map_or(f64::INFINITY, |(a, b)| (a * b).sqrt()))
 }
 
-/// Row C3: order 21 to order 11.
+/// Returns row C3: order 21 to order 11.
 ///
 /// # Errors
 /// Those of the reduction.
@@ -149,7 +149,7 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// Each input's response by every reduction, beside the whole plant's.
+/// Returns each input's response by every reduction, beside the whole plant's.
 fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rates(DRAWN_HZ);
     let mut drawings = Vec::new();
@@ -170,7 +170,7 @@ fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawi
     Ok(drawings)
 }
 
-/// Largest |a - b| over the band relative to the largest |a| there.
+/// Returns the largest |a - b| over the band relative to the largest |a| there.
 fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, PipelineError> {
     let rates = rates(REDUCED_HZ);
     let of = |system| counterpoise_lti::Response::of(system)?.at_all(&rates);
@@ -180,7 +180,8 @@ fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, P
     Ok(error / largest)
 }
 
-/// Row C4: lumped against finite elements. Half the first mode with the hub locked parts low from high.
+/// Returns row C4: lumped against finite elements. Half the first mode with the hub locked parts low from
+/// high.
 ///
 /// # Errors
 /// Those of the models.
@@ -277,7 +278,7 @@ fn heave_explained(
     Ok((why, others, as_fe))
 }
 
-/// Gain and phase of both plants for each input, with what else was tried in heave.
+/// Returns the gain and phase of both plants for each input, with what else was tried in heave.
 fn compared(
     beam: &StateSpace,
     lumped: &StateSpace,
@@ -307,7 +308,7 @@ fn compared(
 /// Nodes whose deflection and rotation are kept by the condensation: one of four.
 const KEPT_OF: usize = 4;
 
-/// Row C30: Guyan's condensation of the beam.
+/// Returns row C30: Guyan's condensation of the beam.
 ///
 /// # Errors
 /// Those of the finite elements and of the condensation.

@@ -31,7 +31,7 @@ struct Lagging {
     designed: Stages,
 }
 
-/// Row C26: with and without integral action.
+/// Returns row C26: with and without integral action.
 ///
 /// # Errors
 /// Those of the pipeline.
@@ -170,7 +170,7 @@ fn first_second(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.into_iter().filter(|point| point.0 <= 1.0).collect()
 }
 
-/// Both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
+/// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
 fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
     let curve = |designed: &Stages, name: &str, experiment| {
         let history = designed.verified.verification().history(Model::Linear, experiment)?;
@@ -189,7 +189,7 @@ fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
         .with_caption("Above by feedback alone, below with both feedforwards.")
 }
 
-/// The thesis' form of the feedback weights with another error weight.
+/// Returns the thesis' form of the feedback weights with another error weight.
 fn with_error(bench: &Bench<'_>, error: Weight) -> Result<Stages, PipelineError> {
     bench.redesign(|project| {
         project.verify.iter_mut().for_each(|verify| verify.road = None);
@@ -210,7 +210,7 @@ fn figures(designed: &Stages) -> Figures {
     wanted.map(|figure| designed.verified.verification().value(figure).unwrap_or(f64::NAN))
 }
 
-/// Row C27: three methods on one plant and one pair of weights.
+/// Returns row C27: three methods on one plant and one pair of weights.
 ///
 /// # Errors
 /// Those of the design and the margins.
@@ -255,7 +255,7 @@ pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 /// A method's name, controller and loop.
 type Named = (&'static str, StateSpace, StateSpace);
 
-/// The loop of a continuous design on the design plant.
+/// Returns the loop of a continuous design on the design plant.
 fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
     let plant = &bench.designed.synthesised.design.plant;
     let seen = plant.measured()?.select(&[0], &[plant.control]);

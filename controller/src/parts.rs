@@ -95,7 +95,7 @@ pub struct Parts {
     pub sample_period_s: f64,
     /// Corrections of readings, at most one a reading; usually none.
     pub corrections: Vec<Correction>,
-    /// Projection of heave and surge across the beam; `None` where the heave reading is taken as it is.
+    /// Projection of heave and surge across the beam; `None` if the heave reading is taken as it is.
     pub projection: Option<Projection>,
     /// Reference prefilter from demand to demand, discrete, one input and one output.
     pub prefilter: Option<StateSpace>,

@@ -142,7 +142,7 @@ fn diagonal_blocks(T: &Mat) -> Vec<DiagonalBlock> {
     blocks
 }
 
-/// Sizes of the blocks when everything between the first and the last of a cluster is taken together.
+/// Returns sizes of the blocks when everything between the first and the last of a cluster is taken together.
 fn merge(blocks: &[DiagonalBlock], labels: &[usize]) -> Vec<usize> {
     let last = |label: usize| labels.iter().rposition(|l| *l == label).unwrap_or(0);
     let mut merged = Vec::new();

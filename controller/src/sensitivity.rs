@@ -55,7 +55,7 @@ pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     }
 }
 
-/// The predicted error of [`Candidate`] alone, without the rounded response.
+/// Returns the predicted error of [`Candidate`] alone, without the rounded response.
 fn predicted(system: &StateSpace) -> Result<f64, Error> {
     let rates = rates(system.timebase);
     Ok(Sizes::of(&frequency_response(system, &rates)?).worst(&deviations(system, &rates)?))
@@ -73,7 +73,7 @@ impl Sizes {
         Self { median: median(&all), all }
     }
 
-    /// The largest of errors relative to the response or, where that is larger, to its median.
+    /// Returns the largest of errors relative to the response or, where that is larger, to its median.
     fn worst(&self, errors: &[f64]) -> f64 {
         let relative = errors.iter().zip(&self.all).map(|(error, size)| error / size.max(self.median));
         relative.filter(|value| value.is_finite()).fold(0.0, f64::max)
@@ -117,7 +117,8 @@ pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     })
 }
 
-/// RMS error of the response at each rate when every coefficient is off by an independent, uniform relative error
+/// Returns the RMS error of the response at each rate when every coefficient is off by an independent, uniform
+/// relative error
 ///
 /// ```text
 ///     dG = g dA f + g dB + dC f + dD,     f = inv(z I - A) B,  g = C inv(z I - A)

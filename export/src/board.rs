@@ -77,7 +77,7 @@ pub fn emulate(core: &Core) -> [&'static str; 13] {
     ]
 }
 
-/// The program that counts for the code of a name: `startup.c`, `mps2.ld` and `count.c`.
+/// Returns the program that counts for the code of a name: `startup.c`, `mps2.ld` and `count.c`.
 pub fn counter(name: &str, numbers: Numbers) -> Vec<File> {
     let fixed = if numbers == Numbers::Fixed { "#define AXIS_FIXED\n" } else { "" };
     let count = format!("{fixed}{}", include_str!("../target/count.c"));

@@ -51,7 +51,7 @@ pub fn check(found: &str, expected: &File) -> Checked {
     Checked::Same
 }
 
-/// The hash in a header's line.
+/// Returns the hash in a header's line.
 fn hash(line: &str) -> Option<String> {
     line.split_once("project-hash:").map(|(_, hash)| hash.trim().to_owned())
 }

@@ -48,7 +48,8 @@ pub struct FormFigures {
     pub single: Measured,
 }
 
-/// The controller in every form, for the readings and settings of runs; a form that a path cannot have is left out.
+/// Returns the controller in every form, for the readings and settings of runs; a form that a path cannot have is
+/// left out.
 ///
 /// Where a run leaves all range the figures are infinite.
 pub fn by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
@@ -79,7 +80,7 @@ pub fn in_form(controller: &Controller, form: PathForm) -> Option<Controller> {
 /// How much smaller the anti-windup is made beside the inputs while a form is found: the form is that of the path alone.
 const BESIDE: f64 = 1e-6;
 
-/// A path in a form. The anti-windup is a further input of the system, so it comes along.
+/// Returns a path in a form. The anti-windup is a further input of the system, so it comes along.
 fn brought(path: &Path, form: PathForm) -> Option<Path> {
     if form == PathForm::InUse || path.system.order() == 0 {
         return Some(path.clone());
@@ -99,7 +100,8 @@ fn brought(path: &Path, form: PathForm) -> Option<Path> {
     Some(Path { system, anti_windup, ..path.clone() })
 }
 
-/// The observable companion form of a system with one output: with a the characteristic polynomial and h the Markov parameters
+/// Returns the observable companion form of a system with one output: with a the characteristic polynomial and h the Markov
+/// parameters
 ///
 /// ```text
 ///     A = [-a_1 1 0 ...; -a_2 0 1 ...; ...; -a_n 0 ... 0],   C = [1 0 ... 0],   b_i = h_i + a_1 h_(i-1) + ... + a_(i-1) h_1

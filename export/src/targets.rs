@@ -100,7 +100,8 @@ pub fn targets(
     Ok(Targets { figures, fixed })
 }
 
-/// The fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see [`targets`].
+/// Returns the fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see
+/// [`targets`].
 ///
 /// # Errors
 /// Those of the simulator.
@@ -133,7 +134,7 @@ struct Run {
 }
 
 impl Bench<'_> {
-    /// The experiments with the whole controller.
+    /// Returns the experiments with the whole controller.
     fn experiments(&self) -> Vec<Experiment> {
         let whole = |experiment: &Experiment| match experiment {
             Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
@@ -161,14 +162,14 @@ impl Bench<'_> {
         Ok(Run { experiment, seen: recorder.seen, error_rms_rad_s: error_rms(&history) })
     }
 
-    /// The ranges of the recorded runs, and the length of the longest.
+    /// Returns the ranges of the recorded runs, and the length of the longest.
     fn ranges(&self, controller: &Controller) -> (Ranges, usize) {
         let readings: Vec<_> = self.runs.iter().map(|run| run.seen.readings.clone()).collect();
         let samples = readings.iter().map(Vec::len).max().unwrap_or(0);
         (Ranges::from_readings(controller, &readings, RANGE_MARGIN), samples)
     }
 
-    /// The figures of the runs in double.
+    /// Returns the figures of the runs in double.
     fn recorded_figures(&self, judged: (Numbers, Deviation, Measured)) -> TargetFigures {
         let experiments = self.runs.iter().map(|run| run.compared(run.error_rms_rad_s)).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
@@ -191,7 +192,7 @@ impl Bench<'_> {
 }
 
 impl Run {
-    /// The run's error against that in double.
+    /// Returns the run's error against that in double.
     fn compared(&self, in_double: f64) -> ExperimentFigures {
         let error_rms_rad_s = self.error_rms_rad_s;
         let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());

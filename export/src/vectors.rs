@@ -47,7 +47,7 @@ pub fn vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector
         .collect()
 }
 
-/// The vectors that travel with code of a precision.
+/// Returns the vectors that travel with code of a precision.
 pub(crate) fn shipped(controller: &Controller, precision: Precision) -> Vec<Vector> {
     match precision {
         Precision::Double => vectors::<f64>(controller, SHIPPED_SAMPLES),
@@ -55,7 +55,7 @@ pub(crate) fn shipped(controller: &Controller, precision: Precision) -> Vec<Vect
     }
 }
 
-/// The nearest single-precision number, so that every target reads the same readings.
+/// Returns the nearest single-precision number, so that every target reads the same readings.
 fn single(value: f64) -> f64 {
     f64::from(value as f32)
 }
@@ -64,7 +64,7 @@ fn single(value: f64) -> f64 {
 struct Source(u64);
 
 impl Source {
-    /// A number between -1 and 1.
+    /// Returns a number between -1 and 1.
     fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

@@ -18,7 +18,7 @@ use support::{Random, complete, folder, is_there, provenance, run, typical, writ
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
 
-/// A folder for each kind of generated C.
+/// Returns a folder for each kind of generated C.
 fn generated(test: &str) -> Vec<PathBuf> {
     let controller = typical();
     let mut random = Random(3);
@@ -82,7 +82,7 @@ fn misra_deviations_are_the_ones_listed() {
     }
 }
 
-/// The units of controller and plant, each in a folder; the plant has every law that its C knows.
+/// Returns the units of controller and plant, each in a folder; the plant has every law that its C knows.
 fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
     let plant = Plant::lumped(&reference::rig()).unwrap();
     let asked = PlantUnit { plant: &plant, name: "rig" };

@@ -60,7 +60,8 @@ fn kinds() -> Vec<(&'static str, Controller)> {
     ]
 }
 
-/// A platform that heaves and pitches under a hub that is held, with noise; the rate error drives the control slowly.
+/// Returns a platform that heaves and pitches under a hub that is held, with noise; the rate error drives the control
+/// slowly.
 fn motion(seed: u64) -> Vec<[f64; READINGS]> {
     let mut random = Random(seed);
     let mut noise = |size: f64| size * random.signed();

@@ -39,7 +39,7 @@ fn faulty(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
     asked
 }
 
-/// The controllers that every block occurs in.
+/// Returns the controllers that every block occurs in.
 fn controllers() -> Vec<Controller> {
     [typical(), complete()].into_iter().chain((0..6).map(random_controller)).collect()
 }

@@ -20,7 +20,7 @@ const SAMPLES: usize = 2000;
 /// Samples of a run of a random controller.
 const FEW: usize = 250;
 
-/// Readings as of a loop at work: a slow and a fast part, well inside the converters.
+/// Returns readings as of a loop at work: a slow and a fast part, well inside the converters.
 fn history(seed: u64, size: f64) -> Vec<[f64; READINGS]> {
     let mut random = Random(seed);
     let mut slow = [0.0; READINGS];
@@ -40,7 +40,7 @@ fn ranges(controller: &Controller, size: f64, margin: f64) -> Ranges {
     Ranges::from_readings(controller, &histories, margin)
 }
 
-/// Largest and RMS deviation from the reference, and whether the limiter stayed out of it.
+/// Returns the largest and RMS deviation from the reference, and whether the limiter stayed out of it.
 fn measure(
     controller: &Controller,
     other: &mut dyn FnMut(&[f64; READINGS]) -> f64,
@@ -145,7 +145,7 @@ impl Score {
     }
 }
 
-/// A short run of small readings.
+/// Returns a short run of small readings.
 fn few(seed: u64) -> Vec<[f64; READINGS]> {
     history(seed, 0.02)[..FEW].to_vec()
 }
@@ -169,7 +169,8 @@ fn random_controllers_keep_their_prediction_or_are_refused() {
     assert!(single < 20.0 && fixed < 20.0);
 }
 
-/// Whether the controller by itself, with every out-of-balance at which a gain has a corner, forgets what was.
+/// Returns whether the controller by itself, with every out-of-balance at which a gain has a corner, forgets
+/// what was.
 fn is_stable(controller: &Controller) -> bool {
     let (low, high) = controller.parts().out_of_balance_range_kg_m;
     let settings = [low, 90.0, controller.parts().design_out_of_balance_kg_m, high];

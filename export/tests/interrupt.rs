@@ -53,7 +53,7 @@ int main(void)
 }
 "#;
 
-/// The reference rig's own converters.
+/// Returns the reference rig's own converters.
 fn converters() -> Converters {
     Converters::of(&reference::rig())
 }
@@ -72,7 +72,7 @@ fn counts() -> Vec<[i32; COMMON_READINGS]> {
     (0..SAMPLES).map(|_| sample(random.readings())).collect()
 }
 
-/// What the generated block writes to the output converter.
+/// Returns what the generated block writes to the output converter.
 fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
     write(folder, files);
     std::fs::write(folder.join("board.c"), BOARD).unwrap();
@@ -94,7 +94,7 @@ fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
     String::from_utf8(output.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect()
 }
 
-/// What the controller asks for between the same converters.
+/// Returns what the controller asks for between the same converters.
 fn expected(controller: &Controller) -> Vec<i32> {
     let (per_count, per_volt) = (converters().units_per_count(), converters().counts_per_volt());
     let mut runner = controller.runner();

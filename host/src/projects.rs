@@ -119,7 +119,7 @@ pub fn read_as_written(path: &Path) -> Result<(Document, Attachments)> {
     Ok((document.with_parts(&attachments), attachments))
 }
 
-/// The recordings among files and folders, in the order given; a folder's are sorted by name.
+/// Returns the recordings among files and folders, in the order given; a folder's are sorted by name.
 pub fn recordings(paths: &[PathBuf]) -> Result<Vec<RecordingFile>> {
     let mut found = Vec::new();
     for path in paths {
@@ -176,13 +176,13 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The surroundings of a project.
+    /// Returns the surroundings of a project.
     pub fn of(loaded: &Loaded, progress: Progress) -> Self {
         let folder = loaded.path.parent().unwrap_or(Path::new(".")).to_owned();
         Self { folder, stages: Stages::new(progress) }
     }
 
-    /// What each step took; printed, too, unless quiet.
+    /// Returns what each step took; printed, too, unless quiet.
     pub fn times(&self) -> Vec<StageTime> {
         self.stages.times()
     }

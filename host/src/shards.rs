@@ -25,7 +25,7 @@ const CAMPAIGN: &str = "counterpoise.campaign";
 /// Key under which a file keeps the SHA-256 of what it holds.
 const CHECKSUM: &str = "counterpoise.sha256";
 
-/// The file of a shard, counted from 0.
+/// Returns the file of a shard, counted from 0.
 pub fn path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
     folder.join(format!("shard-{shard:06}-of-{shards:06}.parquet"))
 }
@@ -90,7 +90,7 @@ fn schema(campaign: &Campaign) -> String {
     format!("message campaign {{ required int64 sample; {} }}", columns.collect::<Vec<_>>().join(" "))
 }
 
-/// A key as one word.
+/// Returns a key as one word.
 fn word(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
@@ -146,7 +146,7 @@ fn decoded(path: &Path, bytes: &[u8], campaign: &Campaign, name: &str) -> Result
     Ok(samples)
 }
 
-/// The files of shards in a folder, sorted.
+/// Returns the files of shards in a folder, sorted.
 pub fn shard_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let told = || format!("cannot list {}", folder.display());
     let mut paths = Vec::new();

@@ -46,7 +46,7 @@ impl Stages {
         }
     }
 
-    /// What each stage took.
+    /// Returns what each stage took.
     pub fn times(&self) -> Vec<StageTime> {
         self.state.lock().map(|state| state.1.clone()).unwrap_or_default()
     }

@@ -17,7 +17,7 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    /// The eigenvalues that belong to a level of a continuous system.
+    /// Returns the eigenvalues that belong to a level of a continuous system.
     ///
     /// # Errors
     /// Returns [`Error::Matrix`] if the level is a singular value of the direct path or the eigenvalue iteration fails.
@@ -27,7 +27,7 @@ impl Level {
         Ok(Self { matrix, eigenvalues })
     }
 
-    /// Frequencies at which a singular value may equal the level, ascending.
+    /// Returns frequencies at which a singular value may equal the level, ascending.
     pub(crate) fn frequencies(&self) -> Vec<f64> {
         let near = NEAR_AXIS_NORM * self.matrix.norm_fro();
         let on_axis = |s: &&C64| s.im >= 0.0 && s.re.abs() <= NEAR_AXIS * s.norm() + near;
@@ -36,12 +36,13 @@ impl Level {
         rates
     }
 
-    /// Whether no eigenvalue lies on the imaginary axis, whatever rounding the entries of the matrix did.
+    /// Returns whether no eigenvalue lies on the imaginary axis, whatever rounding the entries of the matrix
+    /// did.
     pub(crate) fn is_clear(&self) -> bool {
         linalg::is_clear_of_boundary(&self.matrix, Boundary::ImaginaryAxis).unwrap_or(false)
     }
 
-    /// All eigenvalues, as doubles give them.
+    /// Returns all eigenvalues, as doubles give them.
     pub(crate) fn eigenvalues(&self) -> &[C64] {
         &self.eigenvalues
     }
@@ -115,7 +116,7 @@ pub(crate) fn search_everywhere(
     Ok(risen)
 }
 
-/// Where a list of values has its highest local maxima above a limit.
+/// Returns where a list of values has its highest local maxima above a limit.
 fn summits(values: &[f64], limit: f64) -> Vec<usize> {
     let last = values.len().saturating_sub(1);
     let is_summit = |&k: &usize| {
@@ -129,7 +130,7 @@ fn summits(values: &[f64], limit: f64) -> Vec<usize> {
     places
 }
 
-/// The top of the hill between two frequencies, from a point on it.
+/// Returns the top of the hill between two frequencies, from a point on it.
 fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak, Error> {
     let end =
         |rate_rad_s| if rate_rad_s == top.rate_rad_s { top } else { Peak { value: f64::NAN, rate_rad_s } };
@@ -198,7 +199,7 @@ impl Hill {
         }
     }
 
-    /// Whether the values differ by rounding only.
+    /// Returns whether the values differ by rounding only.
     fn is_flat(&self) -> bool {
         self.low.value.min(self.high.value) >= self.top.value * (1.0 - 4.0 * f64::EPSILON)
             && !self.low.value.is_nan()

@@ -111,7 +111,8 @@ impl Inputs {
         })
     }
 
-    /// An orthonormal basis of the eigenvectors that a pole may have: the null space of U1'(A - pole I).
+    /// Returns an orthonormal basis of the eigenvectors that a pole may have: the null space of U1'(A - pole
+    /// I).
     fn space(&self, A: &Mat, pole: C64) -> Result<CMat, Error> {
         let n = A.nrows();
         let rows = n - self.rank;
@@ -151,7 +152,7 @@ struct Vectors {
 }
 
 impl Vectors {
-    /// A vector of each space, not the same one for poles that are repeated.
+    /// Returns a vector of each space, not the same one for poles that are repeated.
     fn start(poles: &[C64], spaces: Vec<CMat>) -> Self {
         let n = poles.len();
         let mirrored: Vec<bool> = (0..n).map(|k| poles[k].im < 0.0).collect();
@@ -177,7 +178,8 @@ impl Vectors {
         Self { X, spaces, mirrored }
     }
 
-    /// The vectors after sweeps that each make one of them as orthogonal to the others as its space allows.
+    /// Returns the vectors after sweeps that each make one of them as orthogonal to the others as its space
+    /// allows.
     fn improved(mut self) -> Result<Self, Error> {
         let mut best = self.condition()?;
         let mut kept = self.X.clone();

@@ -20,7 +20,7 @@ pub struct Zpk {
 }
 
 impl Zpk {
-    /// The value at a point s (or z).
+    /// Returns the value at a point s (or z).
     pub fn at(&self, s: C64) -> C64 {
         // Factors are taken in turn so that neither product overflows alone.
         let mut value = C64::new(self.gain, 0.0);
@@ -31,7 +31,7 @@ impl Zpk {
         value
     }
 
-    /// Zeros, poles and gain of a system with one input and one output; what cancels is left in.
+    /// Returns zeros, poles and gain of a system with one input and one output; what cancels is left in.
     ///
     /// The gain is read off the response at a point away from all roots.
     ///
@@ -42,7 +42,7 @@ impl Zpk {
         Self::with_zeros(g, zeros(g)?)
     }
 
-    /// Zeros, poles and gain of a system with one input and one output whose zeros are known.
+    /// Returns zeros, poles and gain of a system with one input and one output whose zeros are known.
     ///
     /// # Errors
     /// [`Error::Matrix`].
@@ -58,7 +58,7 @@ impl Zpk {
         Ok(zpk)
     }
 
-    /// The system as a cascade of sections of first and second order; nothing is expanded.
+    /// Returns the system as a cascade of sections of first and second order; nothing is expanded.
     ///
     /// Zeros go to the poles nearest to them, pairs first; each section is scaled so that its largest output entry is one.
     ///
@@ -150,7 +150,7 @@ fn sections(zeros: &[C64], poles: &[C64]) -> Result<Vec<Section>, Error> {
 }
 
 impl Section {
-    /// The section divided by its size, and that size.
+    /// Returns the section divided by its size, and that size.
     ///
     /// States: x2 = b (s - a)/den u, x1 = b^2/den u, with a the first real pole or the pair's real part.
     fn realise(&self, timebase: Timebase) -> Result<(StateSpace, f64), Error> {
@@ -174,7 +174,8 @@ impl Section {
         Ok((StateSpace::new(A, B, C.scale(1.0 / size), D, timebase)?, size))
     }
 
-    /// The numerator less the direct path's share, as slope (s - a) + value, exact in the differences of the roots.
+    /// Returns the numerator less the direct path's share, as slope (s - a) + value, exact in the differences of
+    /// the roots.
     fn remainder(&self, p: C64, q: C64) -> (f64, f64) {
         match *self.zeros.as_slice() {
             [] => (0.0, 1.0),

@@ -67,7 +67,7 @@ pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched}
 
 /// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.
 pub trait World {
-    /// The bytes of a file beside the project file.
+    /// Returns the bytes of a file beside the project file.
     ///
     /// # Errors
     /// Why the file cannot be read, in words.

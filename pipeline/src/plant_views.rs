@@ -186,7 +186,8 @@ fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
     (0..count).map(mode).collect()
 }
 
-/// An effective mass that is rounding beside the whole is none: the mode is orthogonal to the rigid motion.
+/// Returns an effective mass, or 0 if it is no more than rounding of the whole mass: the mode is then orthogonal to the rigid
+/// motion.
 fn above_rounding(mass: f64, whole: f64) -> f64 {
     if mass < ROUNDING * whole { 0.0 } else { mass }
 }
@@ -215,7 +216,7 @@ fn scaled(fe: &FeModel, shape: &[f64]) -> Vec<[f64; 2]> {
 /// Points of a shape from node to node.
 const BETWEEN: usize = 5;
 
-/// The cubic between two nodes [place, deflection, slope] at a fraction of their distance.
+/// Returns the cubic between two nodes [place, deflection, slope] at a fraction of their distance.
 fn hermite(two: &[[f64; 3]], s: f64) -> [f64; 2] {
     let ([x0, w0, t0], [x1, w1, t1]) = (two[0], two[1]);
     let l = x1 - x0;

@@ -87,7 +87,7 @@ fn words(warnings: &[counterpoise_reduce::Warning]) -> Vec<String> {
     warnings.iter().map(ToString::to_string).collect()
 }
 
-/// The rate that keeps `order` poles: between the last pole kept and the first dropped.
+/// Returns the rate that keeps `order` poles: between the last pole kept and the first dropped.
 fn slowest_dropped(system: &StateSpace, order: Option<usize>) -> Result<f64, PipelineError> {
     let mut rates: Vec<f64> = counterpoise_lti::poles(system)?.iter().map(|p| p.norm()).collect();
     rates.sort_by(f64::total_cmp);

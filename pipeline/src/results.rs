@@ -453,7 +453,7 @@ fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
     fits.iter().map(channel).collect()
 }
 
-/// A plant with the inputs and outputs of the linear plant.
+/// Returns a plant with the inputs and outputs of the linear plant.
 fn plant(name: &str, system: &StateSpace) -> SystemResult {
     SystemResult::new(name, system, &LinearPlant::INPUTS, &LinearPlant::OUTPUTS)
 }
@@ -467,7 +467,7 @@ fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
 }
 
-/// The weights of every part of the design.
+/// Returns the weights of every part of the design.
 fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     let of = |name: &str, weight: &Weight| TransferFunctionResult::of(name, weight);
     let mut all =
@@ -483,7 +483,7 @@ fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     all
 }
 
-/// The controllers of the design in continuous time, with their systems.
+/// Returns the controllers of the design in continuous time, with their systems.
 fn controllers(made: &Synthesised) -> Vec<(SystemResult, StateSpace)> {
     let feedback = made.design.feedback_controller();
     let inputs: &[&str] =

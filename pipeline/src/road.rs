@@ -34,7 +34,7 @@ pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
     })
 }
 
-/// A motion that surges without roll and yaw.
+/// Returns a motion that surges without roll and yaw.
 fn surging(surge_m_s2: Vec<f64>) -> FurtherRoad {
     let still = vec![0.0; surge_m_s2.len()];
     FurtherRoad { surge_m_s2, roll_rate_rad_s: still.clone(), yaw_rate_rad_s: still }

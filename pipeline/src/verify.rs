@@ -59,7 +59,7 @@ pub fn verify_watched(
     Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, &by, &asked.requirements, watch)?)
 }
 
-/// The linear figures alone, on a plant and by a procedure.
+/// Returns the linear figures alone, on a plant and by a procedure.
 ///
 /// # Errors
 /// Those of the verification.
@@ -76,7 +76,7 @@ pub fn verify_linear_on(
 
 const MISSING: PipelineError = PipelineError::Missing { section: "verify", needed_by: "the verification" };
 
-/// What the project does to the mechanism, with its road read.
+/// Returns what the project does to the mechanism, with its road read.
 ///
 /// # Errors
 /// A road that cannot be read.
@@ -103,7 +103,7 @@ pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, Pipe
 /// Shortest period of a platform's motion that is made from numbers, s.
 const SHORTEST_ROAD_PERIOD_S: f64 = 1e-3;
 
-/// The platform's motion, read or made.
+/// Returns the platform's motion, read or made.
 fn moved(source: &PlatformSource, world: &dyn World, gravity_m_s2: f64) -> Result<Road, PipelineError> {
     match source {
         PlatformSource::Recording(source) => Ok(road(source, &recorded(&source.recording, world)?)?),
@@ -116,7 +116,7 @@ fn moved(source: &PlatformSource, world: &dyn World, gravity_m_s2: f64) -> Resul
     }
 }
 
-/// A recording of the platform's motion.
+/// Returns a recording of the platform's motion.
 fn recorded(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
     let file =
         |problem: String| PipelineError::File { name: name.to_owned(), section: "verify.road", problem };

@@ -256,12 +256,12 @@ impl DrawingBackend for Svg {
     }
 }
 
-/// A length in units as pixels, without trailing zeros.
+/// Returns a length in units as pixels, without trailing zeros.
 fn tenths(units: i32) -> String {
     pixels(f64::from(units) / UNIT)
 }
 
-/// A length in pixels to a tenth, without trailing zeros.
+/// Returns a length in pixels to a tenth, without trailing zeros.
 fn pixels(value: f64) -> String {
     let rounded = (value * UNIT).round() / UNIT;
     // adding 0 takes the sign from a zero

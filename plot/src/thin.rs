@@ -19,7 +19,7 @@ pub fn thin(points: ArrayView2<f64>, stretches: usize) -> Vec<usize> {
     starts.flat_map(|start| extremes(ordinates, start, (start + length).min(count))).collect()
 }
 
-/// First, lowest, highest, one that is not finite, and last point of a stretch.
+/// Returns the first, lowest, highest, one that is not finite, and last point of a stretch.
 fn extremes(ordinates: ArrayView1<f64>, start: usize, end: usize) -> Vec<usize> {
     let finite = || (start..end).filter(|k| ordinates[*k].is_finite());
     let lowest = finite().min_by(|a, b| ordinates[*a].total_cmp(&ordinates[*b]));

@@ -52,7 +52,7 @@ fn heat() -> Figure {
     )
 }
 
-/// Every kind of figure.
+/// Returns every kind of figure.
 fn all() -> Vec<Figure> {
     vec![
         wave(),
@@ -240,7 +240,7 @@ fn every_cell_has_its_number_and_what_is_not_known_has_none() {
     check_markup(&svg::inline(&Figure::heat_map("empty", empty)));
 }
 
-/// The colours of a decoded PNG.
+/// Returns the colours of a decoded PNG.
 fn decoded(file: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png_file(file);
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

@@ -69,7 +69,8 @@ fn what_is_no_range_has_no_ticks() {
     }
 }
 
-/// A range from anywhere between tiny and huge, of a width between a millionth of its values and all of them.
+/// Returns a range from anywhere between tiny and huge, of a width between a millionth of its values and all
+/// of them.
 fn ranges() -> impl Strategy<Value = (f64, f64)> {
     (-280.0..280.0f64, -6.0..1.0f64, -1.0..1.0f64).prop_map(|(size, width, from)| {
         let size = 10f64.powf(size);
@@ -77,7 +78,7 @@ fn ranges() -> impl Strategy<Value = (f64, f64)> {
     })
 }
 
-/// A positive range of up to 30 decades.
+/// Returns a positive range of up to 30 decades.
 fn positive_ranges() -> impl Strategy<Value = (f64, f64)> {
     (-200.0..200.0f64, -5.0..1.5f64)
         .prop_map(|(from, decades)| (10f64.powf(from), 10f64.powf(from + 10f64.powf(decades))))

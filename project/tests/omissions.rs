@@ -13,7 +13,7 @@ fn is_no_quantity(key: &str) -> bool {
     key.contains('[') || ["name", "model", "shape", "map"].contains(&last)
 }
 
-/// Every key of a project, and every section, in the order of its file.
+/// Returns every key of a project, and every section, in the order of its file.
 fn paths(project: &Project) -> Vec<String> {
     let sections = project.statements();
     let keys = sections.iter().flat_map(|s| s.values.iter().map(move |v| format!("{}.{}", s.path, v.key)));

@@ -16,7 +16,7 @@ fn given(files: &[(&str, &str)]) -> Attachments {
     files.iter().fold(Attachments::none(), |all, (name, text)| all.with(name, text.as_bytes().to_vec()))
 }
 
-/// The good file without its motor, which a part has.
+/// Returns the good file without its motor, which a part has.
 fn without_motor(include: &str) -> String {
     let start = GOOD.find("[plant.motor]").unwrap();
     let end = start + GOOD[start..].find("\n[").unwrap() + 1;

@@ -26,7 +26,7 @@ fn text(value: &str) -> Setting {
     Setting::Text(value.to_owned())
 }
 
-/// What is said about a file.
+/// Returns what is said about a file.
 fn said(document: &Document, files: &Attachments) -> Vec<String> {
     let errors = Project::resolve(document, files).unwrap_err();
     errors.iter().map(|error| error.to_string().split_once("error: ").unwrap().1.to_owned()).collect()
@@ -119,7 +119,7 @@ fn imported() -> Document {
     ])
 }
 
-/// Two nodes of a rigid bar, pivot at the first, with one spring between the rotations.
+/// Returns two nodes of a rigid bar, pivot at the first, with one spring between the rotations.
 fn files(mass: &str, map: &str) -> Attachments {
     let head = "%%MatrixMarket matrix coordinate real symmetric\n4 4 ";
     let stiffness = format!("{head}3\n2 2 1e6\n4 2 -1e6\n4 4 1e6\n");

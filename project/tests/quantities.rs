@@ -134,7 +134,7 @@ fn the_table_of_conversions_holds_in_both_directions() {
     }
 }
 
-/// What follows the number.
+/// Returns what follows the number.
 fn tail(text: &str) -> &str {
     let number = |c: char| c.is_ascii_digit() || ".+-e\u{2212}".contains(c);
     text.trim_start_matches(number)

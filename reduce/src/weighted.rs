@@ -109,7 +109,7 @@ fn needs_stable(what: &'static str, g: &StateSpace) -> Result<(), Error> {
     }
 }
 
-/// The pole nearest to, or farthest beyond, the border of stability.
+/// Returns the pole nearest to, or farthest beyond, the border of stability.
 fn critical(g: &StateSpace) -> Result<C64, Error> {
     let size = |pole: &C64| if g.timebase == Timebase::Continuous { pole.re } else { pole.norm() };
     Ok(poles(g)?.into_iter().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or_default())

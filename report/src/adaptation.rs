@@ -11,7 +11,7 @@ use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 /// How near to the default case the hub rate must come back.
 pub const NEAR: f64 = 1.10;
 
-/// Whether the hub rate came back, where the adaptation was to bring it back.
+/// Returns whether the hub rate came back, where the adaptation was to bring it back.
 pub fn has_returned(interval: &Interval) -> bool {
     !interval.adapted || interval.over_default <= NEAR
 }
@@ -103,7 +103,7 @@ fn load(load: Load) -> &'static str {
     }
 }
 
-/// The report.
+/// Returns the report.
 pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
     let judged: Vec<&Interval> =
         runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();

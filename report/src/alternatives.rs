@@ -114,7 +114,7 @@ fn motions(rows: &[MotionRow]) -> Section {
     Section::new("Hub and tip").listing(table)
 }
 
-/// The controllers over the states of balance.
+/// Returns the controllers over the states of balance.
 fn balance(families: &[ControllerFamily], rows: &[BalanceRow]) -> Section {
     let section = Section::new("Over the out-of-balance")
         .saying("Each state of balance has its own full design; curves that cannot be told apart lie on each other.")
@@ -122,7 +122,7 @@ fn balance(families: &[ControllerFamily], rows: &[BalanceRow]) -> Section {
     section.listing(changes(rows)).listing(laws(rows))
 }
 
-/// The response of a controller in every state of balance.
+/// Returns the response of a controller in every state of balance.
 fn family(family: &ControllerFamily) -> Figure {
     let colours = Colour::CYCLE;
     let one = |(k, response): (usize, &FrequencyResponse)| BodeCurve {
@@ -165,7 +165,7 @@ fn changes(rows: &[BalanceRow]) -> Table {
     table
 }
 
-/// Which conditions hold in every state of balance, and what follows.
+/// Returns which conditions hold in every state of balance, and what follows.
 fn laws(rows: &[BalanceRow]) -> Table {
     let columns = [
         Column::Text("state"),

@@ -80,7 +80,7 @@ pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: 
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)
 }
 
-/// The part of an axis that is too long: from the top down, or lower where a mark would not be seen.
+/// Returns the part of an axis that is too long: from the top down, or lower where a mark would not be seen.
 fn window_db(highest: f64, marks: &[Mark]) -> [f64; 2] {
     let heights = marks.iter().filter_map(|mark| match mark {
         Mark::Point { y, .. } | Mark::Cross { y, .. } | Mark::Level { y, .. } => Some(*y),

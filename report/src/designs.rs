@@ -197,7 +197,7 @@ pub fn report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
     report.reproduced_by(&origin.command)
 }
 
-/// Every simulated design: hub rate against noise gain, each with its number.
+/// Returns every simulated design: hub rate against noise gain, each with its number.
 fn figure(table: &DesignTable) -> Option<Figure> {
     const COLOURS: [Colour; 4] = [Colour::First, Colour::Second, Colour::Third, Colour::Fourth];
     let mut marks = Vec::new();
@@ -229,7 +229,7 @@ fn figure(table: &DesignTable) -> Option<Figure> {
     Some(Figure::new("Hub rate against noise gain", x, vec![panel]).with_caption(caption))
 }
 
-/// The row of the least hub rate under the motion.
+/// Returns the row of the least hub rate under the motion.
 fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     let moved =
         |row: &DesignRow| row.nonlinear.as_ref().map(|run| run.motion_rad_s.unwrap_or(run.sines_rad_s));

@@ -203,7 +203,7 @@ fn cannot_tell(answer: &AnswerText) -> Section {
     remarks.fold(section, |section, remark| section.saying(remark.clone()))
 }
 
-/// The track whose error was largest against the measurement.
+/// Returns the track whose error was largest against the measurement.
 pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
     let error = |t: &Track| {
         let sum: f64 = t.measured.iter().zip(&t.before).map(|(m, b)| (m - b).powi(2)).sum();

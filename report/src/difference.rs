@@ -9,7 +9,7 @@ use crate::{Cell, Column, Section, Table, Tone};
 /// Relative change below which a figure counts as the same.
 const SAME: f64 = 1e-6;
 
-/// Every figure that changed, those whose verdict turned first.
+/// Returns every figure that changed, those whose verdict turned first.
 pub fn section(before: &str, changes: &[Change]) -> Section {
     let columns = [
         Column::Text("figure"),
@@ -28,7 +28,7 @@ pub fn section(before: &str, changes: &[Change]) -> Section {
         .listing(table)
 }
 
-/// The difference in one line: verdicts that turned, and how many figures changed.
+/// Returns the difference in one line: verdicts that turned, and how many figures changed.
 pub fn headline(before: &str, changes: &[Change]) -> String {
     let way = |found| changes.iter().filter(|change| change.turned() && change.holds == Some(found)).count();
     let figures = changes.iter().filter(|change| has_changed(change)).count();
@@ -41,7 +41,7 @@ pub fn headline(before: &str, changes: &[Change]) -> String {
     format!("Against {before}: {turned}; {figures} of {} figures changed.", changes.len())
 }
 
-/// What an improved model means for the controller that was designed on the one before.
+/// Returns what an improved model means for the controller that was designed on the one before.
 pub fn consequence(found: &Consequence) -> Section {
     let counted = |v: &Verification| {
         let (hold, fail, _) = v.counts();
@@ -60,12 +60,12 @@ pub fn consequence(found: &Consequence) -> Section {
     Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
 }
 
-/// Whether a figure changed at all.
+/// Returns whether a figure changed at all.
 pub fn has_changed(change: &Change) -> bool {
     change.turned() || change.relative().is_none_or(|part| part.abs() > SAME) && change.before != change.after
 }
 
-/// The verdict's way, in words.
+/// Returns the verdict's way, in words.
 pub fn verdict(change: &Change) -> (Tone, &'static str) {
     match (change.held, change.holds) {
         (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
@@ -76,7 +76,8 @@ pub fn verdict(change: &Change) -> (Tone, &'static str) {
     }
 }
 
-/// The change as a person reads it: percent, or the difference where a figure is in decibels or degrees.
+/// Returns the change as a person reads it: percent, or the difference where a figure is in decibels or
+/// degrees.
 pub fn size(change: &Change) -> String {
     let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
     match change.figure.unit() {

@@ -73,7 +73,7 @@ fn loop_section(found: &Verification) -> Section {
         .listing(margin_table(found))
 }
 
-/// The nearest crossings of -180 degrees, as points of the magnitude.
+/// Returns the nearest crossings of -180 degrees, as points of the magnitude.
 fn gain_marks(found: &Verification) -> Vec<Mark> {
     let margins = &found.evidence.margins;
     let nearest = [margins.gain_increase(), margins.gain_decrease()];
@@ -92,7 +92,7 @@ fn gain_marks(found: &Verification) -> Vec<Mark> {
     marks.chain([Mark::Level { y: 0.0, text: String::new() }]).collect()
 }
 
-/// The crossing of 0 dB with the smallest phase margin, as a point of the phase.
+/// Returns the crossing of 0 dB with the smallest phase margin, as a point of the phase.
 fn phase_marks(found: &Verification) -> Vec<Mark> {
     let Some(phase) = found.evidence.margins.phase_margin() else { return Vec::new() };
     let hz = phase.rate_rad_s / std::f64::consts::TAU;
@@ -149,7 +149,7 @@ fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
     time_s.iter().copied().zip(column.iter().copied()).collect()
 }
 
-/// Hub rate after a step, on both plants.
+/// Returns the hub rate after a step, on both plants.
 pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
@@ -189,8 +189,8 @@ fn disturbance_section(found: &Verification) -> Section {
     section
 }
 
-/// Hub rate while the platform moves, in the three arrangements; the second panel leaves out the one without control, whose size
-/// would hide the others.
+/// Returns the hub rate while the platform moves, in the three arrangements; the second panel leaves out the one without
+/// control, whose size would hide the others.
 pub fn disturbance_figure(found: &Verification, model: Model, source: Source, height: f64) -> Option<Figure> {
     let run = |arrangement| found.history(model, Experiment::Disturbance(source, arrangement));
     let series: Vec<Series> = ARRANGEMENTS
@@ -281,7 +281,7 @@ fn plant_section(found: &Verification) -> Section {
     Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
 }
 
-/// Every figure with its key: what a requirement can name.
+/// Returns every figure with its key: what a requirement can name.
 pub fn figure_section(found: &Verification) -> Section {
     let mut table = Table::new(
         "",

@@ -17,13 +17,13 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// How many times as fast as the first of a list, which is on one thread.
+    /// Returns how many times as fast as the first of a list, which is on one thread.
     pub fn speed_up(&self, all: &[Pace]) -> f64 {
         all.first().map_or(1.0, |first| first.seconds / self.seconds)
     }
 }
 
-/// The report of one or more maps of one machine, and of how fast they were measured.
+/// Returns the report of one or more maps of one machine, and of how fast they were measured.
 pub fn report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
@@ -55,7 +55,7 @@ fn headline(maps: &[Map]) -> Headline {
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
 }
 
-/// The points of each amplitude, in the order of the map.
+/// Returns the points of each amplitude, in the order of the map.
 fn families(map: &Map) -> Vec<(f64, Vec<&Point>)> {
     let mut out: Vec<(f64, Vec<&Point>)> = Vec::new();
     if map.recording.is_some() {
@@ -83,12 +83,12 @@ fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
 }
 
-/// What the magnitude is relative to.
+/// Returns what the magnitude is relative to.
 fn reference(map: &Map) -> &'static str {
     if map.around.unit() == "V" { "rad/s per V" } else { "" }
 }
 
-/// All amplitudes in one diagram, the linear model dashed.
+/// Returns all amplitudes in one diagram, the linear model dashed.
 fn overview(map: &Map, command: &str) -> Figure {
     let families = families(map);
     let mut curves: Vec<BodeCurve> = families
@@ -124,7 +124,7 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
     vec![beside, harmonics, Section::new("Every point").listing(points_table(map))]
 }
 
-/// How fast the maps were measured; nothing for recordings, which were not simulated.
+/// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
 fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
     let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
     let columns = [
@@ -184,7 +184,7 @@ fn db(h: [f64; 2]) -> f64 {
     20.0 * h[0].hypot(h[1]).log10()
 }
 
-/// Largest difference of gain between amplitudes at one frequency, dB.
+/// Returns the largest difference of gain between amplitudes at one frequency, dB.
 fn widest_spread(map: &Map) -> f64 {
     let families = families(map);
     let count = families.iter().map(|(_, points)| points.len()).min().unwrap_or(0);
@@ -207,7 +207,7 @@ fn tiles(map: &Map) -> Vec<Tile> {
     ]
 }
 
-/// One row an amplitude: where the gain is largest, and how far the models are from the measurement.
+/// Returns one row an amplitude: where the gain is largest, and how far the models are from the measurement.
 fn extremes(map: &Map) -> Table {
     let columns = [
         Column::Text("amplitude"),

@@ -7,7 +7,7 @@ use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::svg::{self, escape};
 use counterpoise_plot::{Figure, Theme, theme};
 
-/// The report as a page that needs nothing else. Deterministic.
+/// Returns the report as a page that needs nothing else. Deterministic.
 pub fn html(report: &Report) -> String {
     let mut page = Page::default();
     page.head(&report.title);
@@ -193,7 +193,7 @@ fn cell_markup(cell: &Cell) -> String {
     }
 }
 
-/// The name with no line break inside its unit, which stands in brackets at its end.
+/// Returns the name with no line break inside its unit, which stands in brackets at its end.
 fn unit_in_one_piece(name: &str) -> String {
     match name.rsplit_once('[') {
         Some((words, unit)) => format!("{words}[{}", unit.replace(' ', "\u{A0}")),
@@ -208,7 +208,7 @@ fn class_and_name(column: Column) -> (&'static str, &'static str) {
     }
 }
 
-/// The class of a tone and the sign that says the same without colour.
+/// Returns the class of a tone and the sign that says the same without colour.
 fn class_and_sign(tone: Tone) -> (&'static str, &'static str) {
     match tone {
         Tone::Good => ("good", "\u{2713}"),

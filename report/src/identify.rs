@@ -11,7 +11,7 @@ use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 /// Its name in tables; a peak, so that it is not held against the project's level.
 const BREAKAWAY: &str = "highest after a reversal";
 
-/// The report.
+/// Returns the report.
 pub fn report(machine: &str, command: &str, found: &IdentificationText, units: &AxisUnits) -> Report {
     let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
@@ -55,7 +55,7 @@ fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
     Headline { tone: Tone::Neutral, text, detail }
 }
 
-/// Every estimate with its name and unit.
+/// Returns every estimate with its name and unit.
 fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Estimate, &'static str)> {
     let mut out = Vec::new();
     for (state, b) in found.balances.iter().enumerate() {
@@ -131,7 +131,7 @@ fn loop_figure(picture: &Loop, found: &IdentificationText, command: &str) -> Fig
     Figure { command: command.to_owned(), ..figure }
 }
 
-/// The same figure with how it is read.
+/// Returns the same figure with how it is read.
 fn explained(figure: &Figure, found: &IdentificationText) -> Figure {
     let l = &found.lobes;
     figure.clone().with_caption(&format!(

@@ -56,7 +56,7 @@ fn margin_marks(view: &LoopView, of: fn(&MarginPoint) -> &Points) -> Vec<Mark> {
     marks.collect()
 }
 
-/// A cross at the critical point.
+/// Returns a cross at the critical point.
 fn critical(x: f64) -> Mark {
     Mark::Cross { x, y: 0.0, text: String::new(), colour: Colour::Muted }
 }
@@ -124,7 +124,7 @@ fn locus_chart(locus: &LocusView) -> Figure {
         )
 }
 
-/// The responses of the closed loop, those with the same unit in one figure.
+/// Returns the responses of the closed loop, those with the same unit in one figure.
 fn response_charts(found: &Verification) -> Vec<Figure> {
     let curves = &found.evidence.curves;
     let chart = |title: &str, unit: &str, wanted: &dyn Fn(&LoopResponse) -> bool| {

@@ -10,7 +10,7 @@ use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
-/// The report.
+/// Returns the report.
 pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], command: &str) -> Report {
     let mut sections: Vec<Section> = Vec::new();
     if !views.modes.is_empty() {
@@ -191,7 +191,7 @@ fn accuracy_section(all: &[Accuracy], command: &str) -> Section {
 /// Name of the case in which teeth part and meet.
 const CONTACT: &str = "contact";
 
-/// Points of a line of errors: the step in milliseconds; an error of exactly 0 has no logarithm.
+/// Returns points of a line of errors: the step in milliseconds; an error of exactly 0 has no logarithm.
 fn line(steps: &[f64], errors: &[f64]) -> Vec<(f64, f64)> {
     let pairs = steps.iter().zip(errors).map(|(s, e)| (1e3 * s, *e));
     pairs.filter(|(_, e)| *e > 0.0 && e.is_finite()).collect()
@@ -245,7 +245,7 @@ fn accuracy_table(all: &[Accuracy]) -> Table {
     table
 }
 
-/// The longest and the shortest sample in words.
+/// Returns the longest and the shortest sample in words.
 fn span(all: &[Accuracy]) -> String {
     let steps = all.first().map_or(&[][..], |law| &law.step_s[..]);
     match (steps.first(), steps.last()) {
@@ -286,7 +286,8 @@ fn swing(one: &FrictionLoop) -> String {
     format!("\u{B1} {} mrad", short(1e3 * one.amplitude_rad))
 }
 
-/// The loops through presliding over the angle, all loops over their own swing, and over their own largest rate.
+/// Returns the loops through presliding over the angle, all loops over their own swing, and over their own
+/// largest rate.
 fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
     let curves = |many: usize, of: &dyn Fn(&FrictionLoop) -> Vec<(f64, f64)>| -> Panel {
         let named = loops.iter().zip(Colour::CYCLE).take(many);

@@ -6,7 +6,7 @@ use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
-/// What was found, a line each: for a terminal and for the section's text.
+/// Returns what was found, a line each: for a terminal and for the section's text.
 pub fn lines(found: &RobustStability) -> Vec<String> {
     let unstable = found.found.as_ref().is_some_and(|nearest| nearest.scale < 1.0);
     let word = match (found.guaranteed >= 1.0, unstable) {
@@ -51,7 +51,7 @@ fn errors(found: &RobustStability) -> String {
     }
 }
 
-/// The nearest mechanism at the limit of stability.
+/// Returns the nearest mechanism at the limit of stability.
 fn nearest(found: &Destabilising) -> String {
     let mut parts: Vec<String> = found
         .factors
@@ -72,12 +72,12 @@ fn nearest(found: &Destabilising) -> String {
     )
 }
 
-/// A complex relative error from its modulus and angle in radians.
+/// Returns a complex relative error from its modulus and angle in radians.
 fn polar((modulus, angle): (f64, f64)) -> String {
     format!("{} % at {:.0} deg", short(100.0 * modulus), angle.to_degrees())
 }
 
-/// The section: the lines, the bounds over frequency, the nearest mechanism.
+/// Returns the section: the lines, the bounds over frequency, the nearest mechanism.
 pub fn section(found: &RobustStability) -> Section {
     let mut section = Section::new("Linear worst case");
     for line in lines(found) {

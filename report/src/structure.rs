@@ -8,7 +8,7 @@ use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 /// Hypotheses whose errors are drawn.
 const DRAWN: usize = 2;
 
-/// The report.
+/// Returns the report.
 pub fn report(machine: &str, command: &str, answer: &StructureAnswer) -> Report {
     Report {
         title: format!("Structure of {machine}"),

@@ -9,7 +9,7 @@ use crate::evidence::{disturbance_figure, step_figure};
 use crate::{Cell, Column, Headline, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 
-/// The answer.
+/// Returns the answer.
 pub fn headline(found: &Verification) -> Headline {
     let (holds, fails, open) = found.counts();
     let all = holds + fails + open;
@@ -46,7 +46,7 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
     ))
 }
 
-/// The text with its first letter made large.
+/// Returns the text with its first letter made large.
 pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
@@ -68,7 +68,7 @@ pub fn words_of(limit: Limit) -> String {
     }
 }
 
-/// Every requirement with what was measured.
+/// Returns every requirement with what was measured.
 pub fn verdict_table(found: &Verification) -> Table {
     let columns = [
         Column::Text("requirement"),
@@ -139,7 +139,7 @@ pub fn traceability(found: &Verification) -> Option<Section> {
     (!table.rows.is_empty()).then(|| Section::new("Traceability").saying(says).listing(table))
 }
 
-/// The numbers that a reader wants first.
+/// Returns the numbers that a reader wants first.
 pub fn tiles(found: &Verification) -> Vec<Tile> {
     let model = nonlinear_if_run(found);
     let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
@@ -156,7 +156,7 @@ pub fn tiles(found: &Verification) -> Vec<Tile> {
     wanted.into_iter().filter_map(|(label, figure)| tile(found, label, figure)).collect()
 }
 
-/// The nonlinear plant where it was simulated, otherwise the linear one.
+/// Returns the nonlinear plant where it was simulated, otherwise the linear one.
 pub fn nonlinear_if_run(found: &Verification) -> Model {
     if found.history(Model::Nonlinear, Experiment::Step).is_some() { Model::Nonlinear } else { Model::Linear }
 }
@@ -241,7 +241,7 @@ fn tone_of(verdict: &Verdict) -> Tone {
     }
 }
 
-/// The two pictures beside the verdicts: the step, and the liveliest disturbance.
+/// Returns the two pictures beside the verdicts: the step, and the liveliest disturbance.
 pub fn summary_figures(found: &Verification) -> Vec<counterpoise_plot::Figure> {
     let model = nonlinear_if_run(found);
     let source = if found

@@ -54,7 +54,8 @@ fn statistics(found: &CampaignResult) -> Vec<Section> {
     vec![distributions, sensitivity, members]
 }
 
-/// What is known outside the samples, for the headline: the worst cases, and how far the linear loop is from its limit.
+/// Returns what is known outside the samples, for the headline: the worst cases, and how far the linear loop is from
+/// its limit.
 fn outside_samples(found: &CampaignResult) -> String {
     let both = found.requirements.iter().zip(&found.worst);
     let fails = both.filter(|(requirement, worst)| {
@@ -71,7 +72,7 @@ fn outside_samples(found: &CampaignResult) -> String {
     searched + &stable
 }
 
-/// The options of `counterpoise sweep` that run a worst case again.
+/// Returns the options of `counterpoise sweep` that run a worst case again.
 pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
     let both = found.variations.iter().zip(&worst.factors);
     let words: Vec<String> =
@@ -79,7 +80,8 @@ pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
     format!("--sample {} --factors {}", worst.sample, words.join(","))
 }
 
-/// The worst case of each requirement beside its worst sample, with the factors that matter most for it.
+/// Returns the worst case of each requirement beside its worst sample, with the factors that matter most for
+/// it.
 fn worst(found: &CampaignResult, project: &str) -> Section {
     let columns = [
         Column::Text("requirement"),
@@ -158,7 +160,7 @@ fn shares(found: &CampaignResult) -> Table {
     table
 }
 
-/// The share of mechanisms below each value.
+/// Returns the share of mechanisms below each value.
 fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let mut values: Vec<f64> =
         found.values.column(requirement).iter().copied().filter(|v| v.is_finite()).collect();
@@ -181,7 +183,7 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     Figure::new(&figure.name(), axis, vec![panel.with_marks(marks).with_height(150.0)])
 }
 
-/// The rank correlation that chance alone exceeds in about one case of twenty.
+/// Returns the rank correlation that chance alone exceeds in about one case of twenty.
 fn chance(found: &CampaignResult) -> f64 {
     2.0 / (found.samples().max(1) as f64).sqrt()
 }
@@ -211,7 +213,7 @@ fn matters(found: &CampaignResult, requirement: usize, most: usize) -> String {
     if words.is_empty() { "nothing that stands out".to_owned() } else { words }
 }
 
-/// A mechanism a row: how many requirements hold, and what fails.
+/// Returns a mechanism a row: how many requirements hold, and what fails.
 fn member_summary(found: &CampaignResult) -> Table {
     let columns = [Column::Text("mechanism"), Column::Text("requirements"), Column::Text("what fails")];
     let mut table = Table::new("Verdicts", &columns);
@@ -240,7 +242,7 @@ fn failure(requirement: &Requirement, value: f64) -> String {
     format!("{}: {} ({})", figure.name(), value.trim_end(), bound(requirement.limit))
 }
 
-/// A limit with its sign.
+/// Returns a limit with its sign.
 fn bound(limit: Limit) -> String {
     match limit {
         Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
@@ -248,7 +250,7 @@ fn bound(limit: Limit) -> String {
     }
 }
 
-/// A figure and its room; NaN where it could not be measured.
+/// Returns a figure and its room; NaN where it could not be measured.
 fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
     match value {
         Value::Is(number) => (*number, requirement.limit.distance_to_limit(*number)),

@@ -20,7 +20,7 @@ pub struct TargetEvidence<'a> {
     pub costs: &'a Costs,
 }
 
-/// The section of a report that sets the targets side by side.
+/// Returns the section of a report that sets the targets side by side.
 pub fn section(evidence: &TargetEvidence<'_>) -> Section {
     let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
                  Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
@@ -60,7 +60,7 @@ fn work(operations: Operations) -> String {
     )
 }
 
-/// The closed loop in each experiment, a column for each code.
+/// Returns the closed loop in each experiment, a column for each code.
 fn loops(evidence: &TargetEvidence<'_>) -> Table {
     let mut columns = vec![Column::Text("experiment")];
     for (figures, proof) in codes(evidence) {
@@ -80,7 +80,7 @@ fn loops(evidence: &TargetEvidence<'_>) -> Table {
     table
 }
 
-/// Each code with the figures of its numbers.
+/// Returns each code with the figures of its numbers.
 fn codes<'a>(evidence: &TargetEvidence<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
     let figures = |proof: &Proof| evidence.study.compared.figures.iter().find(|f| f.numbers == proof.numbers);
     evidence.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
@@ -172,7 +172,7 @@ fn form_table(forms: &[PathForms]) -> Table {
     table
 }
 
-/// The controller with every path in each form.
+/// Returns the controller with every path in each form.
 fn by_form(figures: &[FormFigures]) -> Table {
     let columns = [
         Column::Text("every path"),
@@ -197,7 +197,7 @@ fn by_form(figures: &[FormFigures]) -> Table {
     table
 }
 
-/// How far the control is from the reference for the same readings.
+/// Returns how far the control is from the reference for the same readings.
 fn deviations(targets: &Targets) -> Table {
     let columns = [
         Column::Text("numbers"),

@@ -10,7 +10,7 @@ use ndarray::Array2;
 use crate::diagnosis::words;
 use crate::{Cell, Column, Section, Table};
 
-/// Where and when.
+/// Returns where and when.
 pub(super) fn where_section(answer: &AnswerText) -> Section {
     let mut balances = Table::new(
         "Balances that these sensors allow, and the components that each can see",
@@ -50,7 +50,7 @@ fn where_when(answer: &AnswerText) -> Figure {
         .with_caption(&format!("{} {HOW}", answer.chart_summary))
 }
 
-/// A component's row; one that no balance sees has no cells.
+/// Returns a component's row; one that no balance sees has no cells.
 fn row(row: &ChartRow) -> HeatRow {
     let cover = (!row.seen).then(|| "these sensors do not see it".to_owned());
     HeatRow { name: words(row.component.name()), cover }

@@ -98,7 +98,7 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
-/// The first seconds of a recording as CSV: enough for an answer, and quick.
+/// Returns the first seconds of a recording as CSV: enough for an answer, and quick.
 fn excerpt(recording: &Recording, samples: usize) -> String {
     let part = recording.part(0..samples);
     let channels = [Channel::Demand, Channel::Control, Channel::HubRate, Channel::MotorRate];

@@ -41,7 +41,7 @@ fn session_that_saves() {
     fs::write(folder.join("saved"), b"").unwrap();
 }
 
-/// A folder with the example's project.
+/// Returns a folder with the example's project.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("save_kills_{name}"));
     let _ = fs::remove_dir_all(&folder);
@@ -88,14 +88,14 @@ fn traced(folder: &Path, kill_at: Option<&Place>) -> BTreeSet<Place> {
     passed
 }
 
-/// The places that are tried, spread evenly.
+/// Returns the places that are tried, spread evenly.
 fn tried(places: &BTreeSet<Place>) -> Vec<&Place> {
     let wanted = std::env::var("KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(12_usize);
     let step = places.len().div_ceil(wanted.clamp(1, places.len().max(1)));
     places.iter().step_by(step.max(1)).collect()
 }
 
-/// The value of the edited key when the project is opened again, the journal included.
+/// Returns the value of the edited key when the project is opened again, the journal included.
 fn value_after(folder: &Path) -> f64 {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });

@@ -108,13 +108,14 @@ pub fn run(options: &ClaimsOptions) -> Done {
     Ok(verdict_code(rows.iter().map(|claim| claim.finding() != Finding::Fails)))
 }
 
-/// Where the page goes where nobody says: rows alone do not take the place of the whole table.
+/// Returns the default path of the page. A page of selected claims has a name of its own, so that it does not overwrite the page of all
+/// claims.
 fn page_of(only: &[String]) -> PathBuf {
     let name: String = only.iter().map(|id| format!("-{}", id.trim().to_uppercase())).collect();
     PathBuf::from(format!("out/claims{name}.html"))
 }
 
-/// The rows that are asked for; all where none is named.
+/// Returns the names of the claims that are asked for, or of all claims if none is named.
 fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
     let all: Vec<&'static str> = ids().collect();
     if only.is_empty() {

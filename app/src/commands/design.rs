@@ -87,7 +87,7 @@ struct CompiledCode {
     said: Vec<String>,
 }
 
-/// What is to be said of code that was compiled and run, or could not be.
+/// Returns what is to be said of code that was compiled and run, or could not be.
 fn compiled(proofs: &[Proof], costs: &Costs) -> CompiledCode {
     let mut code = CompiledCode { differing: 0, said: Vec::new() };
     for proof in proofs {

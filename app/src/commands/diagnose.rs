@@ -128,7 +128,8 @@ fn print_held_out(recordings: &[HeldOutText]) {
     }
 }
 
-/// What the improved model means for the project's design; `None` if nothing was found or the project has no design.
+/// Returns what the improved model means for the project's design; `None` if nothing was found or the project has no
+/// design.
 fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::Result<Option<Consequence>> {
     if found.improved == loaded.project.plant {
         return Ok(None);

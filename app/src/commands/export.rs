@@ -70,7 +70,7 @@ fn checked(options: &ExportOptions, code: &[File]) -> Done {
     Ok(verdict_code(outcomes.iter().map(|outcome| outcome.same)))
 }
 
-/// What became of one file; a file that cannot be read does not keep the others from being checked.
+/// Returns what became of one file; a file that cannot be read does not keep the others from being checked.
 fn outcome(path: &Path, code: &[File]) -> Outcome {
     let file = path.display().to_string();
     let bytes = match files::read_file(path) {
@@ -90,7 +90,8 @@ fn outcome(path: &Path, code: &[File]) -> Outcome {
     Outcome { file, same, unread: false, says }
 }
 
-/// A packed unit holds its files as they are; the library that was compiled from them is not compared.
+/// Returns whether a packed unit contains the files of `code` unchanged, with a sentence that says so. The library that was
+/// compiled from them is not compared.
 fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let inside = format!("{name}/");
@@ -107,12 +108,12 @@ fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
     }
 }
 
-/// Whether bytes stand in an archive.
+/// Returns whether bytes stand in an archive.
 fn holds(archive: &[u8], part: &[u8]) -> bool {
     archive.windows(part.len().max(1)).any(|window| window == part)
 }
 
-/// The file of the project whose path ends like the given one: the longest match of whole components.
+/// Returns the file of the project whose path ends like the given one: the longest match of whole components.
 fn expected<'a>(path: &Path, code: &'a [File]) -> Option<&'a File> {
     let matches = code
         .iter()

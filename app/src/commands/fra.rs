@@ -120,7 +120,8 @@ pub fn run(options: &FraOptions) -> Done {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for, on fewer.
+/// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
+/// on fewer.
 fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<Pace>)> {
     let modelled = pipeline::model(&loaded.project)?;
     let project = &loaded.project;
@@ -147,7 +148,8 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     Ok((vec![analyser.compare(&measured, &Workers::new(Progress::Quiet))?], speed))
 }
 
-/// The time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the last bit.
+/// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
+/// last bit.
 fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
     let all = rayon::current_num_threads();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);

@@ -213,7 +213,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     Ok(verdict_code([found.passing == found.samples()]))
 }
 
-/// Which samples no shard holds; `None` if all are there.
+/// Returns which samples no shard holds; `None` if all are there.
 fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     let mut there = vec![false; all];
     parts.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
@@ -222,7 +222,8 @@ fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     Some(format!("{} of {all} samples are missing, from {first} to {last}", absent.len()))
 }
 
-/// The worst case of each requirement, by a search from its worst sample; `None` if no sample could be judged.
+/// Returns the worst case of each requirement, by a search from its worst sample; `None` if no sample could be
+/// judged.
 fn searched(named: &Named, samples: &[Sample]) -> Result<Vec<Option<Worst>>> {
     let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
     let one = |k: usize| {

@@ -238,7 +238,7 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
 /// Standard gravity, m/s^2 (ISO 80000-3); a half of a vehicle does not roll, so that it has no effect here.
 const GRAVITY_M_S2: f64 = 9.80665;
 
-/// A triangle from `RATE/PERIOD`.
+/// Returns a triangle from `RATE/PERIOD`.
 fn triangle(text: &str) -> Result<Triangle> {
     let usage = || format!("--triangle {text}: write RATE/PERIOD in rad/s and s, for example 0.1/4");
     let (rate, period) = text.split_once('/').with_context(usage)?;

@@ -247,7 +247,7 @@ fn new_states(
     }
 }
 
-/// Row i of [X U] applied to (x, u).
+/// Returns row i of [X U] applied to (x, u).
 fn row(
     X: &counterpoise_linalg::Mat,
     U: &counterpoise_linalg::Mat,

@@ -14,7 +14,8 @@ use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, vectors};
 use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields};
 
-/// The controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and of the control.
+/// Returns the controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and
+/// of the control.
 ///
 /// # Errors
 /// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
@@ -98,7 +99,7 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     }
 }
 
-/// The largest magnitude of a format.
+/// Returns the largest magnitude of a format.
 fn full_scale(bits: i32) -> String {
     format!("{:.4}", FULL as f64 * unit(bits)).trim_end_matches('0').trim_end_matches('.').to_owned()
 }

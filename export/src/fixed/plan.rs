@@ -79,7 +79,7 @@ pub fn plan(
     })
 }
 
-/// A setting at which the controller by itself is unstable, with the modulus of its largest pole.
+/// Returns a setting at which the controller by itself is unstable, with the modulus of its largest pole.
 fn unstable(controller: &Controller) -> Option<(f64, f64)> {
     let all = std::iter::once(controller.parts().design_out_of_balance_kg_m).chain(settings(controller));
     let radius = |set: f64| {

@@ -126,7 +126,7 @@ impl Unit<'_> {
         }
     }
 
-    /// The instantiation token: a hash of what the unit is (FNV-1a, twice), in the form of a GUID.
+    /// Returns the instantiation token: a hash of what the unit is (FNV-1a, twice), in the form of a GUID.
     fn token(&self) -> String {
         let names: Vec<&str> = self.variables.iter().map(|v| v.name).collect();
         let text =

@@ -72,7 +72,7 @@ fn start(controller: &Controller, set_kg_m: Option<f64>) -> Vec<f64> {
 }
 
 impl Gains {
-    /// The gains over `samples` samples from the start, at a setting of the out-of-balance.
+    /// Returns the gains over `samples` samples from the start, at a setting of the out-of-balance.
     pub fn of(controller: &Controller, set_kg_m: Option<f64>, samples: usize) -> Self {
         // The bias alone may reach the limiter, behind which nothing would be seen.
         let unlimited = controller.with(|parts| parts.limit_v = UNLIMITED_V);
@@ -97,7 +97,7 @@ impl Gains {
         }
     }
 
-    /// Sum of |h| times errors that may have any sign at any time.
+    /// Returns the sum of |h| times errors that may have any sign at any time.
     pub fn constant(&self, errors: &[f64]) -> f64 {
         let each = self.magnitudes.iter().zip(errors).filter(|(_, error)| **error != 0.0);
         each.map(|(gain, error)| gain * error).sum()

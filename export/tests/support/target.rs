@@ -9,7 +9,7 @@ use counterpoise_export::{File, Numbers};
 
 use super::support::{STRICT, folder, is_there, run, skipped, write};
 
-/// Whether the tools are there; says which are missing.
+/// Returns whether the tools are there; says which are missing.
 pub fn tools_are_there() -> bool {
     let missing: Vec<&str> = [COMPILER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
@@ -42,14 +42,14 @@ pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathB
     folder.join("firmware.elf")
 }
 
-/// The emulator with the firmware of a folder.
+/// Returns the emulator with the firmware of a folder.
 pub fn emulator(core: &Core, folder: &Path) -> Command {
     let mut command = Command::new(EMULATOR);
     command.current_dir(folder).args(emulate(core)).stderr(Stdio::inherit());
     command
 }
 
-/// What the code called `name` costs on a core.
+/// Returns what the code called `name` costs on a core.
 pub fn cost(core: &Core, test: &str, (name, numbers): (&str, Numbers), files: &[File]) -> Cost {
     let folder = folder(&format!("{test}_{}_{numbers:?}", core.machine));
     write(&folder, files);

@@ -82,7 +82,7 @@ fn write(folder: &Path, files: &[File]) -> Option<()> {
     files.iter().try_for_each(|file| files::write(&place(file), file.text.as_bytes()).ok())
 }
 
-/// Standard output of a command that succeeded in a folder.
+/// Returns the standard output of a command that succeeded in a folder.
 fn said(command: &mut Command, folder: &Path) -> Option<String> {
     let output = command.current_dir(folder).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())

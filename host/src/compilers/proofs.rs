@@ -97,7 +97,7 @@ fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
     Err(said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it says nothing").to_owned())
 }
 
-/// Samples replayed, and those answered otherwise.
+/// Returns samples replayed, and those answered otherwise.
 fn replayed(figures: &TargetFigures, fixed: Option<&Fixed>, folder: &Path) -> Option<(usize, usize)> {
     let bytes = requests(&figures.closed_loops, fixed);
     files::write(&folder.join("readings"), &bytes).ok()?;

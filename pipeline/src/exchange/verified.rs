@@ -218,7 +218,7 @@ impl HistoryResult {
     }
 }
 
-/// The beginning of the keys of an experiment's figures.
+/// Returns the beginning of the keys of an experiment's figures.
 fn name(model: Model, experiment: Experiment) -> String {
     let (key, ending) = match experiment {
         Experiment::Step => (Figure::Step(model, StepFigure::Overshoot).key(), "_overshoot_percent"),

@@ -58,7 +58,7 @@ impl Exported {
     }
 }
 
-/// The code in the languages that the project asks for.
+/// Returns the code in the languages that the project asks for.
 ///
 /// Fixed point takes its formats from the verification's nonlinear runs, and may deviate from the reference by half a step
 /// of the output converter, or of one of 16 bits if the project's is finer. What cannot be had (a coefficient that the target's numbers cannot hold, a controller without a
@@ -75,7 +75,7 @@ pub fn export(
     export_by(project, modelled, verified, &crate::procedure(project, world)?, world)
 }
 
-/// The code as [`export`] makes it, with the procedure of the verification at hand.
+/// Returns the code as [`export`] makes it, with the procedure of the verification at hand.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -112,7 +112,8 @@ pub fn export_by(
     Ok(made)
 }
 
-/// The controller in double, single and fixed point, side by side in the verification's nonlinear runs.
+/// Returns the controller in double, single and fixed point, side by side in the verification's nonlinear
+/// runs.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -139,8 +140,8 @@ pub struct TargetCode {
     pub files: Vec<File>,
 }
 
-/// The code in every language and every kind of numbers that the controller exists in, whatever the project asks for: to run
-/// it beside its model, and to count its cost.
+/// Returns the code in every language and every kind of numbers that the controller exists in, whatever the project asks
+/// for: to run it beside its model, and to count its cost.
 ///
 /// # Errors
 /// A name that no code can have.
@@ -184,7 +185,7 @@ pub struct PathForms {
     pub chosen: Form,
 }
 
-/// The forms of each path that has states.
+/// Returns the forms of each path that has states.
 ///
 /// # Errors
 /// Those of the realisation.
@@ -201,7 +202,8 @@ pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineEr
     paths.map(of).collect()
 }
 
-/// The controller with its paths in every form, in double and in single precision, for the readings of the verification's runs.
+/// Returns the controller with its paths in every form, in double and in single precision, for the readings of the
+/// verification's runs.
 pub fn by_form(verified: &VerifiedController, compared: &Targets) -> Vec<FormFigures> {
     let controller = verified.controller();
     let runs: Vec<_> = compared.figures.iter().take(1).flat_map(|double| &double.closed_loops).collect();
@@ -312,7 +314,7 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
     Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }
 
-/// What each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
+/// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
 pub fn weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let blocks = crate::tuning::block_results(&synth.options.structure);

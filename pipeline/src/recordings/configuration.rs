@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use counterpoise_models::Configuration;
 
-    /// A mechanism in a configuration that adds 40 kg m^2 to its hub.
+    /// Returns a mechanism in a configuration that adds 40 kg m^2 to its hub.
     fn loaded() -> Project {
         let mut project = Project::parse(counterpoise_project::STARTER, "project.toml").unwrap().project;
         project.plant.configurations.push(Configuration {

@@ -143,7 +143,7 @@ fn hypotheses(modes: usize) -> Vec<Hypothesis> {
 }
 
 impl Hypothesis {
-    /// Number of fitted parameters.
+    /// Returns the number of fitted parameters.
     fn parameters(self) -> usize {
         usize::from(self.scaled == Scale::Fitted) + usize::from(matches!(self.change, Change::EndMass(_)))
     }
@@ -223,7 +223,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Frequencies of as many flexible modes as were measured, Hz.
+    /// Returns frequencies of as many flexible modes as were measured, Hz.
     fn frequencies(&self, options: &FeOptions, mass: Option<(End, f64)>) -> Result<Vec<f64>, PipelineError> {
         let fe = match mass {
             None => {
@@ -246,7 +246,7 @@ impl Bench<'_> {
         Ok(known[..wanted].iter().map(|w| w / std::f64::consts::TAU).collect())
     }
 
-    /// The variant and the factor on all frequencies that fit best, one mode left out or none.
+    /// Returns the variant and the factor on all frequencies that fit best, one mode left out or none.
     fn fit(
         &self,
         candidates: &[(f64, Vec<f64>)],
@@ -267,7 +267,7 @@ impl Bench<'_> {
         })
     }
 
-    /// The project with a hypothesis as it was fitted.
+    /// Returns the project with a hypothesis as it was fitted.
     fn improved(&self, hypothesis: Hypothesis, found: &TriedStructure) -> Project {
         let mut project = self.project.clone();
         let elements = &mut project.model.elements;
@@ -303,7 +303,8 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 type Tried = (Hypothesis, TriedStructure);
 
-/// The simplest hypothesis that no more complicated one beats by far, where it beats the model as it is.
+/// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
+/// is.
 fn chosen<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
     if as_it_is.1.left_out_percent < 100.0 * EXPLAINED {
         return None;
@@ -359,7 +360,7 @@ fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Opt
     }
 }
 
-/// How the structure was support_in_words, in words.
+/// Returns in words how the structure was supported when its modes were measured.
 pub fn support_in_words(support: Support) -> &'static str {
     match support {
         Support::Free => "free",

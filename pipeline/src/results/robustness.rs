@@ -190,7 +190,7 @@ fn range((varied, factor): &StatedRange) -> RangeResult {
     RangeResult { key: varied.key(), centre: factor.centre, a: factor.a, b: factor.b }
 }
 
-/// The bounds with what proves them.
+/// Returns the bounds with what proves them.
 fn bounds(found: &RobustStability) -> Vec<BoundResult> {
     let placed = found.proof.pulled.structure.placed();
     let blocks = |scaling: &CMat| -> Vec<ScalingBlock> {

@@ -28,7 +28,8 @@ pub struct Accuracy {
     pub second_method: f64,
 }
 
-/// The errors on the modelled plant, against the classical Runge-Kutta method in steps a thousand times shorter.
+/// Returns the errors on the modelled plant, against the classical Runge-Kutta method in steps a thousand times
+/// shorter.
 ///
 /// # Errors
 /// A plant that a law does not fit, or that cannot be simulated.

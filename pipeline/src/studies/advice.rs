@@ -109,7 +109,7 @@ pub fn advice(
     failing.map(|(requirement, value)| bench.advise(requirement, value, &knobs)).collect()
 }
 
-/// The weights that a specification has.
+/// Returns the weights that a specification has.
 fn knobs(specification: &Specification) -> Vec<Knob> {
     let mut all: Vec<Knob> = vec![
         ("synth.feedback.error.gain", |s, by| scale(&mut s.feedback.error, by)),
@@ -184,7 +184,7 @@ impl Bench<'_> {
         Ok(Advice { requirement: requirement.clone(), value, sensitivities, change: best })
     }
 
-    /// The controller of the design with a weight changed; `None` if there is none.
+    /// Returns the controller of the design with a weight changed; `None` if there is none.
     fn designed(&self, knob: Option<(&Knob, f64)>) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
         if let (Some(synth), Some((knob, factor))) = (&mut project.synth, knob) {
@@ -197,7 +197,8 @@ impl Bench<'_> {
         }
     }
 
-    /// Figures of the design with a weight changed, and the design; `None` as in [`Self::measured`], and without a controller.
+    /// Returns figures of the design with a weight changed, and the design; `None` as in [`Self::measured`], and without a
+    /// controller.
     fn tried(
         &self,
         figures: &[Figure],
@@ -219,7 +220,7 @@ impl Bench<'_> {
         Ok(Some((values, tried)))
     }
 
-    /// Figures under a controller; `None` if one of them is not a finite number.
+    /// Returns figures under a controller; `None` if one of them is not a finite number.
     fn measured(
         &self,
         figures: &[Figure],

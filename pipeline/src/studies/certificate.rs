@@ -20,7 +20,8 @@ pub struct RegimeRobustness {
     pub found: Option<RobustStability>,
 }
 
-/// The cases of a project: the design's own first, then the configurations and factors of its schedule.
+/// Returns the cases of a project: the design's own first, then the configurations and factors of its
+/// schedule.
 ///
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
@@ -50,7 +51,7 @@ pub fn cases(
     Ok(all)
 }
 
-/// The certificate of a project's controller, moved as the project's verification moves it.
+/// Returns the certificate of a project's controller, moved as the project's verification moves it.
 ///
 /// # Errors
 /// As [`cases`], and those of the loop and the simulator.
@@ -64,8 +65,8 @@ pub fn certificate(
     Ok(certify(&synthesised.sampled.controller, procedure, &cases)?)
 }
 
-/// The structured singular value in each case and each regime of friction: the ranges of the sweep, and the presliding stiffness among
-/// them where the project varies it. Empty if the project varies nothing.
+/// Returns the structured singular value in each case and each regime of friction: the ranges of the sweep, and the presliding
+/// stiffness among them where the project varies it. Empty if the project varies nothing.
 ///
 /// # Errors
 /// As [`cases`], and those of the linear loop.

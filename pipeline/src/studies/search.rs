@@ -81,8 +81,8 @@ pub fn search(
     Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
 }
 
-/// The trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its points were
-/// searched further.
+/// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
+/// points were searched further.
 fn better_point(curve: &[(f64, Found)], (found, wanted): (&Found, &Requirements)) -> Option<Trial> {
     let rejection = |trial: &Trial| trial.figures.rejection;
     let points = curve.iter().map(|(_, point)| &point.best);
@@ -107,14 +107,14 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Whether the searched requirements and every verdict hold.
+    /// Returns whether the searched requirements and every verdict hold.
     pub fn holds(&self) -> bool {
         self.found.best.missed == 0.0 && self.verified.verification().passes()
     }
 }
 
-/// The answer of a search and the points of its curve, each verified by the project's `[verify]`: the answer first, the
-/// points then in the order of their rejection. `go_on` is asked before each.
+/// Returns the answer of a search and the points of its curve, each verified by the project's `[verify]`: the answer
+/// first, the points then in the order of their rejection. `go_on` is asked before each.
 ///
 /// # Errors
 /// A project without `[verify]`, and those of the design and the verification.

@@ -86,14 +86,15 @@ pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
     Ok(())
 }
 
-/// The requirements that a campaign judges: those of the project, or [`usual_requirements`] if it states none.
+/// Returns the requirements that a campaign judges: those of the project, or [`usual_requirements`] if it
+/// states none.
 fn judged(project: &Project) -> Vec<Requirement> {
     let stated = project.verify.as_ref().map(|asked| asked.requirements.clone()).unwrap_or_default();
     if stated.is_empty() { usual_requirements() } else { stated }
 }
 
-/// What every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a gain margin
-/// of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
+/// Returns what every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a
+/// gain margin of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
 fn usual_requirements() -> Vec<Requirement> {
     let require =
         |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
@@ -110,7 +111,7 @@ const DRIFTING: f64 = 1e-6;
 /// Where requirements come from that no project states.
 const USUAL: &str = "usual, because the project states no requirement";
 
-/// The Monte Carlo campaign of the project's requirements over its variations.
+/// Returns the Monte Carlo campaign of the project's requirements over its variations.
 ///
 /// # Errors
 /// A section that is missing, a recorded road that cannot be read, variations that make no mechanism.
@@ -133,7 +134,8 @@ pub fn campaign(
     )?)
 }
 
-/// The figures of the project's requirements in each configuration and with each parameter of a family varied alone.
+/// Returns the figures of the project's requirements in each configuration and with each parameter of a family
+/// varied alone.
 ///
 /// # Errors
 /// As [`campaign`].
@@ -153,8 +155,8 @@ pub fn families(
     Ok(members)
 }
 
-/// How far the ranges of the project's variations may be widened together before the linear loop can be unstable; `None` if the
-/// project varies nothing, has no lumped structure, or its loop is unstable as it is.
+/// Returns how far the ranges of the project's variations may be widened together before the linear loop can be unstable;
+/// `None` if the project varies nothing, has no lumped structure, or its loop is unstable as it is.
 ///
 /// # Errors
 /// As [`campaign`], and those of the linear loop.

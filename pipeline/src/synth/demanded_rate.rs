@@ -128,7 +128,7 @@ fn no_load_rate(modelled: &Modelled) -> f64 {
     }
 }
 
-/// The controller with the limit of what its loop of position demands.
+/// Returns the controller with the limit of what its loop of position demands.
 ///
 /// # Errors
 /// Those of the controller.

@@ -110,12 +110,12 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The place of a point on both axes; `None` if it cannot be drawn.
+    /// Returns the place of a point on both axes; `None` if it cannot be drawn.
     fn place(&self, x: f64, y: f64) -> Option<clip::Place> {
         Some((self.x.place(x)?, self.y.place(y)?))
     }
 
-    /// The values at places on both axes.
+    /// Returns the values at places on both axes.
     fn values(&self, places: &[clip::Place]) -> Vec<(f64, f64)> {
         places.iter().map(|(x, y)| (self.x.value_at(*x), self.y.value_at(*y))).collect()
     }

@@ -68,7 +68,7 @@ impl Guide {
         self.stack.push(Frame { path, digit: 1, chosen: Vec::new() });
     }
 
-    /// A section stands behind the last one of its parent.
+    /// Returns the index of a new section: after the last section with the same parent.
     fn place(&self, path: &str) -> usize {
         let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
         let last = self.sections.iter().rposition(|s| !parent.is_empty() && s.path.starts_with(parent));
@@ -106,7 +106,7 @@ impl Guide {
         }
     }
 
-    /// The reference as Markdown.
+    /// Returns the reference as Markdown.
     pub fn text(&self) -> String {
         let mut text = String::new();
         for (index, section) in self.sections.iter().enumerate().filter(|(_, s)| !s.rows.is_empty()) {
@@ -232,7 +232,8 @@ impl Visit for Guide {
         self.stack.pop();
     }
 
-    /// One item shows what an item is; an item inside an item of its own kind is not shown again.
+    /// Enters a list and returns the number of its items to show: one, which shows what an item is, or none if the list is nested in
+    /// an item of the same kind.
     fn enter_list(&mut self, table: &TableField, _length: usize) -> usize {
         let path = self.path(table.key);
         let again = path.split('.').filter(|part| *part == table.key).count() > 1;

@@ -51,7 +51,7 @@ const ABOVE_0: Limit = Limit::Above(0.0);
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const LEVER: Limit = Limit::Between(-100.0, 100.0);
 
-/// A unit of which nothing is known yet.
+/// Returns a unit of which nothing is known yet.
 pub(super) fn blank() -> InertialUnit {
     InertialUnit {
         recording: String::new(),

@@ -53,7 +53,7 @@ fn pivot(findings: &mut Findings<'_>, beam: &Beam) {
     }
 }
 
-/// A length without the noise of a subtraction.
+/// Returns a length without the noise of a subtraction.
 fn tidy(length: f64) -> f64 {
     (length * 1e9).round() / 1e9
 }
@@ -116,8 +116,9 @@ pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
     );
 }
 
-/// First moment and inertia of the bare beam about the pivot, by Gauss quadrature exact for tapered tubes
-/// (the density times area is a polynomial of degree 2, times x^2: degree 4), rotary inertia neglected.
+/// Returns the first moment and inertia of the bare beam about the pivot, by Gauss quadrature exact for
+/// tapered tubes (the density times area is a polynomial of degree 2, times x^2: degree 4), rotary inertia
+/// neglected.
 fn rigid(beam: &Beam) -> Option<(f64, f64)> {
     let (mut moment, mut inertia) = (0.0, 0.0);
     for section in &beam.sections {
@@ -136,7 +137,7 @@ fn rigid(beam: &Beam) -> Option<(f64, f64)> {
 const GAUSS: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// Area at a fraction of a section's length.
+/// Returns the area at a fraction of a section's length.
 fn area(shape: &SectionShape, at: f64) -> f64 {
     let along = |ends: &[f64; 2]| ends[0] + at * (ends[1] - ends[0]);
     match shape {

@@ -35,7 +35,7 @@ impl Findings<'_> {
     }
 }
 
-/// All findings about values that do not fit each other.
+/// Returns all findings about values that do not fit each other.
 pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     let mut findings = Findings { document, list: Vec::new() };
     let plant = &project.plant;

@@ -93,7 +93,7 @@ pub enum WeightSource {
 }
 
 impl Default for Synthesis {
-    /// A design of which nothing is stated.
+    /// Returns a design of which nothing is stated.
     fn default() -> Self {
         blank_synthesis()
     }
@@ -200,7 +200,7 @@ impl Default for Export {
     }
 }
 
-/// A design still to be read.
+/// Returns a design still to be read.
 pub(crate) fn blank_synthesis() -> Synthesis {
     let unit = Weight::Constant { gain: 1.0 };
     // what stands here until weights are chosen equals itself, so that projects without weights can be compared
@@ -229,7 +229,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
     }
 }
 
-/// Weights of the feedback still to be read.
+/// Returns weights of the feedback still to be read.
 fn blank_feedback() -> FeedbackWeights {
     FeedbackWeights {
         error: blank_weight(),
@@ -630,7 +630,7 @@ fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
 /// Longest name that generated code may start with: a language may add to it.
 const LONGEST_NAME: usize = 18;
 
-/// What keeps a name from being a short lower-case identifier.
+/// Returns what keeps a name from being a short lower-case identifier.
 fn identifier(name: &str) -> Option<&'static str> {
     let plain = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) {

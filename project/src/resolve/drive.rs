@@ -33,7 +33,7 @@ impl Choice for Takes {
         &[("torque", Self::Torque), ("current", Self::Current), ("voltage", Self::Voltage)];
 }
 
-/// A drive that takes a torque, without a limit.
+/// Returns a drive that takes a torque, without a limit.
 pub(super) fn blank_amplifier() -> Amplifier {
     Amplifier {
         gain: 1.0,
@@ -48,7 +48,7 @@ pub(super) fn blank_amplifier() -> Amplifier {
     }
 }
 
-/// A motor of which nothing is written: its current is its torque.
+/// Returns a motor of which nothing is written: its current is its torque.
 pub(super) fn usual_motor() -> Motor {
     Motor {
         inertia_kg_m2: 0.0,
@@ -252,7 +252,7 @@ fn map(v: &mut dyn Visit, map: &mut Vec<MapPoint>) {
     *map = merged(pairs);
 }
 
-/// The points in order of voltage; points at one voltage become their mean.
+/// Returns the points in order of voltage; points at one voltage become their mean.
 fn merged(mut pairs: Vec<[f64; 2]>) -> Vec<MapPoint> {
     pairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mean = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).sum::<f64>() / points.len() as f64;

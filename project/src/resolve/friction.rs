@@ -169,7 +169,7 @@ pub(crate) fn identified(v: &mut dyn Visit, value: &mut Friction) {
     v.number(&STRIBECK_RATE, &mut value.stribeck_rate_rad_s);
 }
 
-/// An identified friction still to be read.
+/// Returns an identified friction still to be read.
 pub(crate) fn blank_identified() -> Friction {
     Friction::plain(blank(Law::Dahl), 0.0)
 }
@@ -210,7 +210,7 @@ fn name_of(law: &FrictionLaw) -> Law {
     }
 }
 
-/// A law whose numbers are still to be read.
+/// Returns a law whose numbers are still to be read.
 fn blank(law: Law) -> FrictionLaw {
     let coulomb_nm = f64::NAN;
     match law {

@@ -168,12 +168,14 @@ impl Project {
         self
     }
 
-    /// The canonical text of the project: sections in fixed order, units in comments, usual values left out.
+    /// Returns the canonical text of the project: sections in fixed order, units in comments, usual values
+    /// left out.
     pub fn to_text(&self) -> String {
         writer::canonical(&self.lines())
     }
 
-    /// The file with every value that differs between two projects set, and everything else of it left as it is.
+    /// Returns the file with every value that differs between two projects set, and everything else of it left
+    /// as it is.
     ///
     /// # Errors
     /// The text is not TOML, or a value leads through something that is no table.
@@ -181,7 +183,7 @@ impl Project {
         changes::apply(document, &old.lines(), &self.lines())
     }
 
-    /// The reference of all sections and keys, as Markdown, from the same walk that reads them.
+    /// Returns the reference of all sections and keys, as Markdown, from the same walk that reads them.
     pub fn reference() -> String {
         let mut guide = Guide::default();
         for walk in 0..WALKS {
@@ -325,7 +327,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     optional(v, &section, &mut project.measured, measured::blank(), measured::measured);
 }
 
-/// Whether a finding holds even though the syntax is broken elsewhere.
+/// Returns whether a finding holds even though the syntax is broken elsewhere.
 fn stands_alone(document: &Document, finding: &Diagnostic) -> bool {
     let elsewhere = document.syntax.iter().all(|s| s.line != finding.line);
     elsewhere && matches!(finding.problem, Problem::OutOfRange | Problem::NotFinite)

@@ -26,7 +26,7 @@ const MOST_DELAY: f64 = 1000.0;
 /// Largest share of samples that are missed or late, and of codes that are missing: beyond, it is no loop or no converter.
 const MOST_ERRANT: f64 = 0.5;
 
-/// A mechanism still to be read.
+/// Returns a mechanism still to be read.
 pub(crate) fn blank() -> Parameters {
     Parameters {
         name: String::new(),
@@ -309,7 +309,7 @@ fn fitted(
     }
 }
 
-/// Units of a sensor's scale, in volts per unit, and of its error per acceleration.
+/// Returns units of a sensor's scale, in volts per unit, and of its error per acceleration.
 fn units_of(measured: &'static str) -> (&'static str, &'static str) {
     match measured {
         "rad/s" => ("V s/rad", "(rad/s)/(m/s^2)"),

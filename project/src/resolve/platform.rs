@@ -147,7 +147,7 @@ const DURATION_S: f64 = 30.0;
 const ROAD_PERIOD_S: f64 = 0.005;
 
 impl Motion {
-    /// The motion under standard gravity.
+    /// Returns the motion under standard gravity.
     ///
     /// # Errors
     /// Those of the generators.
@@ -155,7 +155,7 @@ impl Motion {
         self.road_under(STANDARD_GRAVITY_M_S2)
     }
 
-    /// The motion: where the base rolls or traverses, the axis feels gravity's share of it.
+    /// Returns the motion: where the base rolls or traverses, the axis feels gravity's share of it.
     ///
     /// # Errors
     /// Those of the generators.
@@ -186,7 +186,7 @@ impl Motion {
     }
 }
 
-/// A recording of which nothing is known yet.
+/// Returns a recording of which nothing is known yet.
 pub(crate) fn blank() -> PlatformSource {
     PlatformSource::Recording(blank_recording())
 }

@@ -154,7 +154,7 @@ fn variation_within(tolerance: &Tolerance) -> Option<Variation> {
     Some(Variation { parameter: *parameter, distribution: Distribution::Uniform { low, high } })
 }
 
-/// A campaign of which nothing is written.
+/// Returns a campaign of which nothing is written.
 pub(crate) fn blank() -> Sweep {
     Sweep {
         samples: 200,

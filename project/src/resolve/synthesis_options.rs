@@ -195,7 +195,7 @@ impl Choice for AdaptationMethod {
 }
 
 impl Default for SynthesisOptions {
-    /// The three-part design as it is.
+    /// Returns the three-part design as it is.
     fn default() -> Self {
         Self {
             method: Method::ThreePart,

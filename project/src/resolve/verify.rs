@@ -40,7 +40,7 @@ fn usual_procedure(sample_period_s: f64) -> Procedure {
     }
 }
 
-/// A verification of which nothing is written: the usual procedure without requirements.
+/// Returns a verification of which nothing is written: the usual procedure without requirements.
 pub(crate) fn blank(sample_period_s: f64) -> Verification {
     Verification { procedure: usual_procedure(sample_period_s), road: None, requirements: Vec::new() }
 }

@@ -211,7 +211,7 @@ fn scale(parts: &Parts<'_>, text: &str, wanted: &str) -> Result<Scale, QuantityE
     Err(mismatch(text, wanted, &unit.dimension.name(), unit.dimension))
 }
 
-/// Whether a unit counts something a minute, without saying what.
+/// Returns whether a unit counts something a minute, without saying what.
 fn is_per_minute(unit: &str) -> bool {
     unit.contains("min^-1") || unit.contains("1/min")
 }

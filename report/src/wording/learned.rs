@@ -138,7 +138,7 @@ fn variable(variable: RegimeVariable) -> &'static str {
     }
 }
 
-/// The subject of a sentence about a function.
+/// Returns the subject of a sentence about a function.
 fn subject(element: &LearnedElement) -> String {
     let at = place(element.place);
     match element.quantity {
@@ -165,7 +165,7 @@ fn range(element: &LearnedElement) -> String {
     )
 }
 
-/// A value of the variable with a unit of its size.
+/// Returns a value of the variable with a unit of its size.
 fn along(variable: RegimeVariable, value: f64) -> String {
     let unit = variable.unit();
     if unit.starts_with("rad") && value.abs() < 0.5 && value != 0.0 {
@@ -174,7 +174,7 @@ fn along(variable: RegimeVariable, value: f64) -> String {
     format!("{} {unit}", short(value))
 }
 
-/// A change of the function, with its interval: in percent for a factor.
+/// Returns a change of the function, with its interval: in percent for a factor.
 fn change(element: &LearnedElement, value: f64, half: f64) -> String {
     if element.quantity.is_factor() {
         return format!(
@@ -276,7 +276,7 @@ fn evenly(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) ->
     format!("{subject} {rises} evenly with the {}, by {by} over its range", variable(element.variable))
 }
 
-/// What a bump is called where engineers have a word for it.
+/// Returns what a bump is called where engineers have a word for it.
 fn spot(element: &LearnedElement, height: f64) -> &'static str {
     match (element.quantity, height > 0.0) {
         (LearnedQuantity::FrictionLevel, true) => ": a tight spot",

@@ -246,7 +246,7 @@ pub fn describe_fault(fault: &InstrumentFault) -> String {
     format!("{} {kind}{place}{others}; {}", fault.column.name(), describe_treatment(fault.treatment))
 }
 
-/// What is wrong with a column, to follow the column's name.
+/// Returns what is wrong with a column, to follow the column's name.
 fn describe_fault_kind(kind: &FaultKind) -> String {
     match kind {
         FaultKind::Scale { gain, .. } => describe_scale(*gain, kind.unit_mistake()),

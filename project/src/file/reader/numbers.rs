@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
         None
     }
 
-    /// A number at a node that obeys a field's range.
+    /// Returns a number at a node that obeys a field's range.
     pub(super) fn number_at(&mut self, path: &str, node: &Node, field: &Field) -> Option<f64> {
         let value = match &node.value {
             Value::Number(value) => *value,
@@ -164,7 +164,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The rule of a default that has none of its own: an ideal element.
+/// Returns the rule of a default that has none of its own: an ideal element.
 fn usual_rule(value: f64) -> Assumed {
     let (rule, source) = if value == 0.0 {
         ("none, as in an ideal machine", "what is left out is ideal")
