@@ -8,7 +8,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
@@ -110,8 +109,7 @@ fn value_after(folder: &Path) -> f64 {
 fn a_save_that_is_killed_leaves_a_whole_project() {
     let there = Process::new("strace").args(["-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
     if !there.is_ok_and(|status| status.success()) {
-        let _ = writeln!(std::io::stderr(), "skipped: no strace: no kills at the system calls of a save");
-        return;
+        return common::skipped("no strace: no kills at the system calls of a save");
     }
     let whole = folder("whole");
     let old = fs::read(whole.join("project.toml")).unwrap();

@@ -1,6 +1,7 @@
 //! What the tests of the window share.
 #![allow(dead_code)]
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,6 +11,11 @@ use counterpoise_studio::main_window;
 use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+
+/// Says that a test is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that `.ci/skips` sees it.
+pub fn skipped(reason: &str) {
+    let _ = writeln!(std::io::stderr(), "skipped: {reason}");
+}
 
 /// A window with a studio.
 pub type Bench = Harness<'static, Studio>;
