@@ -1,6 +1,6 @@
 //! A loop's response far from all its roots, where a state-space evaluation loses what cancels: from zeros, poles and gain.
 
-use crate::scan::Point;
+use crate::response::Point;
 use crate::tolerance::{ASYMPTOTE_AT_END, ASYMPTOTE_MARGIN, SCAN_PER_DECADE};
 use crate::zpk::Zpk;
 use crate::{C64, Error, StateSpace, Timebase};

@@ -2,7 +2,7 @@
 
 use crate::error::During;
 use crate::level::Level;
-use crate::norms::Peak;
+use crate::peak::Peak;
 use crate::response::point;
 use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_WIDTHS, PRECISE_SIZE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};

@@ -5,7 +5,7 @@
 
 use crate::components::components;
 use crate::error::During;
-use crate::roots::sort;
+use crate::root_order::sort_roots;
 use crate::scaling::balance;
 use crate::tracked::{Tracked, eliminate, solve_pivots};
 use crate::{C64, Error, Mat, StateSpace};
@@ -92,7 +92,7 @@ impl TrackedSystem {
         for group in components(&A) {
             zeros.extend(linalg::eigenvalues(&A.select(&group, &group)).during("zeros")?);
         }
-        sort(&mut zeros);
+        sort_roots(&mut zeros);
         Ok(zeros)
     }
 }

@@ -1,7 +1,7 @@
 //! The frequencies at which a singular value of a response takes a given level, and the search for peaks between them.
 
 use crate::error::During;
-use crate::norms::{Peak, gains};
+use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::tolerance::{
     CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM,
@@ -98,7 +98,7 @@ pub(crate) fn search_everywhere(
 ) -> Result<bool, Error> {
     let mut rates = with_middles(&level.doubtful_frequencies());
     rates.sort_by(f64::total_cmp);
-    let values = gains(response, &rates)?;
+    let values = largest_gains(response, &rates)?;
     let mut found = *best;
     for k in summits(&values, LOW_SUMMIT * best.value) {
         let (low, high) = (rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]);
@@ -139,7 +139,7 @@ fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak
     for _ in 0..CLIMB_ROUNDS {
         let width = hill.width();
         let rates = if is_guided { hill.around_vertex() } else { None }.unwrap_or_else(|| hill.uniform());
-        let values = gains(response, &rates)?.into_iter().zip(rates);
+        let values = largest_gains(response, &rates)?.into_iter().zip(rates);
         let mut points: Vec<Peak> = values.map(|(value, rate_rad_s)| Peak { value, rate_rad_s }).collect();
         // The highest comes first: the others are then its neighbours.
         points.sort_by(|a, b| b.value.total_cmp(&a.value));

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::connect::feedback;
-use crate::norms::Peak;
+use crate::peak::Peak;
+use crate::response::Point;
 use crate::roots::{is_stable_pole, poles};
-use crate::scan::{Point, Scan};
+use crate::scan::Scan;
 use crate::tolerance::{NEGLIGIBLE_GAIN, REAL_CROSSING, UNIT_CROSSING};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, response};

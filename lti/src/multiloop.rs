@@ -6,7 +6,8 @@
 use crate::connect::feedback;
 use crate::error::During;
 use crate::margins::DiskMargin;
-use crate::norms::{Peak, linfnorm, linfnorm_bounds};
+use crate::norms::{linfnorm, linfnorm_bounds};
+use crate::peak::Peak;
 use crate::response::Response;
 use crate::roots::{is_stable, poles};
 use crate::tolerance::{

@@ -5,21 +5,13 @@ use crate::discretise::d2c_tustin;
 use crate::error::During;
 use crate::gramians::ctrb_factor;
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
+use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::roots::{examined, is_stable, poles};
 use crate::scaling::balance;
 use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
-
-/// The largest value of a function of frequency.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
-    /// The value.
-    pub value: f64,
-    /// Where, in rad/s; infinite where the direct path is the largest.
-    pub rate_rad_s: f64,
-}
 
 /// Returns the H2 norm, sqrt(trace(C P C' + D D' where sampled)): the rms output for white noise of unit
 /// intensity.
@@ -176,18 +168,12 @@ fn continuous(g: &StateSpace, poles: &[C64], tolerance: f64) -> Result<Peak, Err
 
 /// Raises the peak to the largest value at the given frequencies.
 fn raise(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Error> {
-    for (value, &rate_rad_s) in gains(response, rates)?.into_iter().zip(rates) {
+    for (value, &rate_rad_s) in largest_gains(response, rates)?.into_iter().zip(rates) {
         if value > best.value {
             *best = Peak { value, rate_rad_s };
         }
     }
     Ok(())
-}
-
-/// Returns the largest singular value of the response at each frequency.
-pub(crate) fn gains(response: &Response, rates: &[f64]) -> Result<Vec<f64>, Error> {
-    let largest = |H: &crate::CMat| linalg::largest_singular_value(H).during("L-infinity norm");
-    response.at_all(rates)?.iter().map(largest).collect()
 }
 
 fn largest_singular_value(D: &Mat) -> Result<f64, Error> {

@@ -4,6 +4,7 @@
 //! method 0: each eigenvector in turn is chosen, within the space that its pole allows, as orthogonal to all others as can be.
 
 use crate::error::During;
+use crate::root_order::sort_roots;
 use crate::tolerance::{PLACEMENT_RANK, PLACEMENT_SETTLED, PLACEMENT_SWEEPS, SAME_POLE};
 use crate::{C64, CMat, Error, Mat};
 use counterpoise_linalg as linalg;
@@ -40,7 +41,7 @@ pub fn place(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<Placement, Error> {
     let vectors = Vectors::start(&poles, spaces?).improved()?;
     let F = inputs.gain(A, &poles, &vectors.X)?;
     let mut poles = linalg::eigenvalues(&(A - &(B * &F))).during("pole placement")?;
-    crate::roots::sort(&mut poles);
+    sort_roots(&mut poles);
     Ok(Placement { F, poles, condition: vectors.condition()? })
 }
 

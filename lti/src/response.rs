@@ -8,7 +8,14 @@ use crate::structure::modes;
 use crate::{C64, CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// `C inv(s I - A) B + D` at s = j w (continuous) or z = exp(j w T) (discrete), for each w in rad/s.
+/// One point of the response of a system with one input and one output: a frequency in rad/s and the value there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    pub rate: f64,
+    pub value: C64,
+}
+
+/// Returns `C inv(s I - A) B + D` at s = j w (continuous) or z = exp(j w T) (discrete), for each w in rad/s.
 ///
 /// States scaled by powers of two, orthogonal reduction to Hessenberg form (10/3 n^3), then per point O(n^2) with
 /// pivoting between neighbouring columns (the arrangement of Laub, IEEE TAC 26 (1981) 407, from the right so that nothing

@@ -3,6 +3,7 @@
 use crate::components::components;
 use crate::entrywise::entrywise_zeros;
 use crate::error::During;
+use crate::root_order::sort_roots;
 use crate::scaling::balance;
 use crate::tolerance::{PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SUSPECT_POLE, ZERO_RANK};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
@@ -20,7 +21,7 @@ pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
     for group in components(&A) {
         poles.extend(linalg::eigenvalues(&A.select(&group, &group)).during("poles")?);
     }
-    sort(&mut poles);
+    sort_roots(&mut poles);
     Ok(poles)
 }
 
@@ -129,7 +130,7 @@ fn precise_zeros(g: &StateSpace, starts: &[C64]) -> Result<Option<Vec<C64>>, Err
     }
     let mass: Vec<f64> = (0..n + m).map(|i| if i < n { 1.0 } else { 0.0 }).collect();
     let mut found = linalg::pencil_roots(&system_matrix(g), &mass, starts).during("zeros")?;
-    found.iter_mut().for_each(|zeros| sort(zeros));
+    found.iter_mut().for_each(|zeros| sort_roots(zeros));
     Ok(found)
 }
 
@@ -231,11 +232,6 @@ fn finite_eigenvalues(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let pairs = linalg::gen_eigenvalues(&pencil, &mass).during("zeros")?;
     let mut zeros: Vec<C64> = pairs.into_iter().map(|(alpha, beta)| alpha / beta).collect();
     zeros.retain(|zero| zero.re.is_finite() && zero.im.is_finite());
-    sort(&mut zeros);
+    sort_roots(&mut zeros);
     Ok(zeros)
-}
-
-/// Sorts by real, then imaginary part.
-pub(crate) fn sort(roots: &mut [C64]) {
-    roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
 }

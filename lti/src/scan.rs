@@ -1,20 +1,13 @@
 //! A loop's response on a grid that is as fine as the loop asks for, with crossings and extremes refined on it.
 
 use crate::asymptotes::Asymptotes;
-use crate::response::Response;
+use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::tolerance::{
     DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE,
     SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
-
-/// One point of the loop's response.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Point {
-    pub rate: f64,
-    pub value: C64,
-}
 
 /// The response of a loop with one input and one output, resolved.
 pub(crate) struct Scan {

@@ -1,6 +1,7 @@
 //! Transfer functions as quotients of polynomials: for reading and writing, never for computing.
 
-use crate::roots::{poles, sort, zeros};
+use crate::root_order::sort_roots;
+use crate::roots::{poles, zeros};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, Zpk};
 use counterpoise_linalg as linalg;
@@ -110,7 +111,7 @@ fn roots(coefficients: &[f64]) -> Result<Vec<C64>, Error> {
         let failed = |source| Error::Matrix { what: "roots", source };
         roots.extend(linalg::eigenvalues(&companion(&a)).map_err(failed)?);
     }
-    sort(&mut roots);
+    sort_roots(&mut roots);
     Ok(roots)
 }
 

@@ -2,7 +2,8 @@
 
 use crate::connect::series;
 use crate::response::Response;
-use crate::roots::{poles, sort, zeros};
+use crate::root_order::sort_roots;
+use crate::roots::{poles, zeros};
 use crate::tolerance::CONJUGATE;
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 
@@ -92,7 +93,7 @@ type Factor = Vec<C64>;
 /// Conjugate pairs, then real roots, each group with the one nearest the imaginary axis relative to its size first.
 fn quadratics(roots: &[C64]) -> Result<Vec<Factor>, Error> {
     let mut rest: Vec<C64> = roots.to_vec();
-    sort(&mut rest);
+    sort_roots(&mut rest);
     let (mut pairs, mut reals) = (Vec::new(), Vec::new());
     while let Some(root) = rest.pop() {
         if root.im.abs() <= f64::EPSILON * root.norm() {
@@ -264,8 +265,8 @@ mod tests {
     fn a_system_gives_back_the_roots_it_was_made_from() {
         let mut zpk = example();
         let back = Zpk::of(&zpk.to_state_space().unwrap()).unwrap();
-        sort(&mut zpk.zeros);
-        sort(&mut zpk.poles);
+        sort_roots(&mut zpk.zeros);
+        sort_roots(&mut zpk.poles);
         assert!((back.gain / zpk.gain - 1.0).abs() < 1e-10);
         assert_eq!(back.zeros.len(), 4);
         for (a, b) in back.zeros.iter().chain(&back.poles).zip(zpk.zeros.iter().chain(&zpk.poles)) {
