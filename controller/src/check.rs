@@ -221,19 +221,6 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
     }
 }
 
-/// Returns the control limit in volts of a linear drive.
-pub fn equivalent_limit_v(parts: &Parts) -> f64 {
-    let mut from = [0.0, 0.0];
-    for to in &parts.drive_curve {
-        if to[1] >= parts.limit_v {
-            let slope = (to[0] - from[0]) / (to[1] - from[1]);
-            return from[0] + slope * (parts.limit_v - from[1]);
-        }
-        from = *to;
-    }
-    from[0] + parts.limit_v - from[1]
-}
-
 /// Checks that the entries of a column rise.
 fn rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
     for pair in points.windows(2) {

@@ -128,6 +128,19 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// Returns the control limit in volts of a linear drive: the limit, seen through the drive's curve.
+    pub(crate) fn equivalent_limit_v(&self) -> f64 {
+        let mut from = [0.0, 0.0];
+        for to in &self.drive_curve {
+            if to[1] >= self.limit_v {
+                let slope = (to[0] - from[0]) / (to[1] - from[1]);
+                return from[0] + slope * (self.limit_v - from[1]);
+            }
+            from = *to;
+        }
+        from[0] + self.limit_v - from[1]
+    }
+
     /// No paths and no observers yet: control 0 within +/- `limit_v`, out-of-balance 0 within +/- 1e6 kg m.
     pub fn new(sample_period_s: f64, limit_v: f64) -> Self {
         Self {

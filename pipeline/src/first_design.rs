@@ -10,7 +10,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Angles;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::{Synthesis, WeightSource};
+use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_synth::{
     Circumstances, DesignPlant, FirstDesign, LimitKind, Motion, RequiredMargins, Weight, first_design,
 };

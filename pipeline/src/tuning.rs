@@ -12,8 +12,8 @@ use counterpoise_lti::response::Response;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Plant;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
 use counterpoise_project::resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{

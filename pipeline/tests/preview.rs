@@ -7,7 +7,7 @@ use std::sync::Arc;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
 use counterpoise_pipeline::with_chosen_weights;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 
 /// Returns the starter's machine without weights, at a bandwidth that is found sooner than the highest one.

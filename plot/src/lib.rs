@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: data in, bytes out; no file, no clock, no number that depends on the machine, and no knowledge of what a figure means.
 //!
-//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, `font`, `clip`,
+//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, [`css`], `font`, `clip`,
 //! `draw`, [`svg`], `dashes`, [`bitmap`], [`error`].
 //!
 //! ```
@@ -26,6 +26,7 @@
 
 pub mod bitmap;
 mod clip;
+pub mod css;
 mod dashes;
 mod draw;
 pub mod error;

@@ -20,7 +20,7 @@ use crate::theme::{FONTS, Theme};
 /// Plotters counts in whole numbers: the drawing's unit is a tenth of a pixel, finer than the eye.
 const UNIT: f64 = 10.0;
 
-/// Returns the figure as an `<svg>` element for a page that carries [`css`](crate::theme::css). The same figure gives the same bytes.
+/// Returns the figure as an `<svg>` element for a page that carries [`style_sheet`](crate::css::style_sheet). The same figure gives the same bytes.
 pub fn inline(figure: &Figure) -> String {
     written(figure, Setting::Page, Paint::Classes)
 }

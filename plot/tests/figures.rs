@@ -132,7 +132,7 @@ fn inline_pictures_have_classes_alone_and_documents_colours_alone() {
 
 #[test]
 fn the_style_has_a_rule_for_every_class() {
-    let style = counterpoise_plot::theme::css();
+    let style = counterpoise_plot::css::style_sheet();
     for figure in all() {
         for class in
             svg::inline(&figure).split("class=\"").skip(1).map(|part| part.split('"').next().unwrap())

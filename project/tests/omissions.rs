@@ -1,7 +1,7 @@
 //! A file with one section or key left out: it is read, with what is assumed, or fails with one sentence that names what to add.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_project::resolve::design::LoopKind;
+use counterpoise_project::resolve::synthesis::LoopKind;
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_verify::robust::Varied;
 

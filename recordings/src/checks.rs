@@ -3,7 +3,7 @@
 use ndarray::{Array1, ArrayView1};
 
 use crate::time_unit::{DoubtfulUnit, doubtful_unit};
-use crate::{Channel, Error, Mapping, Remark, Table};
+use crate::{Channel, Error, Remark, Table};
 
 /// An outlier is this many times farther from its neighbours' mean than nine in ten samples are from the sample before: 46 standard
 /// deviations of white noise, which no healthy recorder shows.
@@ -109,23 +109,15 @@ fn usual_step(values: ArrayView1<'_, f64>) -> Option<f64> {
     Some(usual.max(smallest))
 }
 
-/// Returns a remark for every unused column with nearly the name of a channel, or of time, that was not found.
+/// Returns a remark for every unused column with nearly the name of a channel, or of time, that was not found. `is_mapped` tells
+/// whether the mapping names a column.
 pub(crate) fn nearly_named(
     table: &Table,
-    mapping: &Mapping,
+    is_mapped: impl Fn(&str) -> bool,
     found: &[Channel],
     time_s: Option<&Array1<f64>>,
 ) -> Vec<Remark> {
-    let is_unused = |name: &str| {
-        let sources = mapping.channels.iter().map(|(_, source)| source).chain(&mapping.time);
-        let used = |s: &crate::ChannelSource| {
-            [Some(&s.column), s.plus.as_ref(), s.clock.as_ref()]
-                .into_iter()
-                .flatten()
-                .any(|used| used == name)
-        };
-        !Channel::ALL.iter().any(|c| c.name() == name) && !sources.into_iter().any(used)
-    };
+    let is_unused = |name: &str| !Channel::ALL.iter().any(|c| c.name() == name) && !is_mapped(name);
     let lacking: Vec<&'static str> =
         Channel::ALL.into_iter().filter(|c| !found.contains(c)).map(Channel::name).collect();
     let remark = |name: &str| {

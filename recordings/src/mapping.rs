@@ -5,15 +5,13 @@ use ndarray::Array1;
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
 use crate::clock::{Uniform, check_length, uniform};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
+use crate::table::TIME_NAMES;
 use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
 
 /// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
 const SAME_PERIOD: f64 = 1e-3;
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
-
-/// Names of a column that is the time without being mapped; the last one is what PlotJuggler writes.
-pub(crate) const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
 
 /// The column that holds a channel, and how its numbers become the channel's: value in SI = unit x (scale x (column + plus) +
 /// offset), of which the channel may be the slope over time.
@@ -86,6 +84,18 @@ impl ChannelSource {
 }
 
 impl Mapping {
+    /// Returns whether a channel or the time is taken from the column of this name.
+    fn names_column(&self, name: &str) -> bool {
+        let sources = self.channels.iter().map(|(_, source)| source).chain(&self.time);
+        let columns = |source: &ChannelSource| {
+            [Some(&source.column), source.plus.as_ref(), source.clock.as_ref()]
+                .into_iter()
+                .flatten()
+                .any(|used| used == name)
+        };
+        sources.into_iter().any(columns)
+    }
+
     /// Returns whether demand, control and hub rate of a recording are the samples that were written: not slopes of others, on one
     /// clock, not interpolated.
     pub fn keeps_samples(&self, recording: &Recording) -> bool {
@@ -119,7 +129,7 @@ impl Mapping {
             }
         }
         let mut remarks = table.remarks.clone();
-        remarks.extend(nearly_named(table, self, &channels, time_s.as_ref()));
+        remarks.extend(nearly_named(table, |name| self.names_column(name), &channels, time_s.as_ref()));
         let mut remarks = counted(remarks);
         remarks.extend(odd);
         let Uniform { period_s, start_s, signals, remarks: of_clock } =

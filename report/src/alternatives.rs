@@ -7,8 +7,7 @@ use counterpoise_pipeline::studies::comparison::{
 };
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 
-use crate::bode::{BodeCurve, Phase, bode};
-use crate::design::curve;
+use crate::bode::{BodeCurve, Phase, bode, response_curve};
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Colour, Dash, Figure};
@@ -127,7 +126,7 @@ fn family(family: &ControllerFamily) -> Figure {
     let colours = Colour::CYCLE;
     let one = |(k, response): (usize, &FrequencyResponse)| BodeCurve {
         dash: [Dash::Solid, Dash::Dashed][k / colours.len() % 2],
-        ..curve(response, colours[k % colours.len()])
+        ..response_curve(response, colours[k % colours.len()])
     };
     let curves: Vec<BodeCurve> = family.curves.iter().enumerate().map(one).collect();
     let title = format!("{} over the out-of-balance", family.name);

@@ -1,5 +1,6 @@
 //! Bode diagrams: magnitude and phase over frequency.
 
+use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
 /// A frequency response for a Bode diagram.
@@ -22,6 +23,12 @@ pub enum Phase {
     Shown,
     /// Not at all.
     Hidden,
+}
+
+/// Returns the points of a response as a curve of a Bode diagram.
+pub fn response_curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
+    let points = response.points.rows().into_iter().map(|row| (row[0], row[1], row[2])).collect();
+    BodeCurve::new(&response.name, colour, points)
 }
 
 /// What lies below the largest magnitude by more than this is rounding noise for the reader and stretches the axis, dB.

@@ -8,7 +8,7 @@ use counterpoise_verify::certificate::{
 };
 use counterpoise_verify::structured::Joints;
 
-use crate::summary::capitalised;
+use crate::wording::capitalised;
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the verdict of a case in a sentence without its full stop.

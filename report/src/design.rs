@@ -8,7 +8,7 @@ use counterpoise_pipeline::studies::assumptions::AssumptionEffect;
 use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
-use crate::bode::{BodeCurve, Phase, bode};
+use crate::bode::{BodeCurve, Phase, bode, response_curve};
 use crate::evidence::PLANT;
 use crate::page::Origin;
 use crate::targets::{self, TargetEvidence};
@@ -97,15 +97,12 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origi
     report.reproduced_by(&origin.command)
 }
 
-/// Returns the points of a response as a curve of a Bode diagram.
-pub fn curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
-    let points = response.points.rows().into_iter().map(|row| (row[0], row[1], row[2])).collect();
-    BodeCurve::new(&response.name, colour, points)
-}
-
 fn reduction_section(plants: &[PlantResponse], reduced: &Reduced) -> Section {
     let figure = |plant: &PlantResponse| {
-        let curves = [curve(&plant.full, Colour::Muted), curve(&plant.reduced, Colour::First).dashed()];
+        let curves = [
+            response_curve(&plant.full, Colour::Muted),
+            response_curve(&plant.reduced, Colour::First).dashed(),
+        ];
         bode(&format!("Hub rate for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
     };
     let mut section = Section::new("Plant and design plant")
@@ -134,8 +131,12 @@ pub fn weight_section(lines: &[String], weights: &[WeightResponses]) -> Section 
 }
 
 fn weight_figure(part: &WeightResponses) -> Figure {
-    let curves: Vec<BodeCurve> =
-        part.curves.iter().zip(Colour::CYCLE).map(|(response, colour)| curve(response, colour)).collect();
+    let curves: Vec<BodeCurve> = part
+        .curves
+        .iter()
+        .zip(Colour::CYCLE)
+        .map(|(response, colour)| response_curve(response, colour))
+        .collect();
     bode(&format!("{}: weights", part.part), "", &curves, Phase::Hidden, Vec::new())
 }
 

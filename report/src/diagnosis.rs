@@ -1,6 +1,7 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
 
 use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
+use crate::wording::name_in_words;
 use counterpoise_diagnose::findings::answer::{Channels, Verdict};
 
 use counterpoise_plot::number::short;
@@ -44,8 +45,11 @@ pub fn report(
 }
 
 fn headline(answer: &AnswerText) -> Headline {
-    let names: Vec<String> =
-        answer.findings.iter().map(|f| format!("{} {}", f.component, words(f.effect.name()))).collect();
+    let names: Vec<String> = answer
+        .findings
+        .iter()
+        .map(|f| format!("{} {}", f.component, name_in_words(f.effect.name())))
+        .collect();
     let named = names.join(", ");
     let (tone, text) = match answer.verdict {
         Verdict::Consistent => (Tone::Good, "The model explains the recordings: nothing found".to_owned()),
@@ -62,10 +66,6 @@ fn headline(answer: &AnswerText) -> Headline {
     };
     let detail = answer.findings.first().map_or_else(String::new, |f| f.explanation.clone());
     Headline { tone, text, detail }
-}
-
-pub(super) fn words(effect: &str) -> String {
-    effect.replace('_', " ")
 }
 
 fn tiles(answer: &AnswerText) -> Vec<Tile> {
@@ -106,11 +106,13 @@ fn findings_table(findings: &[FindingText]) -> Table {
                 p.before
             )
         });
-        let others =
-            finding.alternatives.iter().map(|a| format!("{} {}", a.component, words(a.effect.name())));
+        let others = finding
+            .alternatives
+            .iter()
+            .map(|a| format!("{} {}", a.component, name_in_words(a.effect.name())));
         table.rows.push(vec![
             Cell::text(finding.component.name()),
-            Cell::text(words(finding.effect.name())),
+            Cell::text(name_in_words(finding.effect.name())),
             Cell::text(format!("{:.0} %", 100.0 * finding.probability)),
             Cell::text(parameters.collect::<Vec<_>>().join("; ")),
             Cell::text(others.collect::<Vec<_>>().join(", ")),
@@ -161,13 +163,13 @@ fn tried_section(answer: &AnswerText) -> Section {
     let mut table = Table::new("Every hypothesis that was fitted in the simulator", &columns);
     for h in &answer.hypotheses {
         let beside: Vec<String> =
-            h.beside.iter().map(|b| format!("{} {}", b.component, words(b.effect.name()))).collect();
+            h.beside.iter().map(|b| format!("{} {}", b.component, name_in_words(b.effect.name()))).collect();
         let verdict =
             if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
         table.rows.push(vec![
             Cell::text(h.stage.to_string()),
             Cell::text(h.component.name()),
-            Cell::text(words(h.effect.name())),
+            Cell::text(name_in_words(h.effect.name())),
             Cell::text(beside.join(", ")),
             Cell::number(h.log_likelihood_gain),
             Cell::text(format!("{:.3}", h.distance)),
@@ -190,7 +192,7 @@ fn cannot_tell(answer: &AnswerText) -> Section {
         };
         table.rows.push(vec![
             Cell::text(n.component.name()),
-            Cell::text(words(n.effect.name())),
+            Cell::text(name_in_words(n.effect.name())),
             Cell::text(size),
         ]);
     }

@@ -4,8 +4,8 @@ use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
 use crate::bode::{BodeCurve, Phase, bode};
-use crate::summary::capitalised;
 use crate::triangle;
+use crate::wording::capitalised;
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};

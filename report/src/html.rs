@@ -43,7 +43,7 @@ impl Page {
         self.form(format_args!(
             "<title>{}</title>\n<style>\n{}{PAGE_CSS}@media print{{{}}}\n</style></head><body><main>\n",
             escape(title),
-            theme::css(),
+            css::style_sheet(),
             Theme::Light.properties()
         ));
     }

@@ -6,6 +6,7 @@ use counterpoise_verify::{
 };
 
 use crate::evidence::{disturbance_figure, step_figure};
+use crate::wording::capitalised;
 use crate::{Cell, Column, Headline, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 
@@ -44,12 +45,6 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
         words_of(*limit),
         found.acceptance(&requirement.figure).basis
     ))
-}
-
-/// Returns the text with its first letter made large.
-pub fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// `\u{2265} 12`.

@@ -196,7 +196,9 @@ fn apart(narrow: &[&str], test: &str, folder: &Path) {
     let mut process = std::process::Command::new(program);
     process.args(words).arg(std::env::current_exe().unwrap());
     process.args(["--exact", &test, "--nocapture"]).env(FOLDER, folder);
-    let Ok(output) = process.output() else { return common::skipped(&format!("{narrow:?} cannot be run here")) };
+    let Ok(output) = process.output() else {
+        return common::skipped(&format!("{narrow:?} cannot be run here"));
+    };
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let results = String::from_utf8_lossy(&output.stdout);

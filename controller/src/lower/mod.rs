@@ -7,6 +7,7 @@ mod curve;
 mod estimate;
 mod observe;
 mod project;
+mod regressors;
 mod schedule;
 mod squares;
 mod step;
@@ -55,6 +56,9 @@ pub fn programs(parts: &Parts) -> Programs {
     let set_out_of_balance = schedule::program(parts, &layout);
     Programs { states: states.groups, step, set_out_of_balance }
 }
+
+/// Updates of states, each with its new value, which waits in a local until all have been computed.
+type Pending = Vec<(Slot, Slot)>;
 
 /// The states as they are handed out.
 #[derive(Default)]

@@ -12,23 +12,6 @@ use crate::fixed::{FixedError, FixedProgram};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
 
-/// A controller in fixed point.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fixed {
-    /// The controller.
-    pub controller: Controller,
-    /// Fraction bits of the states.
-    pub states: Vec<i32>,
-    /// The states at the start.
-    pub initial: Vec<i64>,
-    /// One sample.
-    pub step: FixedProgram,
-    /// Setting of the out-of-balance.
-    pub set_out_of_balance: FixedProgram,
-    /// How far the control can be from the reference.
-    pub deviation: Deviation,
-}
-
 /// Chooses formats for the ranges, fixes the integer arithmetic, proves that it cannot overflow and predicts how far it
 /// is from the reference over `samples` samples.
 ///

@@ -10,26 +10,6 @@ use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::Run;
 use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 
-/// One operation's rounding.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct OperationError {
-    /// Largest error of what the operation writes, that of rounded coefficients included.
-    pub worst: f64,
-    /// The part of its rounding that does not average out.
-    pub steady: f64,
-    /// The square of the bound of the part that does.
-    pub squares: f64,
-    /// Fraction bits of what is written.
-    pub bits: i32,
-}
-
-impl OperationError {
-    /// Rounding to nearest.
-    pub fn nearest(half: f64) -> Self {
-        Self { worst: half, squares: half * half, ..Self::default() }
-    }
-}
-
 /// Returns how far the control can be from the reference.
 pub(crate) fn predict(
     fixed: &Fixed,

@@ -5,8 +5,27 @@ use counterpoise_controller::program::{Operation, Program, Slot, Term};
 
 use crate::Ranges;
 use crate::fixed::format::{ALL, Span, bits_for, to_integer, unit};
-use crate::fixed::predict::OperationError;
 use crate::fixed::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram};
+
+/// One operation's rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct OperationError {
+    /// Largest error of what the operation writes, that of rounded coefficients included.
+    pub worst: f64,
+    /// The part of its rounding that does not average out.
+    pub steady: f64,
+    /// The square of the bound of the part that does.
+    pub squares: f64,
+    /// Fraction bits of what is written.
+    pub bits: i32,
+}
+
+impl OperationError {
+    /// Rounding to nearest.
+    pub fn nearest(half: f64) -> Self {
+        Self { worst: half, squares: half * half, ..Self::default() }
+    }
+}
 
 /// Turns a program's operations into integer ones, one after the other.
 pub(crate) struct Writer<'a> {

@@ -21,8 +21,9 @@ use sha2::{Digest, Sha256};
 use crate::{Modelled, PipelineError, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::resolve::design::{Language, Synthesis};
+use counterpoise_project::resolve::design::Language;
 use counterpoise_project::resolve::platform::PlatformSource;
+use counterpoise_project::resolve::synthesis::Synthesis;
 
 /// The code that was made, and what the project asks for and cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -18,7 +18,7 @@ use crate::synth::schedule::{BalanceRow, rows};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 
 /// A design compared with its alternatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,8 +3,8 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
 use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::{
     Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Method,

@@ -14,7 +14,7 @@ use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant::{sensed, torque_per_volt};
 use crate::synth::friction_observers::observed;
 use crate::{Modelled, PipelineError};
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::resolve::synthesis_options::{
     Adaptation, AdaptationMethod, Compensation, FrictionModel, ObserverOptions,
 };

@@ -9,7 +9,7 @@ use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
 use counterpoise_models::{AmplifierDynamics, Axis};
 use counterpoise_project::Assumption;
-use counterpoise_project::resolve::design::{LoopKind, Synthesis};
+use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
 
 use super::torque_per_volt;

@@ -8,7 +8,7 @@ use counterpoise_synth::{DesignPlant, RateLoop, Sampling};
 
 use crate::model::CONVERTER_RANGE_V;
 use crate::{Modelled, PipelineError, Reduced};
-use counterpoise_project::resolve::design::{LoopKind, Synthesis};
+use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_project::resolve::synthesis_options::Compensation;
 
 /// Returns the plant as the design sees it: the reduced plant, the sensors, the loop's delay.

@@ -17,7 +17,7 @@ use counterpoise_synth::{
 use crate::synth::controller_blocks::{surrounded, with_reading_limits};
 use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 
 pub use demanded_rate::DemandedRate;
 use demanded_rate::{demanded_rate, with_demand_limit};

@@ -9,7 +9,7 @@ use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
 use crate::{Modelled, PipelineError, model, reduce};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
 
 /// A state of balance with what becomes of the controllers there.

@@ -11,7 +11,6 @@ pub(crate) mod setter;
 pub(crate) mod setting;
 pub(crate) mod source;
 pub(crate) mod tree;
-mod users_unit;
 pub(crate) mod visit;
 pub(crate) mod writer;
 
@@ -182,18 +181,6 @@ impl Document {
         node.filter(|_| found == Found::There)
     }
 
-    /// Returns the same file with one value set; comments, order and spaces stay. Sections on the way are made. A number that was
-    /// written with a unit or a tolerance keeps both. A path names keys and items of lists (from 0), as in
-    /// `plant.beam.section[1].to`.
-    ///
-    /// # Errors
-    /// The text is not TOML, the path leads nowhere, the value cannot be written, or it stands in a part.
-    pub fn set(&self, path: &str, setting: &Setting) -> Result<Self, EditError> {
-        self.refuse_part(path)?;
-        let (path, setting) = users_unit::kept(self, path, setting);
-        edit::set(self.text(), &path, &setting).map(|text| self.reread(&text))
-    }
-
     /// Returns the same file with the value at a path replaced as it is given, whatever unit stood there
     /// before.
     ///
@@ -220,7 +207,7 @@ impl Document {
     }
 
     /// Refuses to change what stands in a part, which other projects may share.
-    fn refuse_part(&self, path: &str) -> Result<(), EditError> {
+    pub(crate) fn refuse_part(&self, path: &str) -> Result<(), EditError> {
         let (node, found) = tree::find(&self.entries, path);
         let inside_of_list = path.contains('[');
         let Some(node) = node.filter(|_| found == Found::There || inside_of_list) else { return Ok(()) };

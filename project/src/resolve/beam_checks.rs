@@ -2,7 +2,7 @@
 
 use counterpoise_models::{Beam, Parameters, SectionShape};
 
-use super::checks::{Findings, duplicates};
+use super::findings::{Findings, duplicates};
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;
 

@@ -12,6 +12,7 @@ pub mod controller;
 pub mod controller_file;
 pub mod design;
 mod drive;
+mod findings;
 pub mod fixed_structure;
 mod format;
 mod friction;
@@ -24,11 +25,15 @@ mod plant;
 pub mod platform;
 pub mod purpose;
 mod recording;
+mod seed;
+mod sensor;
 pub mod statements;
 mod structure;
 pub mod sweep;
+pub mod synthesis;
 pub mod synthesis_options;
 mod transmission;
+mod users_unit;
 pub mod verify;
 mod weight;
 
@@ -47,11 +52,12 @@ use crate::file::setter::Setter;
 use crate::file::visit::{Presence, Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, FORMAT, writer};
 use controller::RecordingController;
-use design::{Export, Reduction, Synthesis};
+use design::{Export, Reduction};
 use format::News;
 use model::Modelling;
 use purpose::Purpose;
 use sweep::Sweep;
+use synthesis::{Synthesis, blank_synthesis};
 use verify::Verification;
 
 /// A project with every value resolved.
@@ -277,7 +283,7 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     );
     let section = TableField::optional("synth", "the design: weights and options");
     let (measured, axis) = (project.plant.sensors.measured, project.plant.axis);
-    optional(v, &section, &mut project.synth, design::blank_synthesis(), |v, synth| {
+    optional(v, &section, &mut project.synth, blank_synthesis(), |v, synth| {
         design::synth(v, synth, measured, axis);
     });
     let section = TableField::optional("verify", "tests of the loop, and requirements");

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 use super::base_motion::{self, InertialUnit};
 use super::carrier;
-use super::verify::seed;
+use super::seed::seed;
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
 

@@ -172,7 +172,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
         .limit(Limit::Between(1.0, MOST_SAMPLES));
     super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
-    super::verify::seed(v, "seed of the campaign", &mut sweep.seed);
+    super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);
     v.number(&INPUT_ERROR, &mut sweep.input_error);
     v.number(&OUTPUT_ERROR, &mut sweep.output_error);

@@ -157,14 +157,6 @@ fn optics(v: &mut dyn Visit, optics: &mut Optics) {
     );
 }
 
-/// A seed of random numbers.
-pub(crate) fn seed(v: &mut dyn Visit, meaning: &'static str, seed: &mut u64) {
-    let mut whole = u32::try_from(*seed).unwrap_or(u32::MAX);
-    let range = Limit::Between(0.0, f64::from(u32::MAX));
-    v.whole(&Field::new("seed", meaning).limit(range).or(1.0).shown(), &mut whole);
-    *seed = u64::from(whole);
-}
-
 fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
     let field = Field::new("rejection_frequencies", "frequencies at which the rejection ratio is tabulated")
         .unit("Hz")

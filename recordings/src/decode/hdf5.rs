@@ -10,9 +10,8 @@ use ndarray::{Array2, ShapeBuilder};
 use super::Decoded;
 use super::arrays::{Array, Found};
 use super::budget::Budget;
-use crate::mapping::TIME_NAMES;
 use crate::remark::Unread;
-use crate::table::name_and_unit;
+use crate::table::{TIME_NAMES, name_and_unit};
 use crate::{Channel, Error};
 
 /// Groups may lie in groups this deep.

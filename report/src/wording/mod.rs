@@ -14,3 +14,14 @@ pub mod localisation;
 pub mod recordings;
 
 pub use effects::{EffectText, describe_effect, experiment_for};
+
+/// Returns the text with a capital first letter.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Returns the name of an effect, a component or a regime in words: its key without underscores.
+pub(crate) fn name_in_words(key: &str) -> String {
+    key.replace('_', " ")
+}
