@@ -16,11 +16,11 @@ use std::process::ExitCode;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::print_message;
 use options::StudioOptions;
 
 fn main() -> ExitCode {
-    interrupt::install();
+    interrupt::install_handler();
     counterpoise_host::terminal::quiet_decoders();
     let parsed = Arguments::try_parse_from(arguments::with_json_file_joined(std::env::args_os()));
     let arguments = match parsed {
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
         Command::Studio(options) => commands::studio::run(options),
     };
     let code = done.unwrap_or_else(|error| {
-        tell(&output::error_chain(&error));
+        print_message(&output::error_chain(&error));
         ExitCode::from(if error.is::<Interrupted>() { INTERRUPTED } else { 2 })
     });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.

@@ -9,7 +9,7 @@ use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, Win
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time};
+use super::drawing::{Curve, drawing, panel, time_axis};
 use super::identified::with_amplifier;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
@@ -250,7 +250,7 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         let history = adaptive.history_kg_m();
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);
-        let points = (0..history.len()).step_by(every).map(|k| (time(k), history[k])).collect();
+        let points = (0..history.len()).step_by(every).map(|k| (time_axis(k), history[k])).collect();
         curves.push(Curve::line(format!("true {:.1} kg m", share * moment), points));
         let last = &history[history.len() / 2..];
         let estimate = last.iter().sum::<f64>() / last.len().max(1) as f64;
@@ -284,5 +284,5 @@ fn estimates(curves: Vec<Curve>, moment: f64) -> Drawing {
     let panel = panel(Axis::linear("estimate", "kg m"), curves);
     let truths = [0.37, 0.75, 1.0, 1.48].map(|share| share * moment);
     let panel = truths.into_iter().fold(panel, |panel, truth| panel.with_level(truth, "the truth"));
-    drawing("The out-of-balance estimated without gravity", time(), vec![panel])
+    drawing("The out-of-balance estimated without gravity", time_axis(), vec![panel])
 }

@@ -11,7 +11,7 @@ use counterpoise_verify::{
     Arrangement, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
-use super::drawing::{Curve, drawing, factor, hub, hub_from, hub_panel, panel, time};
+use super::drawing::{Curve, drawing, factor_axis, hub_from, hub_panel, hub_rates, panel, time_axis};
 use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
 use counterpoise_pipeline::{PipelineError, Stages, World, run_stages, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -79,7 +79,7 @@ pub fn over_factor(
     let first = panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
     let first = says.iter().fold(first, |panel, (level, text)| panel.with_level(*level, *text));
     let panels = vec![first, panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
-    drawing(format!("Overshoot and residual over {what}"), factor(what), panels)
+    drawing(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
 }
 
 impl<'a> Bench<'a> {
@@ -189,7 +189,7 @@ impl<'a> Bench<'a> {
         let (mut steps, mut motions) = (Vec::new(), Vec::new());
         for member in members {
             let run = |experiment| self.history(&member.parameters, member.controller, experiment);
-            let step = hub(&run(Experiment::Step)?);
+            let step = hub_rates(&run(Experiment::Step)?);
             steps.push(Curve::line(
                 member.name.clone(),
                 step.into_iter().filter(|at| at.0 <= DRAWN_S).collect(),
@@ -200,12 +200,12 @@ impl<'a> Bench<'a> {
         Ok(vec![
             drawing(
                 format!("Step of the demand, {name}"),
-                time(),
+                time_axis(),
                 vec![hub_panel(steps).with_level(height, "demand")],
             ),
             drawing(
                 format!("Heave and pitch with all feedforwards, {name}"),
-                time(),
+                time_axis(),
                 vec![hub_panel(motions)],
             ),
         ])
@@ -236,14 +236,14 @@ pub fn largest_db(
     input: usize,
     band_hz: [f64; 2],
 ) -> Result<f64, PipelineError> {
-    let rates = rates(band_hz);
+    let rates = rate_grid(band_hz);
     let (x, y) = (Response::of(a)?.at_all(&rates)?, Response::of(b)?.at_all(&rates)?);
     let difference = |k: usize| 20.0 * (x[k][(0, input)].norm() / y[k][(0, input)].norm()).log10();
     Ok((0..rates.len()).map(|k| difference(k).abs()).fold(0.0, f64::max))
 }
 
 /// Returns two hundred rates in rad/s over a band in Hz.
-pub fn rates([low, high]: [f64; 2]) -> Vec<f64> {
+pub fn rate_grid([low, high]: [f64; 2]) -> Vec<f64> {
     let ratio: f64 = (high / low).ln() / 199.0;
     (0..200).map(|k| std::f64::consts::TAU * low * (ratio * f64::from(k)).exp()).collect()
 }

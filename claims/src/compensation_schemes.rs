@@ -7,7 +7,7 @@ use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time};
+use super::drawing::{Curve, drawing, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 
@@ -119,7 +119,7 @@ pub fn schemes_of_the_appendix(bench: &Bench<'_>) -> Result<Claim, PipelineError
         why: String::new(),
         drawings: vec![drawing(
             "Hub rate by each scheme",
-            time(),
+            time_axis(),
             vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })

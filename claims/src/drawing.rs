@@ -71,17 +71,17 @@ fn dress(style: Style, at: &mut usize) -> (Colour, Dash) {
 }
 
 /// Returns the axis of time in seconds.
-pub fn time() -> Axis {
+pub fn time_axis() -> Axis {
     Axis::linear("time", "s")
 }
 
 /// Returns the axis of frequency in Hz.
-pub fn frequency() -> Axis {
+pub fn frequency_axis() -> Axis {
     Axis::logarithmic("frequency", "Hz")
 }
 
 /// Returns the axis of a parameter's factor.
-pub fn factor(quantity: &str) -> Axis {
+pub fn factor_axis(quantity: &str) -> Axis {
     Axis::logarithmic(quantity, "times the normal")
 }
 
@@ -118,13 +118,13 @@ pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
 }
 
 /// Returns the hub rate in mrad/s over time.
-pub fn hub(history: &History) -> Vec<(f64, f64)> {
+pub fn hub_rates(history: &History) -> Vec<(f64, f64)> {
     points_of(&history.time_s, &history.hub_rate_rad_s, 1e3)
 }
 
 /// Returns the hub rate in mrad/s over time, from a time on.
 pub fn hub_from(history: &History, time_s: f64) -> Vec<(f64, f64)> {
-    hub(history).split_off(history.index_at(time_s))
+    hub_rates(history).split_off(history.index_at(time_s))
 }
 
 /// Returns a panel of hub rates in mrad/s.

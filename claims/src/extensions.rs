@@ -6,7 +6,7 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
-use super::drawing::{Curve, drawing, factor, panel, points_of, time};
+use super::drawing::{Curve, drawing, factor_axis, panel, points_of, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -112,10 +112,10 @@ fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], fir
     };
     let errors = vec![off("tip less hub", &held.hub_rate_rad_s), off("tip less its prediction", predicted)];
     vec![
-        drawing("The tip's rate", time(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
+        drawing("The tip's rate", time_axis(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
         drawing(
             "The tip's rate predicted from the hub's",
-            time(),
+            time_axis(),
             vec![panel(Axis::linear("difference", "mrad/s"), errors)],
         ),
     ]
@@ -186,7 +186,7 @@ fn inertia_and_imbalance_apart_figure(rows: &[Vec<(f64, f64)>]) -> Drawing {
         panel(Axis::linear("overshoot", "%"), of(&|cell| cell.0)),
         panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.1)),
     ];
-    drawing("Inertia and out-of-balance varied apart", factor("hub inertia"), panels)
+    drawing("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
 }
 
 fn spread(values: impl Iterator<Item = f64>) -> f64 {

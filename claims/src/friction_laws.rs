@@ -6,7 +6,7 @@ use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnected, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, frequency, panel};
+use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::explicit_solver::Sliding;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
@@ -252,7 +252,7 @@ fn friction_laws_over_amplitude_figures(rows: &[(&'static str, Vec<f64>)], maps:
             panel(Axis::linear("hub over platform", "dB"), of(&|h| 20.0 * h.norm().log10())),
             panel(Axis::degrees("phase"), of(&|h| h.arg().to_degrees())),
         ];
-        all.push(drawing(format!("Platform to hub at amplitude {share}"), frequency(), panels));
+        all.push(drawing(format!("Platform to hub at amplitude {share}"), frequency_axis(), panels));
     }
     all
 }

@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_plot::Axis;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, panel, time};
+use super::drawing::{Curve, drawing, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 
@@ -118,7 +118,7 @@ pub fn misaligned_gyroscopes(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         why: String::new(),
         drawings: vec![drawing(
             "Hub rate under pitch and roll",
-            time(),
+            time_axis(),
             vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })

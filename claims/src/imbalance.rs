@@ -6,8 +6,8 @@ use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
-use super::bench::{Member, largest_db, rates};
-use super::drawing::{Curve, drawing, frequency, gain_db, hub_from, hub_panel, panel, time};
+use super::bench::{Member, largest_db, rate_grid};
+use super::drawing::{Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, run_stages};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -152,7 +152,7 @@ fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<
         }
         panels.push(hub_panel(curves));
     }
-    let heave = drawing("Heave and pitch in each configuration", time(), panels)
+    let heave = drawing("Heave and pitch in each configuration", time_axis(), panels)
         .with_caption("Above by feedback alone, below with the feedforwards of the normal configuration.");
     let mut all = bench.family_drawings("each configuration", members)?;
     all.truncate(1);
@@ -253,7 +253,7 @@ fn redesigned(
 
 /// Returns the three paths of each design over frequency.
 fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> {
-    let drawn = rates([0.1, 50.0]);
+    let drawn = rate_grid([0.1, 50.0]);
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
         let mut curves = Vec::new();
@@ -263,7 +263,7 @@ fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> 
         }
         panels.push(panel(Axis::linear(name, "dB"), curves));
     }
-    Ok(drawing("Redesigned for each out-of-balance", frequency(), panels)
+    Ok(drawing("Redesigned for each out-of-balance", frequency_axis(), panels)
         .with_caption("Curves that cannot be told apart lie on each other."))
 }
 

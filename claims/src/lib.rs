@@ -158,7 +158,7 @@ const ROWS: [(&str, Row); 38] = [
 ];
 
 /// Returns the names of all rows, in order.
-pub fn ids() -> impl Iterator<Item = &'static str> {
+pub fn claim_ids() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|row| row.0)
 }
 
@@ -166,7 +166,7 @@ pub fn ids() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// Those of the pipeline: a project that is not a whole design.
-pub fn claims(
+pub fn measure_claims(
     project: &Project,
     world: &dyn World,
     wanted: &dyn Fn(&str) -> bool,

@@ -6,7 +6,7 @@ use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
-use super::drawing::{Curve, drawing, frequency, hub, hub_panel, panel, points_of, time};
+use super::drawing::{Curve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -82,13 +82,14 @@ fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     let phase = crossings.phase_margin().into_iter().fold(phase.with_level(-180.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
-    let mut all = vec![drawing("Loop broken at the plant's input", frequency(), vec![gain, phase])];
+    let mut all = vec![drawing("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
     if let Some(step) = found(bench).history(Model::Linear, Experiment::Step) {
         let demand = points_of(&step.time_s, &step.demand_rad_s, 1e3);
         let height = 1e3 * bench.procedure.step.rate_rad_s;
-        let panel = hub_panel(vec![Curve::line("hub rate", hub(step)), Curve::reference("demand", demand)])
-            .with_level(1.13 * height, "overshoot of the thesis, 13 %");
-        all.push(drawing("Step of the demand, linear plant", time(), vec![panel]));
+        let panel =
+            hub_panel(vec![Curve::line("hub rate", hub_rates(step)), Curve::reference("demand", demand)])
+                .with_level(1.13 * height, "overshoot of the thesis, 13 %");
+        all.push(drawing("Step of the demand, linear plant", time_axis(), vec![panel]));
     }
     all
 }
@@ -214,12 +215,15 @@ fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
     let run = |arrangement| found(bench).history(Model::Linear, Experiment::Disturbance(source, arrangement));
     let controlled: Vec<Curve> = ARRANGED
         .iter()
-        .filter_map(|(arrangement, name)| run(*arrangement).map(|history| Curve::line(*name, hub(history))))
+        .filter_map(|(arrangement, name)| {
+            run(*arrangement).map(|history| Curve::line(*name, hub_rates(history)))
+        })
         .collect();
-    let free = run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub(history)));
+    let free =
+        run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub_rates(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
-    drawing(format!("Hub rate under {name}, linear plant"), time(), panels)
+    drawing(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
         .with_caption("The lower panel leaves out the mechanism without control.")
 }
 
@@ -230,7 +234,7 @@ fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
         .with_instant(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
         motions(bench, Source::Pitch, "pitch"),
-        drawing("By how much feedback reduces the hub rate under pitch", frequency(), vec![factor]),
+        drawing("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
     ]
 }
 
@@ -273,5 +277,5 @@ fn heave_over_frequency(bench: &Bench<'_>) -> Drawing {
     };
     let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
         .with_instant(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
-    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency(), vec![panel])
+    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
 }

@@ -8,7 +8,7 @@ use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_verify::linear::Curve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
 
-use super::drawing::{Curve, drawing, frequency, panel};
+use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 
@@ -160,7 +160,7 @@ pub fn open_loop_analyser(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: open_loop_criteria(db, deg),
         why: String::new(),
-        drawings: vec![drawing("Open loop measured in closed loop", frequency(), panels)],
+        drawings: vec![drawing("Open loop measured in closed loop", frequency_axis(), panels)],
     })
 }
 

@@ -6,7 +6,7 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
 use super::bench::{Behaviour, Member, over_factor};
-use super::drawing::{Curve, drawing, hub, hub_from, hub_panel, time};
+use super::drawing::{Curve, drawing, hub_from, hub_panel, hub_rates, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::Figure as Drawing;
@@ -112,18 +112,23 @@ fn friction_observer_figures(bench: &Bench<'_>) -> Result<Vec<Drawing>, Pipeline
     let from = bench.procedure.settle_s;
     let short = |points: Vec<(f64, f64)>| points.into_iter().filter(|point| point.0 <= 0.8).collect();
     let mut steps = vec![
-        Curve::line("nonlinear, with observer", short(hub(&run(&bench.observed, Experiment::Step)?))),
-        Curve::line("nonlinear, without observer", short(hub(&run(bench.controller(), Experiment::Step)?))),
+        Curve::line("nonlinear, with observer", short(hub_rates(&run(&bench.observed, Experiment::Step)?))),
+        Curve::line(
+            "nonlinear, without observer",
+            short(hub_rates(&run(bench.controller(), Experiment::Step)?)),
+        ),
     ];
-    steps.extend(linear(Experiment::Step).map(|history| Curve::reference("linear", short(hub(history)))));
+    steps.extend(
+        linear(Experiment::Step).map(|history| Curve::reference("linear", short(hub_rates(history)))),
+    );
     let mut motions = vec![
         Curve::line("nonlinear, with observer", hub_from(&run(&bench.observed, moving)?, from)),
         Curve::line("nonlinear, without observer", hub_from(&run(bench.controller(), moving)?, from)),
     ];
     motions.extend(linear(moving).map(|history| Curve::reference("linear", hub_from(history, from))));
     Ok(vec![
-        drawing("Step of the demand", time(), vec![hub_panel(steps)]),
-        drawing("Heave and pitch, both feedforwards", time(), vec![hub_panel(motions)]),
+        drawing("Step of the demand", time_axis(), vec![hub_panel(steps)]),
+        drawing("Heave and pitch, both feedforwards", time_axis(), vec![hub_panel(motions)]),
     ])
 }
 

@@ -8,7 +8,7 @@ use counterpoise_verify::robust::{Varied, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
 
-use super::drawing::{Curve, drawing, factor, frequency, panel, time};
+use super::drawing::{Curve, drawing, factor_axis, frequency_axis, panel, time_axis};
 use super::imbalance::configured;
 use super::nonlinear::changed;
 use super::{Bench, Claim, Criterion};
@@ -136,17 +136,17 @@ fn balanced_against_compensated_figures(runs: &[Run]) -> Vec<Drawing> {
             panel(Axis::linear("coherence", ""), curves(&those, &|spectra| spectra.coherence.clone())),
         ];
         all.push(
-            drawing(format!("DRR from pitch rate to hub rate, {plant}"), frequency(), panels)
+            drawing(format!("DRR from pitch rate to hub rate, {plant}"), frequency_axis(), panels)
                 .with_caption("From time histories on the nonlinear plant, by averaged spectra. Where the coherence is low, heave and friction move the hub."),
         );
         let slow = |history: &History| {
-            let points = super::drawing::hub(history);
+            let points = super::drawing::hub_rates(history);
             points.into_iter().filter(|point| (5.0..10.0).contains(&point.0)).collect()
         };
         let rates = those.iter().map(|run| Curve::line(run.control, slow(&run.history))).collect();
         all.push(drawing(
             format!("Hub rate on the road, {plant}"),
-            time(),
+            time_axis(),
             vec![super::drawing::hub_panel(rates)],
         ));
     }
@@ -209,7 +209,7 @@ pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         why: String::new(),
         drawings: vec![
             drawn("friction added at the pivot", Axis::linear("added", "N m"), (&torques, friction)),
-            drawn("backlash", factor("backlash"), (&[1.0, 2.0, 5.0], backlash)),
+            drawn("backlash", factor_axis("backlash"), (&[1.0, 2.0, 5.0], backlash)),
             drawn(
                 "the dumb-bells' inertia",
                 Axis::linear("hub inertia", "times the normal"),

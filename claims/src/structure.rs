@@ -6,8 +6,8 @@ use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned};
 use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
 
-use super::bench::{largest_db, rates};
-use super::drawing::{Curve, drawing, frequency, gain_db, panel, phase_deg};
+use super::bench::{largest_db, rate_grid};
+use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, model};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -151,7 +151,7 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 
 /// Returns each input's response by every reduction, beside the whole plant's.
 fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates(DRAWN_HZ);
+    let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut curves =
@@ -163,7 +163,7 @@ fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawi
             panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ[1], "judged to here");
         drawings.push(drawing(
             format!("Reduced to order {ORDER}: hub rate for {name}"),
-            frequency(),
+            frequency_axis(),
             vec![panel],
         ));
     }
@@ -172,7 +172,7 @@ fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawi
 
 /// Returns the largest |a - b| over the band relative to the largest |a| there.
 fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, PipelineError> {
-    let rates = rates(REDUCED_HZ);
+    let rates = rate_grid(REDUCED_HZ);
     let of = |system| counterpoise_lti::Response::of(system)?.at_all(&rates);
     let (x, y) = (of(a)?, of(b)?);
     let largest = x.iter().map(|m| m[(0, input)].norm()).fold(f64::MIN_POSITIVE, f64::max);
@@ -284,7 +284,7 @@ fn compared(
     lumped: &StateSpace,
     (low_hz, others): (f64, &[Shared]),
 ) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates(DRAWN_HZ);
+    let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut gains = vec![Curve::line("finite elements", gain_db(beam, input, &drawn)?)];
@@ -300,7 +300,7 @@ fn compared(
                 .with_instant(low_hz, "half the first mode, hub locked"),
             panel(Axis::degrees("phase"), phases).with_instant(low_hz, ""),
         ];
-        drawings.push(drawing(format!("Hub rate for {name}, both plants"), frequency(), panels));
+        drawings.push(drawing(format!("Hub rate for {name}, both plants"), frequency_axis(), panels));
     }
     Ok(drawings)
 }

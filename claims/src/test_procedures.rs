@@ -8,7 +8,7 @@ use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, frequency, panel, time};
+use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
 use super::imbalance::configured;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
@@ -70,7 +70,7 @@ fn at_tone(map: &Map) -> Vec<f64> {
 fn mapped(title: &str, quantity: &str, (map, full, unit): (&Map, f64, &str)) -> Drawing {
     let named = AMPLITUDES.iter().map(|share| format!("{:.3} {unit}", share * full));
     let curves = named.zip(map).map(|(name, row)| Curve::points(name, row.clone())).collect();
-    drawing(title, frequency(), vec![panel(Axis::linear(quantity, "dB"), curves)])
+    drawing(title, frequency_axis(), vec![panel(Axis::linear(quantity, "dB"), curves)])
 }
 
 /// Returns row C18: the plant's response to the control depends on amplitude.
@@ -295,7 +295,7 @@ fn apart(loops: &[(String, Triangle)]) -> Drawing {
     };
     let panel = panel(Axis::linear("change of the control", "mV"), loops[1..].iter().map(one).collect());
     let title = format!("Triangle: what another split changes, against {}", loops[0].0);
-    drawing(title, time(), vec![panel])
+    drawing(title, time_axis(), vec![panel])
 }
 
 /// Every so many samples of a loop are drawn.

@@ -5,8 +5,10 @@ use counterpoise_lti::{StateSpace, feedback, margins, series, step};
 use counterpoise_synth::{Alternative, Method, Weight, alternative, attempt};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
-use super::bench::rates;
-use super::drawing::{Curve, drawing, frequency, gain_db, hub, hub_panel, panel, points_of, time};
+use super::bench::rate_grid;
+use super::drawing::{
+    Curve, drawing, frequency_axis, gain_db, hub_panel, hub_rates, panel, points_of, time_axis,
+};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, Stages};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -128,7 +130,7 @@ fn integral_action_figures(
 ) -> Vec<Drawing> {
     let response = |designed: &Stages| {
         let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;
-        Some(hub(history))
+        Some(hub_rates(history))
     };
     let mut steps: Vec<Curve> =
         response(integral).map(|points| Curve::line("with integral action", points)).into_iter().collect();
@@ -153,9 +155,10 @@ fn integral_action_figures(
     let ms = panel(Axis::linear("Ms", ""), vec![Curve::points("without integral action", over(2))])
         .with_level(own[2], "");
     let mut all = vec![
-        drawing("Step by both kinds of design, linear plant", time(), vec![hub_panel(steps)]).with_caption(
-            "Drawn through: the design with integral action, and the high gain that leaves as little.",
-        ),
+        drawing("Step by both kinds of design, linear plant", time_axis(), vec![hub_panel(steps)])
+            .with_caption(
+                "Drawn through: the design with integral action, and the high gain that leaves as little.",
+            ),
         drawing(
             "What a small steady-state error costs without integral action",
             Axis::logarithmic("steady-state error", "%"),
@@ -174,7 +177,7 @@ fn first_second(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
     let curve = |designed: &Stages, name: &str, experiment| {
         let history = designed.verified.verification().history(Model::Linear, experiment)?;
-        Some(Curve::line(name, hub(history)))
+        Some(Curve::line(name, hub_rates(history)))
     };
     let panel = |arrangement| {
         let experiment = Experiment::Disturbance(Source::Both, arrangement);
@@ -185,7 +188,7 @@ fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
         hub_panel(curves.into_iter().flatten().collect())
     };
     let panels = vec![panel(Arrangement::Feedback), panel(Arrangement::Compensated)];
-    drawing("Heave and pitch by both kinds of design, linear plant", time(), panels)
+    drawing("Heave and pitch by both kinds of design, linear plant", time_axis(), panels)
         .with_caption("Above by feedback alone, below with both feedforwards.")
 }
 
@@ -291,7 +294,7 @@ fn judged_loop(name: &str, broken: &StateSpace) -> Result<(String, [Criterion; 3
 }
 
 fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates([0.05, 100.0]);
+    let drawn = rate_grid([0.05, 100.0]);
     let (mut controllers, mut gains, mut steps) = (Vec::new(), Vec::new(), Vec::new());
     for (name, controller, broken) in loops {
         controllers.push(Curve::line(*name, gain_db(controller, 0, &drawn)?));
@@ -307,7 +310,7 @@ fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError>
     ];
     let step = panel(Axis::linear("measured rate over demand", ""), steps).with_level(1.0, "");
     Ok(vec![
-        drawing("Three methods, one plant, one pair of weights", frequency(), panels),
-        drawing("Step by the three methods, continuous design plant", time(), vec![step]),
+        drawing("Three methods, one plant, one pair of weights", frequency_axis(), panels),
+        drawing("Step by the three methods, continuous design plant", time_axis(), vec![step]),
     ])
 }

@@ -17,7 +17,7 @@ use crate::{
 const RESERVED: [&str; 9] = ["real", "states", "readings", "guard", "core", "taken", "total", "c", "in_"];
 
 /// All checks.
-pub fn parts(parts: &Parts) -> Result<(), Error> {
+pub fn check_parts(parts: &Parts) -> Result<(), Error> {
     numbers(parts)?;
     names(parts)?;
     corrections(parts)?;

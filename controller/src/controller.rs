@@ -18,8 +18,8 @@ impl Controller {
     /// A number out of its range, a name that target code cannot carry, a system that does not fit its signals, its
     /// timebase or its anti-windup gains: see [`Error`].
     pub fn new(parts: Parts) -> Result<Self, Error> {
-        check::parts(&parts)?;
-        let programs = lower::programs(&parts);
+        check::check_parts(&parts)?;
+        let programs = lower::lower_parts(&parts);
         check::check_distinct(&programs)?;
         Ok(Self { parts, programs })
     }

@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat, Mat, svd};
 use counterpoise_lti::{StateSpace, Timebase, frequency_response, gramian_factors, poles};
 
 use crate::Error;
-use crate::realise::{coefficients, modal};
+use crate::realise::{count_coefficients, modal_form};
 use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.
@@ -42,13 +42,13 @@ const DECADES: f64 = 5.0;
 /// Returns a discrete system in the form asked for.
 ///
 /// # Errors
-/// As [`modal`]; [`Error::Lti`] if the Gramians of the stable part fail.
-pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
+/// As [`modal_form`]; [`Error::Lti`] if the Gramians of the stable part fail.
+pub fn realise_form(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     match form {
-        Form::Modal => Ok(modal(system)?.system),
+        Form::Modal => Ok(modal_form(system)?.system),
         Form::Balanced => balanced(system),
         Form::LeastSensitive => {
-            let (modal, balanced) = (modal(system)?.system, balanced(system)?);
+            let (modal, balanced) = (modal_form(system)?.system, balanced(system)?);
             let is_worth = predicted(&balanced)? * WORTH < predicted(&modal)?;
             Ok(if is_worth { balanced } else { modal })
         }
@@ -83,17 +83,20 @@ impl Sizes {
 /// Returns the modal and the balanced form of a discrete system, with their sensitivities.
 ///
 /// # Errors
-/// As [`realise`].
-pub fn candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
-    [Form::Modal, Form::Balanced].into_iter().map(|form| candidate(&realise(system, form)?, form)).collect()
+/// As [`realise_form`].
+pub fn form_candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
+    [Form::Modal, Form::Balanced]
+        .into_iter()
+        .map(|form| form_candidate(&realise_form(system, form)?, form))
+        .collect()
 }
 
 /// Returns the one that [`Form::LeastSensitive`] takes.
 pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
     let of = |form: Form| candidates.iter().find(|candidate| candidate.form == form);
     match (of(Form::Modal), of(Form::Balanced)) {
-        (Some(modal), Some(balanced)) if balanced.predicted * WORTH < modal.predicted => Some(balanced),
-        (Some(modal), _) => Some(modal),
+        (Some(modal_form), Some(balanced)) if balanced.predicted * WORTH < modal.predicted => Some(balanced),
+        (Some(modal_form), _) => Some(modal_form),
         (None, other) => other,
     }
 }
@@ -102,7 +105,7 @@ pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
 ///
 /// # Errors
 /// [`Error::Lti`] if a response cannot be computed.
-pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
+pub fn form_candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;
     let sizes = Sizes::of(&response);
@@ -111,7 +114,7 @@ pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     Ok(Candidate {
         form,
         system: system.clone(),
-        coefficients: coefficients(system),
+        coefficients: count_coefficients(system),
         predicted: sizes.worst(&deviations(system, &rates)?),
         measured: sizes.worst(&off),
     })
@@ -177,7 +180,7 @@ fn median(values: &[f64]) -> f64 {
 
 /// Returns the stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
 fn balanced(system: &StateSpace) -> Result<StateSpace, Error> {
-    let realised = modal(system)?;
+    let realised = modal_form(system)?;
     let (mut marginal, mut stable, mut first) = (Vec::new(), Vec::new(), 0);
     for size in &realised.blocks {
         let places = first..first + size;
@@ -267,7 +270,7 @@ mod tests {
     fn every_form_has_the_same_response_and_an_exact_integrator() {
         let given = mixed();
         for form in [Form::Modal, Form::Balanced, Form::LeastSensitive] {
-            let found = realise(&given, form).unwrap();
+            let found = realise_form(&given, form).unwrap();
             assert!(difference(&given, &found) < 1e-10, "{form:?}");
             assert!(found.A.as_slice().contains(&1.0), "{form:?}");
         }
@@ -275,7 +278,7 @@ mod tests {
 
     #[test]
     fn the_balanced_part_has_equal_diagonal_gramians() {
-        let given = states(&modal(&mixed()).unwrap().system, &[0, 1, 2]);
+        let given = states(&modal_form(&mixed()).unwrap().system, &[0, 1, 2]);
         let stable = StateSpace { A: given.A.scale(0.9), ..given };
         let found = balance_stable(&stable).unwrap();
         let P = counterpoise_lti::ctrb_gramian(&found).unwrap();
@@ -287,7 +290,7 @@ mod tests {
 
     #[test]
     fn the_predicted_sensitivity_is_what_rounding_does() {
-        for candidate in candidates(&mixed()).unwrap() {
+        for candidate in form_candidates(&mixed()).unwrap() {
             let ratio = candidate.measured / candidate.predicted;
             assert!((0.1..6.0).contains(&ratio), "{:?} {ratio}", candidate.form);
         }
@@ -301,8 +304,8 @@ mod tests {
         let B = Mat::from_rows(&[&[1.0], &[0.0], &[0.0]]);
         let C = Mat::from_rows(&[&[1e-6, 1e-6, 1e-6]]);
         let given = StateSpace::new(A, B, C, Mat::zeros(1, 1), PERIOD).unwrap();
-        let as_it_is = candidate(&given, Form::Modal).unwrap();
-        let all = candidates(&given).unwrap();
+        let as_it_is = form_candidate(&given, Form::Modal).unwrap();
+        let all = form_candidates(&given).unwrap();
         let chosen = least_sensitive(&all).unwrap();
         assert!(
             as_it_is.predicted > 100.0 * chosen.predicted,

@@ -61,7 +61,7 @@ pub fn including_file(name: &str, included: &str) -> File {
 
 /// Returns samples as bytes for the replaying programs: every record begins with a sample of no numbers. In fixed point the
 /// readings are integers in their formats.
-pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
+pub fn encode_requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
     let number = |value: f64, i: usize| match fixed {
         None => value,
         Some(fixed) => fixed.step.inputs.get(i).map_or(0.0, |bits| to_integer(value, *bits) as f64),

@@ -75,7 +75,7 @@ pub struct Targets {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn targets(
+pub fn compare_targets(
     verified: &VerifiedController,
     plant: &Plant,
     procedure: &Procedure,
@@ -101,7 +101,7 @@ pub fn targets(
 }
 
 /// Returns the fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see
-/// [`targets`].
+/// [`compare_targets`].
 ///
 /// # Errors
 /// Those of the simulator.

@@ -23,7 +23,7 @@ pub const LARGEST: [f64; READINGS] = [0.8, 0.8, 0.5, 8.0, 100.0, 0.4, 6.0];
 
 /// Vectors for a controller in the numbers N: irregular readings that fill [`LARGEST`], a stretch of large demand that
 /// reaches the limiter, and two changes of the out-of-balance. The same for every call.
-pub fn vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector> {
+pub fn self_test_vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector> {
     let mut runner = controller.runner_in::<N>();
     let mut source = Source(0x2545_F491_4F6C_DD1D);
     let (low, high) = controller.parts().out_of_balance_range_kg_m;

@@ -67,7 +67,7 @@ impl Pace {
         if self.lines && left > 0 && state.told.elapsed().as_secs_f64() > LINE_EVERY {
             state.told = Instant::now();
             let done = state.kept + state.ran;
-            crate::terminal::tell(&format!(
+            crate::terminal::print_message(&format!(
                 "{done}/{} samples, {} gone, {to_go} to go",
                 self.count,
                 span(gone)

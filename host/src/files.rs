@@ -15,7 +15,7 @@ pub trait Disk: Send + Sync {
     ///
     /// # Errors
     /// Those of the file system.
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+    fn read_project(&self, path: &Path) -> io::Result<Vec<u8>> {
         read_file(path)
     }
 
@@ -124,7 +124,7 @@ fn regular(found: &fs::Metadata) -> io::Result<()> {
 }
 
 /// Returns the files that a project names, from beside it; a missing one is told by the project's own errors.
-pub fn attachments(document: &Document, path: &Path) -> Attachments {
+pub fn read_attachments(document: &Document, path: &Path) -> Attachments {
     named(&Native, document, path)
 }
 
@@ -152,7 +152,7 @@ fn named(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
 ///
 /// # Errors
 /// A folder that holds a project already, or cannot be made, in words.
-pub fn create(folder: &Path, document: &Document) -> Result<PathBuf, String> {
+pub fn create_project(folder: &Path, document: &Document) -> Result<PathBuf, String> {
     let path = folder.join(PROJECT_FILE);
     if path.exists() {
         return Err(format!("{} is there already; give another folder, or remove it", path.display()));

@@ -17,7 +17,7 @@ use parquet::schema::parser::parse_message_type;
 use sha2::{Digest, Sha256};
 
 use crate::files;
-use crate::projects::write as write_file;
+use crate::projects::write_file;
 
 /// Key under which a file names its campaign.
 const CAMPAIGN: &str = "counterpoise.campaign";
@@ -26,12 +26,12 @@ const CAMPAIGN: &str = "counterpoise.campaign";
 const CHECKSUM: &str = "counterpoise.sha256";
 
 /// Returns the file of a shard, counted from 0.
-pub fn path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
+pub fn shard_path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
     folder.join(format!("shard-{shard:06}-of-{shards:06}.parquet"))
 }
 
 /// Writes samples under the campaign's name. The same samples give the same bytes.
-pub fn write(path: &Path, campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<()> {
+pub fn write_shard(path: &Path, campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<()> {
     let told = || format!("cannot make {}", path.display());
     write_file(path, &bytes(campaign, name, samples).with_context(told)?)
 }
@@ -96,7 +96,7 @@ fn word(key: &str) -> String {
 }
 
 /// Reads samples, refusing a file of another campaign and one of which any bit was changed.
-pub fn read(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
+pub fn read_shard(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
     let damaged =
         || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
     let bytes = files::read_file(path).with_context(damaged)?;

@@ -41,7 +41,7 @@ impl Stages {
         if let Some(last) = state.1.last_mut() {
             last.milliseconds = milliseconds;
             if self.progress == Progress::Shown {
-                crate::terminal::tell(&format!("{:>12}  {milliseconds:8.1} ms", last.name));
+                crate::terminal::print_message(&format!("{:>12}  {milliseconds:8.1} ms", last.name));
             }
         }
     }

@@ -23,7 +23,7 @@ pub struct Certificate {
 }
 
 /// Returns every certificate of a design; with a verification, that of the loop on the full plant too.
-pub fn certify(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
+pub fn certify_designs(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
     let design = &made.design;
     let mut all = Vec::new();
     if !made.has_fixed_structure() {

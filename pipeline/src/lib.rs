@@ -60,10 +60,10 @@ pub use model::{
 };
 pub use recordings::redesign::{Consequence, consequence};
 pub use reduce::{Reduced, reduce};
-pub use studies::sweep::{campaign, families, robust_stability};
+pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
-pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
+pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 
 /// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.
 pub trait World {
@@ -118,7 +118,7 @@ pub struct StageTime {
 }
 
 /// Runs a stage between the two calls that announce its beginning and its end.
-pub fn observed<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
+pub fn run_observed<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
     world.begins(step);
     let made = run();
     world.ended(step);

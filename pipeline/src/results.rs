@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::ErrorBudgetResult;
 use crate::exchange::systems::stored_frequencies_hz;
-use crate::exchange::verified::{histories, responses};
+use crate::exchange::verified::{history_results, response_results};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult,
     TransferFunctionResult, VerifiedLoop,
@@ -397,8 +397,8 @@ impl VerifyResult {
             verdicts: verdicts.collect(),
             figures: figures.collect(),
             measured_on,
-            responses: responses(found),
-            histories: histories(found),
+            responses: response_results(found),
+            histories: history_results(found),
             error_budget: found.error_budget.as_ref().map(Into::into),
             certificate: None,
             adaptation_trials: None,

@@ -29,7 +29,8 @@ use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
 use crate::{
-    FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, procedure, reduce, synthesise,
+    FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
+    synthesise,
 };
 
 /// A project whose blocks or weights were tuned.
@@ -330,7 +331,7 @@ pub fn expected_disturbance(
 /// Returns the project's procedure, or the usual one if it has none.
 pub(crate) fn own_procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
     match project.verify {
-        Some(_) => procedure(project, world),
+        Some(_) => project_procedure(project, world),
         None => Ok(Procedure {
             operating_point: project.model.operating_point,
             friction: project.model.friction,

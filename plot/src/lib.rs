@@ -18,7 +18,7 @@
 //! let curve = Series::solid("hub", Colour::First, [(0.0, 0.0), (1.0, 0.8), (2.0, 1.0)]);
 //! let panel = Panel::new(Axis::linear("rate", "rad/s"), vec![curve]);
 //! let figure = Figure::new("Step response", Axis::linear("time", "s"), vec![panel]);
-//! assert!(svg::inline(&figure).starts_with("<svg class=\"fig\""));
+//! assert!(svg::inline_svg(&figure).starts_with("<svg class=\"fig\""));
 //! let file = png(&figure, Theme::Light, 1.0)?;
 //! assert_eq!(&file[1..4], b"PNG");
 //! # Ok::<(), counterpoise_plot::PlotError>(())

@@ -90,9 +90,9 @@ impl Ruler {
     /// Returns the ticks with text.
     pub fn major(&self) -> Vec<Tick> {
         match self.scale {
-            Scale::Linear => ticks::linear(self.from, self.to, INTERVALS),
-            Scale::Degrees => ticks::degrees(self.from, self.to, INTERVALS),
-            Scale::Logarithmic => ticks::logarithmic(self.from, self.to, DECADES),
+            Scale::Linear => ticks::linear_ticks(self.from, self.to, INTERVALS),
+            Scale::Degrees => ticks::degree_ticks(self.from, self.to, INTERVALS),
+            Scale::Logarithmic => ticks::logarithmic_ticks(self.from, self.to, DECADES),
         }
     }
 

@@ -3,7 +3,7 @@
 //! One algorithm for every axis of the product: pages, exported pictures and the window. Each function takes the range of the
 //! axis and the number of intervals for which there is room.
 
-use crate::number::{short, superscript, times_power_of_ten, with_minus};
+use crate::number::{short_number, superscript, times_power_of_ten, with_minus};
 
 /// Parts of a turn that are round, in degrees.
 const DEGREE_STEPS: [f64; 9] = [1.0, 2.0, 5.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
@@ -34,22 +34,22 @@ pub fn linear_step(from: f64, to: f64, intervals: f64) -> f64 {
 }
 
 /// Returns ticks of a linear axis; there are none if the range is empty or infinite, here and in the other functions.
-pub fn linear(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+pub fn linear_ticks(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
     multiples(from, to, linear_step(from, to, intervals))
 }
 
 /// Returns ticks of an axis of angles: at parts of a turn, and at multiples of it on a long axis.
-pub fn degrees(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+pub fn degree_ticks(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
     let wanted = (to - from) / intervals;
     if wanted < DEGREE_STEPS[0] {
-        return linear(from, to, intervals);
+        return linear_ticks(from, to, intervals);
     }
     let step = DEGREE_STEPS.into_iter().find(|step| *step >= wanted);
     multiples(from, to, step.unwrap_or_else(|| 360.0 * linear_step(from / 360.0, to / 360.0, intervals)))
 }
 
 /// Returns ticks of a logarithmic axis: decades, on a short axis 1, 2 and 5 in each, and on one shorter still round numbers.
-pub fn logarithmic(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+pub fn logarithmic_ticks(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
     if !is_positive_range(from, to) {
         return Vec::new();
     }
@@ -59,7 +59,7 @@ pub fn logarithmic(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
         return decades;
     }
     let parts = parts_of_decades(from, to);
-    if parts.len() >= 2 { parts } else { linear(from, to, intervals) }
+    if parts.len() >= 2 { parts } else { linear_ticks(from, to, intervals) }
 }
 
 /// Returns the places of ticks without text on a logarithmic axis; there are none on an axis of many decades.
@@ -84,7 +84,7 @@ fn whole_decades(first: f64, last: f64, intervals: f64) -> Vec<Tick> {
     // either all as numbers or all as powers
     let are_short = decades.iter().all(|decade| SHORT_DECADES.contains(decade));
     let text = |decade: i32| {
-        if are_short { short(10f64.powi(decade)) } else { format!("10{}", superscript(decade)) }
+        if are_short { short_number(10f64.powi(decade)) } else { format!("10{}", superscript(decade)) }
     };
     decades.into_iter().map(|decade| Tick { value: 10f64.powi(decade), text: text(decade) }).collect()
 }
@@ -93,7 +93,7 @@ fn parts_of_decades(from: f64, to: f64) -> Vec<Tick> {
     let decades = from.log10().floor() as i32..=to.log10().floor() as i32;
     let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|part| part * 10f64.powi(decade)));
     let within = all.filter(|value| (from..=to).contains(value));
-    within.map(|value| Tick { value, text: short(value) }).collect()
+    within.map(|value| Tick { value, text: short_number(value) }).collect()
 }
 
 fn multiples(from: f64, to: f64, step: f64) -> Vec<Tick> {

@@ -51,7 +51,7 @@ struct Steps {
 ///
 /// # Errors
 /// Time does not grow, it leaps by many times the recording's length, or too few rows have a time.
-pub fn uniform(
+pub fn to_uniform_clock(
     file: &str,
     time_s: ArrayView1<'_, f64>,
     wanted_s: Option<f64>,

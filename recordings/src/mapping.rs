@@ -3,7 +3,7 @@
 use ndarray::Array1;
 
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
-use crate::clock::{Uniform, check_length, uniform};
+use crate::clock::{Uniform, check_length, to_uniform_clock};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
@@ -166,7 +166,7 @@ impl Mapping {
         signals: Vec<Array1<f64>>,
     ) -> Result<Uniform, Error> {
         match (time_s, self.sample_period_s) {
-            (Some(time_s), wanted_s) => uniform(&table.name, time_s.view(), wanted_s, signals),
+            (Some(time_s), wanted_s) => to_uniform_clock(&table.name, time_s.view(), wanted_s, signals),
             (None, Some(period_s)) => {
                 let remarks = vec![Remark::PeriodAssumed { period_s }];
                 Ok(Uniform { period_s, start_s: 0.0, signals, remarks })

@@ -5,7 +5,7 @@ use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
 use counterpoise_pipeline::studies::adaptation_trials::{Load, METHODS, Motion, Refusal, TrialRow, Trials};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// How near to the default case the hub rate must come back.
@@ -74,7 +74,7 @@ pub fn trial_section(tried: &Trials) -> Section {
 }
 
 /// Returns the reason why a method is refused.
-pub fn refusal(refused: &Refusal) -> String {
+pub fn describe_refusal(refused: &Refusal) -> String {
     let TrialRow { method, motion: moved, load: loaded, without_rad_s, with_rad_s, .. } = refused.worst;
     format!(
         "REFUSED: {method} makes the hub rate worse than no adaptation does, {:.2} times on {} ({}): {:.3} against {:.3} mrad/s RMS",
@@ -104,7 +104,7 @@ fn load(load: Load) -> &'static str {
 }
 
 /// Returns the report.
-pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
+pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
     let judged: Vec<&Interval> =
         runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
     let good = judged.iter().filter(|interval| has_returned(interval)).count();
@@ -121,8 +121,8 @@ pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
             .to_owned(),
         headline: Headline { tone, text, detail },
         tiles: vec![
-            Tile::plain("worst adapted interval", short(worst), "of run (a)"),
-            Tile::plain("largest error of the estimate", short(off), "kg m")
+            Tile::plain("worst adapted interval", short_number(worst), "of run (a)"),
+            Tile::plain("largest error of the estimate", short_number(off), "kg m")
                 .noted("at the end of an interval"),
         ],
         verdicts: table(runs),

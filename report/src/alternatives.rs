@@ -7,13 +7,13 @@ use counterpoise_pipeline::studies::comparison::{
 };
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 
-use crate::bode::{BodeCurve, Phase, bode, response_curve};
+use crate::bode::{BodeCurve, Phase, bode_figure, response_curve};
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
 
 /// Returns the sections; none for what a project does not ask for.
-pub fn sections(found: &Comparison, families: &[ControllerFamily]) -> Vec<Section> {
+pub fn alternatives_sections(found: &Comparison, families: &[ControllerFamily]) -> Vec<Section> {
     let mut all = Vec::new();
     if found.methods.len() > 1 {
         all.push(methods(&found.methods));
@@ -91,7 +91,7 @@ fn lowered(row: &LoweredRow) -> Section {
     Section::new("A feedback of lower order")
         .saying(format!(
             "Reduced by frequency-weighted balancing; the closed loop changes by {} % at most.",
-            short(100.0 * row.loop_change)
+            short_number(100.0 * row.loop_change)
         ))
         .listing(table)
 }
@@ -130,7 +130,7 @@ fn family(family: &ControllerFamily) -> Figure {
     };
     let curves: Vec<BodeCurve> = family.curves.iter().enumerate().map(one).collect();
     let title = format!("{} over the out-of-balance", family.name);
-    bode(&title, family.unit, &curves, Phase::Hidden, Vec::new())
+    bode_figure(&title, family.unit, &curves, Phase::Hidden, Vec::new())
 }
 
 fn changes(rows: &[BalanceRow]) -> Table {
@@ -189,6 +189,6 @@ fn spillover(found: &Spillover) -> Section {
         "On the finite elements with {} flexible modes (order {}) the sampled loop is {says}: its largest pole has the modulus {}.",
         found.modes,
         found.order,
-        short(found.largest_pole)
+        short_number(found.largest_pole)
     ))
 }

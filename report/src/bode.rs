@@ -71,7 +71,7 @@ impl BodeCurve {
 }
 
 /// Returns a Bode diagram. `unit` is that of the magnitude's reference, for example `V s/rad`; `marks` stand in the magnitude panel.
-pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
+pub fn bode_figure(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
     let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
     let magnitudes: Vec<Series> = curves.iter().map(|curve| curve.series(curve.magnitude_db())).collect();
     let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());

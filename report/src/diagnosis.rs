@@ -4,7 +4,7 @@ use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
 use crate::wording::name_in_words;
 use counterpoise_diagnose::findings::answer::{Channels, Verdict};
 
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::learned::learned_section;
@@ -16,7 +16,7 @@ use counterpoise_pipeline::recordings::tracks::Track;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, difference, residual};
 
 /// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
-pub fn report(
+pub fn diagnosis_report(
     machine: &str,
     command: &str,
     found: &DiagnosedRecordings,
@@ -26,8 +26,8 @@ pub fn report(
     let tracks = &found.tracks;
     let mut sections = vec![fit_section(answer, tracks)];
     sections.extend(answer.learned.as_ref().map(learned_section));
-    sections.extend(consequence.map(difference::consequence));
-    sections.extend(residual::sections(tracks, &found.residuals));
+    sections.extend(consequence.map(difference::consequence_section));
+    sections.extend(residual::residual_sections(tracks, &found.residuals));
     sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
     Report {
         title: format!("Diagnosis of {machine}"),
@@ -187,7 +187,7 @@ fn cannot_tell(answer: &AnswerText) -> Section {
         Table::new("Effects of which these recordings cannot say whether they are there", &columns);
     for n in &answer.not_excited {
         let size = match n.smallest_detectable {
-            Some(size) => format!("{} {} {}", n.parameter, short(size), n.unit),
+            Some(size) => format!("{} {} {}", n.parameter, short_number(size), n.unit),
             None => "nothing: it does not move them".to_owned(),
         };
         table.rows.push(vec![

@@ -10,7 +10,7 @@ use crate::{Cell, Column, Section, Table, Tone};
 const SAME: f64 = 1e-6;
 
 /// Returns every figure that changed, those whose verdict turned first.
-pub fn section(before: &str, changes: &[Change]) -> Section {
+pub fn changes_section(before: &str, changes: &[Change]) -> Section {
     let columns = [
         Column::Text("figure"),
         Column::Number("before"),
@@ -29,7 +29,7 @@ pub fn section(before: &str, changes: &[Change]) -> Section {
 }
 
 /// Returns the difference in one line: verdicts that turned, and how many figures changed.
-pub fn headline(before: &str, changes: &[Change]) -> String {
+pub fn summarise_changes(before: &str, changes: &[Change]) -> String {
     let way = |found| changes.iter().filter(|change| change.turned() && change.holds == Some(found)).count();
     let figures = changes.iter().filter(|change| has_changed(change)).count();
     let turned = match (way(true), way(false)) {
@@ -42,7 +42,7 @@ pub fn headline(before: &str, changes: &[Change]) -> String {
 }
 
 /// Returns what an improved model means for the controller that was designed on the one before.
-pub fn consequence(found: &Consequence) -> Section {
+pub fn consequence_section(found: &Consequence) -> Section {
     let counted = |v: &Verification| {
         let (hold, fail, _) = v.counts();
         format!("{hold} requirements hold, {fail} fail")
@@ -56,7 +56,7 @@ pub fn consequence(found: &Consequence) -> Section {
         counted(&found.before),
         counted(&found.kept)
     );
-    let table = section("the model as it was", &found.changes);
+    let table = changes_section("the model as it was", &found.changes);
     Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
 }
 
@@ -66,7 +66,7 @@ pub fn has_changed(change: &Change) -> bool {
 }
 
 /// Returns the verdict's way, in words.
-pub fn verdict(change: &Change) -> (Tone, &'static str) {
+pub fn classify_change(change: &Change) -> (Tone, &'static str) {
     match (change.held, change.holds) {
         (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
         (Some(false), Some(true)) => (Tone::Good, "now holds"),
@@ -78,7 +78,7 @@ pub fn verdict(change: &Change) -> (Tone, &'static str) {
 
 /// Returns the change as a person reads it: percent, or the difference where a figure is in decibels or
 /// degrees.
-pub fn size(change: &Change) -> String {
+pub fn describe_size(change: &Change) -> String {
     let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
     match change.figure.unit() {
         unit @ ("dB" | "deg" | "%") if (after - before).abs() < 0.005 => format!("under 0.01 {unit}"),
@@ -90,7 +90,7 @@ pub fn size(change: &Change) -> String {
 
 fn row(change: &Change) -> Vec<Cell> {
     let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
-    let (tone, word) = verdict(change);
+    let (tone, word) = classify_change(change);
     let unit = change.figure.unit();
     let name =
         if unit.is_empty() { change.figure.name() } else { format!("{} [{unit}]", change.figure.name()) };
@@ -99,7 +99,7 @@ fn row(change: &Change) -> Vec<Cell> {
         Cell::text(name),
         number(change.before),
         number(change.after),
-        Cell::text(size(change).replace('-', "\u{2212}")),
+        Cell::text(describe_size(change).replace('-', "\u{2212}")),
         requirement,
     ]
 }
@@ -125,14 +125,14 @@ mod tests {
             change(8.0, 14.0, [false, true]),
             change(8.0, 8.0, [true, true]),
         ];
-        let told = headline("before.toml", &all);
+        let told = summarise_changes("before.toml", &all);
         assert!(told.contains("now holds what did not: 1, no longer holds: 1; 2 of 3 figures"), "{told}");
-        assert!(headline("x", &all[2..]).contains("no verdict turned; 0 of 1"), "nothing changed");
+        assert!(summarise_changes("x", &all[2..]).contains("no verdict turned; 0 of 1"), "nothing changed");
     }
 
     #[test]
     fn a_change_too_small_to_print_is_not_printed_as_minus_nothing() {
-        assert_eq!(size(&change(14.0, 13.999, [true, true])), "under 0.01 dB");
-        assert_eq!(size(&change(14.0, 13.5, [true, true])), "-0.50 dB");
+        assert_eq!(describe_size(&change(14.0, 13.999, [true, true])), "under 0.01 dB");
+        assert_eq!(describe_size(&change(14.0, 13.5, [true, true])), "-0.50 dB");
     }
 }

@@ -3,11 +3,11 @@
 use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
-use crate::bode::{BodeCurve, Phase, bode};
+use crate::bode::{BodeCurve, Phase, bode_figure};
 use crate::triangle;
 use crate::wording::capitalised;
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
 const ARRANGEMENTS: [(Arrangement, &str, Colour); 3] = [
@@ -27,7 +27,7 @@ const SOURCES: [(Source, &str); 4] = [
 pub const PLANT: &str = "Plant";
 
 /// Sections in the order in which a reader asks.
-pub fn sections(found: &Verification) -> Vec<Section> {
+pub fn evidence_sections(found: &Verification) -> Vec<Section> {
     let first = [loop_section(found), step_section(found)];
     let rest = [
         disturbance_section(found),
@@ -35,7 +35,7 @@ pub fn sections(found: &Verification) -> Vec<Section> {
         controller_section(found),
         plant_section(found),
     ];
-    first.into_iter().chain(triangle::section(found)).chain(rest).collect()
+    first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
 fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<(f64, f64, f64)> {
@@ -53,7 +53,8 @@ fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
 fn loop_section(found: &Verification) -> Section {
     let curves = &found.evidence.curves;
     let broken = bode_curves(found, std::slice::from_ref(&curves.broken));
-    let mut figure = bode("Loop broken at the plant's input", "", &broken, Phase::Shown, gain_marks(found));
+    let mut figure =
+        bode_figure("Loop broken at the plant's input", "", &broken, Phase::Shown, gain_marks(found));
     if let Some(phase) = figure.panels_mut().get_mut(1) {
         phase.marks = phase_marks(found);
     }
@@ -62,11 +63,20 @@ fn loop_section(found: &Verification) -> Section {
     let peak = Mark::Point {
         x: ms.rate_rad_s / std::f64::consts::TAU,
         y: 20.0 * ms.value.log10(),
-        text: format!("Ms {} at {} Hz", short(ms.value), short(ms.rate_rad_s / std::f64::consts::TAU)),
+        text: format!(
+            "Ms {} at {} Hz",
+            short_number(ms.value),
+            short_number(ms.rate_rad_s / std::f64::consts::TAU)
+        ),
         colour: Colour::Second,
     };
-    let sensitivity =
-        bode("Sensitivity and complementary sensitivity", "", &sensitivities, Phase::Hidden, vec![peak]);
+    let sensitivity = bode_figure(
+        "Sensitivity and complementary sensitivity",
+        "",
+        &sensitivities,
+        Phase::Hidden,
+        vec![peak],
+    );
     Section::new("Loop and margins")
         .saying("The discrete controller as exported, with the plant and its sensors sampled exactly.")
         .showing([figure, sensitivity])
@@ -87,7 +97,11 @@ fn gain_marks(found: &Verification) -> Vec<Mark> {
         nearest.into_iter().flatten().filter(|gain| gain.rate_rad_s > 0.0 && gain.rate_rad_s.is_finite());
     let marks = all.map(|gain| {
         let hz = gain.rate_rad_s / std::f64::consts::TAU;
-        point(gain.db, gain.rate_rad_s, format!("gain margin {} dB at {} Hz", short(gain.db), short(hz)))
+        point(
+            gain.db,
+            gain.rate_rad_s,
+            format!("gain margin {} dB at {} Hz", short_number(gain.db), short_number(hz)),
+        )
     });
     marks.chain([Mark::Level { y: 0.0, text: String::new() }]).collect()
 }
@@ -96,7 +110,7 @@ fn gain_marks(found: &Verification) -> Vec<Mark> {
 fn phase_marks(found: &Verification) -> Vec<Mark> {
     let Some(phase) = found.evidence.margins.phase_margin() else { return Vec::new() };
     let hz = phase.rate_rad_s / std::f64::consts::TAU;
-    let text = format!("phase margin {} deg at {} Hz", short(phase.deg), short(hz));
+    let text = format!("phase margin {} deg at {} Hz", short_number(phase.deg), short_number(hz));
     let at = Mark::Point { x: hz, y: -180.0 + phase.deg, text, colour: Colour::Third };
     vec![at, Mark::Level { y: -180.0, text: String::new() }]
 }
@@ -222,7 +236,7 @@ fn rejection_section(found: &Verification) -> Section {
                 rejection_curve(found, source, *arrangement, name, *colour)
             })
             .collect();
-        bode(title, unit, &curves, Phase::Hidden, marks)
+        bode_figure(title, unit, &curves, Phase::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
     Section::new("Disturbance rejection ratio")
@@ -257,7 +271,7 @@ fn controller_section(found: &Verification) -> Section {
         .filter(|(curve, _)| curve.response.iter().any(|h| h.norm() > 0.0));
     let figures = present.map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
-        bode(
+        bode_figure(
             &capitalised(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
@@ -276,7 +290,7 @@ fn plant_section(found: &Verification) -> Section {
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         let title = format!("Hub rate for {}", curve.name);
-        bode(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
+        bode_figure(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
     });
     Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
 }

@@ -7,11 +7,16 @@ use counterpoise_pipeline::studies::accuracy::Accuracy;
 use crate::check::assumptions_section;
 use crate::learned::elements_section;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// Returns the report.
-pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], command: &str) -> Report {
+pub fn model_report(
+    result: &ModelResult,
+    views: &PlantViews,
+    accuracy: &[Accuracy],
+    command: &str,
+) -> Report {
     let mut sections: Vec<Section> = Vec::new();
     if !views.modes.is_empty() {
         sections.push(modes_section(&views.modes, command));
@@ -34,8 +39,8 @@ pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], c
             text: format!("Linear plant of order {}", result.order),
             detail: format!(
                 "Out-of-balance {} kg m, held by {} V.",
-                short(result.out_of_balance_kg_m),
-                short(result.holding_v)
+                short_number(result.out_of_balance_kg_m),
+                short_number(result.holding_v)
             ),
         },
         tiles: tiles(result, views),
@@ -52,7 +57,7 @@ pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], c
 fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<Tile> {
     let tile = |label: String, value: f64, unit: &str| Tile {
         label,
-        value: short(value),
+        value: short_number(value),
         unit: unit.to_owned(),
         note: String::new(),
         tone: Tone::Neutral,
@@ -112,7 +117,7 @@ fn modes_section(sets: &[ModeSet], command: &str) -> Section {
 fn shapes(set: &ModeSet, command: &str) -> Figure {
     let series = set.modes.iter().zip(Colour::CYCLE).map(|(mode, colour)| {
         let points = mode.shape.iter().map(|p| (p[0], p[1]));
-        Series::solid(&format!("{} Hz", short(mode.frequency_hz)), colour, points)
+        Series::solid(&format!("{} Hz", short_number(mode.frequency_hz)), colour, points)
     });
     let panel = Panel::new(Axis::linear("deflection", ""), series.collect()).with_height(240.0);
     let title = format!("Mode shapes, hub {}", set.support);
@@ -129,7 +134,7 @@ fn meshes_section(meshes: &Meshes, command: &str) -> Section {
         let filled = values.into_iter().chain(std::iter::repeat(String::new())).take(columns.len() - 1);
         std::iter::once(name).chain(filled).map(Cell::text).collect()
     };
-    let hertz = meshes.reference_hz.iter().map(|hz| short(*hz)).collect();
+    let hertz = meshes.reference_hz.iter().map(|hz| short_number(*hz)).collect();
     table.rows.push(row(format!("{} tapered [Hz]", meshes.reference), hertz));
     for mesh in &meshes.columns {
         let ratios = mesh.ratios.iter().map(|r| format!("{r:.4}")).collect();
@@ -249,7 +254,9 @@ fn accuracy_table(all: &[Accuracy]) -> Table {
 fn span(all: &[Accuracy]) -> String {
     let steps = all.first().map_or(&[][..], |law| &law.step_s[..]);
     match (steps.first(), steps.last()) {
-        (Some(long), Some(brief)) => format!("{} to {} ms", short(1e3 * long), short(1e3 * brief)),
+        (Some(long), Some(brief)) => {
+            format!("{} to {} ms", short_number(1e3 * long), short_number(1e3 * brief))
+        }
         _ => "no length".to_owned(),
     }
 }
@@ -283,7 +290,7 @@ fn torques(series: Vec<Series>) -> Panel {
 }
 
 fn swing(one: &FrictionLoop) -> String {
-    format!("\u{B1} {} mrad", short(1e3 * one.amplitude_rad))
+    format!("\u{B1} {} mrad", short_number(1e3 * one.amplitude_rad))
 }
 
 /// Returns the loops through presliding over the angle, all loops over their own swing, and over their own

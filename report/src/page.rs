@@ -157,7 +157,7 @@ impl Cell {
 
     /// Returns a number with four significant digits.
     pub fn number(value: f64) -> Self {
-        Cell::Text(counterpoise_plot::number::short(value))
+        Cell::Text(counterpoise_plot::number::short_number(value))
     }
 }
 

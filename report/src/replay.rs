@@ -15,7 +15,12 @@ use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 const FITS: f64 = 1.5;
 
 /// Returns the report of replayed recordings and their result.
-pub fn report(title: &str, command: &str, result: &ReplayResult, replayed: &[ReplayedRecording]) -> Report {
+pub fn replay_report(
+    title: &str,
+    command: &str,
+    result: &ReplayResult,
+    replayed: &[ReplayedRecording],
+) -> Report {
     let all: Vec<Track> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
     Report {
         title: title.to_owned(),

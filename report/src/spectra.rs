@@ -11,7 +11,7 @@ const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
 /// Returns the hub rate over pitch and over heave on the road, with confidence and coherence; nothing without
 /// a road.
-pub fn section(all: &[Spectral]) -> Option<Section> {
+pub fn spectra_section(all: &[Spectral]) -> Option<Section> {
     if all.is_empty() {
         return None;
     }

@@ -9,7 +9,7 @@ use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 const DRAWN: usize = 2;
 
 /// Returns the report.
-pub fn report(machine: &str, command: &str, answer: &StructureAnswer) -> Report {
+pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) -> Report {
     Report {
         title: format!("Structure of {machine}"),
         subtitle: "natural frequencies, measured and modelled".to_owned(),

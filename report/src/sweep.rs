@@ -6,11 +6,16 @@ use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use crate::verification::Context;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary as first};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// Returns the report: shares of the campaign on the first screen. `project` is the project as the command line names it.
-pub fn report(nominal: &Verification, found: &CampaignResult, project: &str, context: Context) -> Report {
+pub fn campaign_report(
+    nominal: &Verification,
+    found: &CampaignResult,
+    project: &str,
+    context: Context,
+) -> Report {
     let (good, all) = (found.passing, found.samples());
     let tone = if good == all { Tone::Good } else { Tone::Bad };
     let text = format!("{good} of {all} mechanisms meet every requirement");
@@ -20,7 +25,7 @@ pub fn report(nominal: &Verification, found: &CampaignResult, project: &str, con
         outside_samples(found)
     );
     let mut sections = vec![worst(found, project)];
-    sections.extend(found.stability.as_ref().map(robust::section));
+    sections.extend(found.stability.as_ref().map(robust::robustness_section));
     sections.extend(statistics(found));
     sections.extend(context.more);
     Report {
@@ -67,7 +72,10 @@ fn outside_samples(found: &CampaignResult) -> String {
         some => format!(" In its worst case {some} of {} requirements fail.", found.worst.len()),
     };
     let stable = found.stability.as_ref().map_or(String::new(), |found| {
-        format!(" The linear loop is stable within {} times the stated ranges.", short(found.guaranteed))
+        format!(
+            " The linear loop is stable within {} times the stated ranges.",
+            short_number(found.guaranteed)
+        )
     });
     searched + &stable
 }
@@ -97,11 +105,11 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
         let limit = found.requirements[k].limit;
         let verdict = match limit.distance_to_limit(worst.value) {
             room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
-            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short(-room))),
+            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short_number(-room))),
         };
         let both = found.variations.iter().zip(&worst.factors);
         let words: Vec<String> = both
-            .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short(*factor)))
+            .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short_number(*factor)))
             .collect();
         table.rows.push(vec![
             Cell::text(format!("{} {}", name(found, k), bound(limit))),
@@ -169,7 +177,7 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all));
     let figure = found.requirements[requirement].figure;
     let limit = found.requirements[requirement].limit.value();
-    let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short(limit)) }];
+    let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short_number(limit)) }];
     let panel = Panel::new(
         Axis::linear("mechanisms below", "%").over(0.0, 100.0),
         vec![Series::solid("", Colour::First, points)],
@@ -238,15 +246,15 @@ fn member_summary(found: &CampaignResult) -> Table {
 
 fn failure(requirement: &Requirement, value: f64) -> String {
     let figure = requirement.figure;
-    let value = format!("{} {}", short(value), figure.unit());
+    let value = format!("{} {}", short_number(value), figure.unit());
     format!("{}: {} ({})", figure.name(), value.trim_end(), bound(requirement.limit))
 }
 
 /// Returns a limit with its sign.
 fn bound(limit: Limit) -> String {
     match limit {
-        Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
-        Limit::AtMost(limit) => format!("\u{2264} {}", short(limit)),
+        Limit::AtLeast(limit) => format!("\u{2265} {}", short_number(limit)),
+        Limit::AtMost(limit) => format!("\u{2264} {}", short_number(limit)),
     }
 }
 
@@ -269,7 +277,7 @@ fn member_table(found: &CampaignResult) -> Table {
             let (tone, word) = match room {
                 r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
                 r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
-                r => (Tone::Bad, format!("fails by {}", short(-r))),
+                r => (Tone::Bad, format!("fails by {}", short_number(-r))),
             };
             table.rows.push(vec![
                 Cell::text(member.name.clone()),

@@ -21,7 +21,7 @@ pub struct TargetEvidence<'a> {
 }
 
 /// Returns the section of a report that sets the targets side by side.
-pub fn section(evidence: &TargetEvidence<'_>) -> Section {
+pub fn targets_section(evidence: &TargetEvidence<'_>) -> Section {
     let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
                  Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
                  small numbers cost is against double; for heave, pitch and road it is what the rejection ratio loses.";

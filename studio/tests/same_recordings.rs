@@ -35,12 +35,12 @@ fn example(name: &str) -> PathBuf {
 fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
     for (name, folders) in EXAMPLES {
         let folder = example(name);
-        let project = projects::load(&folder, Purpose::Model).unwrap().project;
+        let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
         for inside in folders {
             let paths = vec![folder.join(inside)];
             let controller = recording_controller(&project).unwrap();
             let controller = controller.as_ref();
-            let files = projects::recordings(&paths).unwrap();
+            let files = projects::read_recordings(&paths).unwrap();
             let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
             let control = control_for(controller, read.iter().map(|item| &item.recording));
             let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
@@ -68,7 +68,7 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let road = std::fs::read(example("reference-rig").join("sandy-loam.parquet")).unwrap();
     files::write(&folder.join("road.parquet"), &road).unwrap();
     files::write(&folder.join("project.toml"), whole.as_bytes()).unwrap();
-    let project = projects::load(&folder, Purpose::Design).unwrap().project;
+    let project = projects::load_project(&folder, Purpose::Design).unwrap().project;
     let modelled = counterpoise_pipeline::model(&project).unwrap();
     let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
     let made = counterpoise_pipeline::synthesise(&project, &modelled, &reduced).unwrap();
@@ -79,9 +79,9 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let named = "\n[recording_controller]\nkind = \"exported\"\nfile = \"controller.json\"\n";
     let text = format!("{whole}{named}");
     files::write(&folder.join("project.toml"), text.as_bytes()).unwrap();
-    let project = projects::load(&folder, Purpose::Model).unwrap().project;
+    let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
     let source = example("left-out-friction").join("triangle.parquet");
-    let file = projects::recordings(&[source]).unwrap();
+    let file = projects::read_recordings(&[source]).unwrap();
     let recorded = read(&project, None, &file, Gaps::AsWritten).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&recorded[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
@@ -118,14 +118,14 @@ fn excerpt(recording: &Recording, samples: usize) -> String {
 fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     let folder = std::env::temp_dir().join(format!("counterpoise-same-diagnosis-{}", std::process::id()));
     let source = example("left-out-friction");
-    let project = projects::load(&source, Purpose::Model).unwrap().project;
-    let files = projects::recordings(&[source.join("triangle.parquet")]).unwrap();
+    let project = projects::load_project(&source, Purpose::Model).unwrap().project;
+    let files = projects::read_recordings(&[source.join("triangle.parquet")]).unwrap();
     let whole = read(&project, None, &files, Gaps::AsWritten).unwrap();
     files::write(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap()).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&whole[0].recording, 2500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
     let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::Progress::Quiet);
-    let expected = diagnose(&project, &projects::recordings(&paths).unwrap(), &workers).unwrap();
+    let expected = diagnose(&project, &projects::read_recordings(&paths).unwrap(), &workers).unwrap();
     let mut window = studio(&folder);
     settle(&mut window);
     window.run(&Command::Recordings { paths });

@@ -9,8 +9,8 @@ use clap::{Args, ValueEnum};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
 use counterpoise_project::{Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, report};
-use counterpoise_report::html;
+use counterpoise_report::fra::{Pace, fra_report};
+use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::describe_column_remark;
 use counterpoise_simulate::fra::Measurement;
 
@@ -98,8 +98,8 @@ const MOST_FREQUENCIES: usize = 10_000;
 
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.outputs.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Model)?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
         simulated(&loaded, &plan, options)?
@@ -111,7 +111,7 @@ pub fn run(options: &FraOptions) -> Done {
             .chain(std::env::args().skip(1))
             .collect::<Vec<_>>()
             .join(" ");
-        projects::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
+        projects::write_file(path, html_page(&fra_report(&maps, &speed, &command)).as_bytes())?;
     }
     if !output::json_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(print);
@@ -190,7 +190,7 @@ fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Ma
     let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
     let mut maps = Vec::new();
     let controller = recording_controller(&loaded.project)?;
-    let files = projects::recordings(&options.recording)?;
+    let files = projects::read_recordings(&options.recording)?;
     for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired)? {
         let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
         map.recording = Some(item.file);

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use counterpoise_host::files::{PROJECT_FILE, create};
+use counterpoise_host::files::{PROJECT_FILE, create_project};
 use counterpoise_project::starters::{Kind, Question, with_answer};
 use counterpoise_project::{Document, STARTER};
 
@@ -24,7 +24,7 @@ pub fn run(options: &NewOptions) -> Done {
             names()
         ),
     };
-    let path = create(&options.folder, &document).map_err(anyhow::Error::msg)?;
+    let path = create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
     told(&path, &options.folder);
     Ok(ExitCode::SUCCESS)
 }

@@ -6,8 +6,8 @@ use anyhow::bail;
 use counterpoise_pipeline::recordings::measured_modes::{
     StructureAnswer, StructureVerdict, structure, support_in_words,
 };
-use counterpoise_report::html;
-use counterpoise_report::structure::report;
+use counterpoise_report::html_page;
+use counterpoise_report::structure::structure_report;
 
 use crate::exit::Done;
 use crate::options::DiagnoseOptions;
@@ -26,14 +26,14 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
     let found = structure(&loaded.project, measured)?;
     if let Some(path) = &options.save {
         let document = found.improved.update(&loaded.document, &loaded.project)?;
-        projects::write(path, document.text().as_bytes())?;
+        projects::write_file(path, document.text().as_bytes())?;
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
-        let page = report(&loaded.project.plant.name, &command, &found.answer);
-        projects::write(path, html(&page).as_bytes())?;
+        let page = structure_report(&loaded.project.plant.name, &command, &found.answer);
+        projects::write_file(path, html_page(&page).as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &found.answer)? {
+    if !output::write_json(&options.outputs.results, &found.answer)? {
         say!(
             "{} natural frequencies, structure {}",
             measured.modes_hz.len(),

@@ -49,7 +49,7 @@ pub const OWN_NAMES: [&str; 23] = [
 ];
 
 /// Returns the programs of a controller with the given parts.
-pub fn programs(parts: &Parts) -> Programs {
+pub fn lower_parts(parts: &Parts) -> Programs {
     let mut states = States::default();
     let layout = schedule::layout(parts, &mut states);
     let step = step::program(parts, &layout, &mut states);

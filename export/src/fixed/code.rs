@@ -11,7 +11,7 @@ use crate::fixed::guard::{FixedSettings, SHARE_BITS};
 use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::guard::{flags, guard_bytes, marked};
 use crate::print::{Dialect, limit, meaning, state, wrap};
-use crate::vectors::{SHIPPED_SAMPLES, vectors};
+use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};
 use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields};
 
 /// Returns the controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and

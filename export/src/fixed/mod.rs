@@ -16,7 +16,7 @@ mod writer;
 pub use code::fixed_c99;
 pub use error::FixedError;
 pub(crate) use format::{to_integer, unit};
-pub use plan::plan;
+pub use plan::plan_fixed_point;
 pub use runner::FixedRunner;
 
 use counterpoise_controller::program::Slot;

@@ -18,7 +18,7 @@ use crate::rounding::Deviation;
 /// # Errors
 /// [`FixedError`]: a range that is unknown, a sum that does not fit, a divisor that may be 0, or a predicted worst
 /// deviation above `allowed_v`.
-pub fn plan(
+pub fn plan_fixed_point(
     controller: &Controller,
     ranges: &Ranges,
     allowed_v: f64,

@@ -15,7 +15,7 @@ mod pack;
 mod plant;
 
 pub use controller::controller_unit;
-pub use pack::pack;
+pub use pack::pack_unit;
 pub use plant::{MOST_BRISTLES, MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 
 use absent::ABSENT;

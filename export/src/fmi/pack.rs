@@ -5,7 +5,7 @@ use crate::File;
 /// Returns the `.fmu` archive of a unit: a zip whose files are stored, without times, so that the same unit gives
 /// the same bytes. `files` are those of [`super::controller_unit`] or [`super::plant_unit`]; their common folder is
 /// left out. A library compiled for 64-bit Linux may be added: then importers need no compiler.
-pub fn pack(files: &[File], name: &str, linux_library: Option<&[u8]>) -> Vec<u8> {
+pub fn pack_unit(files: &[File], name: &str, linux_library: Option<&[u8]>) -> Vec<u8> {
     let folder = format!("{name}/");
     let inside = |file: &File| file.name.strip_prefix(&folder).unwrap_or(&file.name).to_owned();
     let mut entries: Vec<(String, &[u8])> =
@@ -73,8 +73,8 @@ mod tests {
     #[test]
     fn the_same_files_give_the_same_bytes() {
         let files = [File { name: "axis/modelDescription.xml".into(), text: "<x/>".into() }];
-        let archive = pack(&files, "axis", Some(&[1, 2, 3]));
-        assert_eq!(archive, pack(&files, "axis", Some(&[1, 2, 3])));
+        let archive = pack_unit(&files, "axis", Some(&[1, 2, 3]));
+        assert_eq!(archive, pack_unit(&files, "axis", Some(&[1, 2, 3])));
         let text = String::from_utf8_lossy(&archive);
         assert!(
             text.contains("PK")

@@ -4,7 +4,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use counterpoise_export::board::{COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate};
+use counterpoise_export::board::{
+    COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counting_code, emulator_command,
+};
 use counterpoise_export::{File, Numbers};
 
 use super::support::{STRICT, folder, is_there, run, skipped, write};
@@ -32,7 +34,7 @@ pub fn compile(core: &Core, folder: &Path, own: &[String]) -> Vec<String> {
 /// Links `firmware.elf` from the controller's sources and a program.
 pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathBuf {
     let objects = compile(core, folder, own);
-    let board: Vec<File> = counter("axis", Numbers::Double);
+    let board: Vec<File> = counting_code("axis", Numbers::Double);
     for file in board.iter().filter(|file| file.name != "count.c") {
         std::fs::write(folder.join(&file.name), &file.text).unwrap();
     }
@@ -45,7 +47,7 @@ pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathB
 /// Returns the emulator with the firmware of a folder.
 pub fn emulator(core: &Core, folder: &Path) -> Command {
     let mut command = Command::new(EMULATOR);
-    command.current_dir(folder).args(emulate(core)).stderr(Stdio::inherit());
+    command.current_dir(folder).args(emulator_command(core)).stderr(Stdio::inherit());
     command
 }
 
@@ -53,7 +55,7 @@ pub fn emulator(core: &Core, folder: &Path) -> Command {
 pub fn cost(core: &Core, test: &str, (name, numbers): (&str, Numbers), files: &[File]) -> Cost {
     let folder = folder(&format!("{test}_{}_{numbers:?}", core.machine));
     write(&folder, files);
-    write(&folder, &counter(name, numbers));
+    write(&folder, &counting_code(name, numbers));
     build(core, &folder, &[format!("{name}.c"), format!("{name}_self_test.c")], "count.c");
     let said = run(&mut emulator(core, &folder));
     let size = run(Command::new(SIZER).current_dir(&folder).arg(format!("{name}.o")));

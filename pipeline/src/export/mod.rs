@@ -4,14 +4,14 @@ mod feedback_alone;
 pub mod target_proofs;
 
 use counterpoise_controller::READINGS;
-use counterpoise_controller::realise::coefficients;
-use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
+use counterpoise_controller::realise::count_coefficients;
+use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::signal_names::ControlledPosition;
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_export::{
-    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, fixed_c99, fixed_form,
-    rust_crate, targets,
+    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, compare_targets,
+    fixed_c99, fixed_form, rust_crate,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{Axis, Measured, Parameters};
@@ -73,7 +73,7 @@ pub fn export(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Exported, PipelineError> {
-    export_by(project, modelled, verified, &crate::procedure(project, world)?, world)
+    export_by(project, modelled, verified, &crate::project_procedure(project, world)?, world)
 }
 
 /// Returns the code as [`export`] makes it, with the procedure of the verification at hand.
@@ -118,12 +118,12 @@ pub fn export_by(
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn compare(
+pub fn compare_targets(
     modelled: &Modelled,
     verified: &VerifiedController,
     procedure: &Procedure,
 ) -> Result<Targets, PipelineError> {
-    Ok(targets(verified, &modelled.plant, procedure, half_step_v(&modelled.plant))?)
+    Ok(compare_targets(verified, &modelled.plant, procedure, half_step_v(&modelled.plant))?)
 }
 
 /// The code of a controller in some numbers.
@@ -190,11 +190,11 @@ pub struct PathForms {
 ///
 /// # Errors
 /// Those of the realisation.
-pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineError> {
+pub fn path_forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineError> {
     let paths = verified.controller().parts().paths.iter().filter(|path| path.system.order() > 0);
     let of = |path: &counterpoise_controller::Path| {
-        let candidates = candidates(&path.system).map_err(counterpoise_synth::Error::from)?;
-        let count = coefficients(&path.system);
+        let candidates = form_candidates(&path.system).map_err(counterpoise_synth::Error::from)?;
+        let count = count_coefficients(&path.system);
         // A form is known by its number of coefficients: few in blocks, all of them in a full matrix.
         let nearest = candidates.iter().min_by_key(|candidate| candidate.coefficients.abs_diff(count));
         let chosen = nearest.map_or(Form::Modal, |candidate| candidate.form);
@@ -316,7 +316,7 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
 }
 
 /// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
-pub fn weights(synth: &Synthesis) -> Vec<String> {
+pub fn describe_weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let blocks = crate::tuning::block_results(&synth.options.structure);
     let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();

@@ -33,7 +33,7 @@ pub struct Accuracy {
 ///
 /// # Errors
 /// A plant that a law does not fit, or that cannot be simulated.
-pub fn accuracy(modelled: &Modelled, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
+pub fn simulation_accuracy(modelled: &Modelled, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
     let all = cases(&modelled.plant)?;
     let found = map(pool, all.len(), |k| one(&all[k]));
     found.into_iter().collect()

@@ -128,7 +128,7 @@ impl Trials {
 ///
 /// # Errors
 /// A project without adaptation, and those of the plant and the simulator.
-pub fn trials(
+pub fn run_trials(
     project: &Project,
     modelled: &Modelled,
     made: &Synthesised,

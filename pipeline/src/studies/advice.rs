@@ -91,7 +91,7 @@ const TRIED: usize = 3;
 ///
 /// # Errors
 /// Those of the plant and the verification; a change that admits no controller is left out.
-pub fn advice(
+pub fn advise_changes(
     project: &Project,
     modelled: &Modelled,
     reduced: &Reduced,

@@ -25,7 +25,7 @@ pub struct RegimeRobustness {
 ///
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
-pub fn cases(
+pub fn certified_cases(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
@@ -54,14 +54,14 @@ pub fn cases(
 /// Returns the certificate of a project's controller, moved as the project's verification moves it.
 ///
 /// # Errors
-/// As [`cases`], and those of the loop and the simulator.
-pub fn certificate(
+/// As [`certified_cases`], and those of the loop and the simulator.
+pub fn certify_controller(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
     procedure: &Procedure,
 ) -> Result<Certificate, PipelineError> {
-    let cases = cases(project, modelled, synthesised)?;
+    let cases = certified_cases(project, modelled, synthesised)?;
     Ok(certify(&synthesised.sampled.controller, procedure, &cases)?)
 }
 
@@ -69,7 +69,7 @@ pub fn certificate(
 /// stiffness among them where the project varies it. Empty if the project varies nothing.
 ///
 /// # Errors
-/// As [`cases`], and those of the linear loop.
+/// As [`certified_cases`], and those of the linear loop.
 pub fn robust_regimes(
     project: &Project,
     modelled: &Modelled,
@@ -84,7 +84,7 @@ pub fn robust_regimes(
     };
     let controller = &synthesised.sampled.controller;
     let mut all = Vec::new();
-    for case in cases(project, modelled, synthesised)? {
+    for case in certified_cases(project, modelled, synthesised)? {
         let parameters = case.plant.parameters();
         if parameters.lumped.is_none() {
             continue;

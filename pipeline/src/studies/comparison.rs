@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::cost_basis::{CostBasis, cost_basis};
 use crate::exchange::SystemResult;
 use crate::synth::design_plant;
-use crate::synth::schedule::{BalanceRow, rows};
+use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
@@ -163,7 +163,7 @@ pub fn compare_designs(
         methods: methods(asked, made)?,
         lowered: lowered(made)?,
         motions: motions(&made.design)?,
-        balance: rows(&made.balance),
+        balance: balance_rows(&made.balance),
         spillover: spillover(project, (asked, modelled), made)?,
         total_cost: cost_of(made)?,
     })
@@ -266,7 +266,7 @@ fn words(findings: &[counterpoise_synth::Finding]) -> String {
 fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, PipelineError> {
     let mut rows = vec![as_built(asked, made)?];
     if asked.options.alternatives.is_empty() {
-        return Ok(rows);
+        return Ok(balance_rows);
     }
     let mut all = vec![asked.options.method];
     all.extend(asked.options.alternatives.iter().filter(|method| **method != asked.options.method));
@@ -281,7 +281,7 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
             rows.push(method_row(made, (method, integrates && variant == 0), answer)?);
         }
     }
-    Ok(rows)
+    Ok(balance_rows)
 }
 
 fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, PipelineError> {
@@ -374,7 +374,7 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
         let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
         rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });
     }
-    Ok(rows)
+    Ok(balance_rows)
 }
 
 /// Returns the sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures);

@@ -19,7 +19,7 @@ use crate::tuning::{
     tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
-    Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, observed, reduce,
+    Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, reduce, run_observed,
     synthesise,
 };
 
@@ -273,7 +273,7 @@ struct Bench<'a> {
 impl Bench<'_> {
     fn row(&self, name: &str, project: &Project) -> Result<DesignRow, PipelineError> {
         let made =
-            observed(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;
+            run_observed(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;
         self.judged(name, &made)
     }
 
@@ -284,7 +284,7 @@ impl Bench<'_> {
     }
 
     fn tuned(&self, name: &str, subject: TuningSubject<'_>, wanted: &Tuning) -> DesignRow {
-        let made = observed(self.world, Step::Synthesise, || {
+        let made = run_observed(self.world, Step::Synthesise, || {
             let (tuned, _) = tune_feedback(subject, self.ground, wanted)?;
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
             synthesis.options.structure = FixedStructure::default();
@@ -317,7 +317,7 @@ impl Bench<'_> {
             limits,
         };
         let name = "best linear feedback";
-        let row = match observed(self.world, Step::Synthesise, || best_loop(&task)) {
+        let row = match run_observed(self.world, Step::Synthesise, || best_loop(&task)) {
             Err(why) => blank_row(name, Some(why.to_string())),
             Ok(found) => {
                 let is_band = ground.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
@@ -344,7 +344,7 @@ impl Bench<'_> {
         };
         let linear = on(&self.ground.disturbance)?;
         let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
-        let nonlinear = observed(self.world, Step::Verify, || self.run(controller))?;
+        let nonlinear = run_observed(self.world, Step::Verify, || self.run(controller))?;
         let order = match &made.design.joint {
             Some(joint) => joint.controller.order(),
             None => made.design.feedback_controller().order(),

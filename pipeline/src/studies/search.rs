@@ -7,7 +7,7 @@ use counterpoise_synth::{
 use counterpoise_verify::VerifiedController;
 
 use crate::design_views::{WeightResponses, weight_responses};
-use crate::export::weights;
+use crate::export::describe_weights;
 use crate::synth::{design_plant, sampling};
 use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
 use counterpoise_project::Project;
@@ -76,7 +76,7 @@ pub fn search(
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
-    let weights = project.synth.as_ref().map(weights).unwrap_or_default();
+    let weights = project.synth.as_ref().map(describe_weights).unwrap_or_default();
     let weight_responses = weight_responses(&found.best.specification);
     Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
 }

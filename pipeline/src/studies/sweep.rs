@@ -9,7 +9,7 @@ use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
-use crate::{Modelled, PipelineError, World, procedure};
+use crate::{Modelled, PipelineError, World, project_procedure};
 use counterpoise_project::Project;
 
 /// A campaign that was run, with everything that a report, a terminal or another program shows of it.
@@ -115,7 +115,7 @@ const USUAL: &str = "usual, because the project states no requirement";
 ///
 /// # Errors
 /// A section that is missing, a recorded road that cannot be read, variations that make no mechanism.
-pub fn campaign(
+pub fn prepare_campaign(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
@@ -127,7 +127,7 @@ pub fn campaign(
     Ok(Campaign::new(
         modelled.parameters.clone(),
         verified.controller().clone(),
-        procedure(project, world)?,
+        project_procedure(project, world)?,
         asked.variations.clone(),
         judged(project),
         Layout { samples: asked.samples, seed: asked.seed, points: asked.layout },
@@ -138,8 +138,8 @@ pub fn campaign(
 /// varied alone.
 ///
 /// # Errors
-/// As [`campaign`].
-pub fn families(
+/// As [`prepare_campaign`].
+pub fn vary_families(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
@@ -149,7 +149,7 @@ pub fn families(
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
     let figures: Vec<Figure> = judged(project).iter().map(|requirement| requirement.figure).collect();
     let (parameters, controller, procedure) =
-        (&modelled.parameters, verified.controller(), procedure(project, world)?);
+        (&modelled.parameters, verified.controller(), project_procedure(project, world)?);
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;
     members.extend(configurations(parameters, controller, &procedure, &figures)?);
     Ok(members)
@@ -159,7 +159,7 @@ pub fn families(
 /// `None` if the project varies nothing, has no lumped structure, or its loop is unstable as it is.
 ///
 /// # Errors
-/// As [`campaign`], and those of the linear loop.
+/// As [`prepare_campaign`], and those of the linear loop.
 pub fn robust_stability(
     project: &Project,
     modelled: &Modelled,
@@ -175,7 +175,7 @@ pub fn robust_stability(
         input_error: asked.input_error,
         output_error: asked.output_error,
     };
-    let procedure = procedure(project, world)?;
+    let procedure = project_procedure(project, world)?;
     let parameters = &modelled.parameters;
     Ok(counterpoise_verify::structured::robust_stability(parameters, controller, &procedure, &uncertainty)?)
 }

@@ -22,7 +22,7 @@ pub struct EffortPoint {
 ///
 /// # Errors
 /// A project without weights, and those of the plant.
-pub fn effort(
+pub fn trade_off_points(
     project: &Project,
     modelled: &Modelled,
     reduced: &Reduced,

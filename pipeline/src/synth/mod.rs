@@ -79,7 +79,7 @@ pub fn synthesise(
     let lowered = asked.options.controller_order.map(|order| lower(&mut design, order)).transpose()?;
     let sampling = sampling(asked, modelled)?;
     let balance = match &asked.options.schedule {
-        Some(wanted) => schedule::balance(project, asked, modelled, wanted)?,
+        Some(wanted) => schedule::schedule_entries(project, asked, modelled, wanted)?,
         None => Vec::new(),
     };
     let sampled = match &asked.options.schedule {

@@ -41,7 +41,7 @@ pub struct BalanceRow {
 ///
 /// # Errors
 /// A configuration that does not exist, and those of the plant and the design.
-pub fn balance(
+pub fn schedule_entries(
     project: &Project,
     asked: &Synthesis,
     modelled: &Modelled,
@@ -55,7 +55,7 @@ pub fn balance(
 /// Returns every state of balance besides the nominal one.
 ///
 /// # Errors
-/// As [`balance`].
+/// As [`schedule_entries`].
 pub(crate) fn other_configurations(
     project: &Project,
     asked: &Synthesis,
@@ -130,7 +130,7 @@ pub(crate) fn interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) ->
 }
 
 /// Returns the entries as plain rows.
-pub fn rows(entries: &[Entry]) -> Vec<BalanceRow> {
+pub fn balance_rows(entries: &[Entry]) -> Vec<BalanceRow> {
     entries.iter().map(row).collect()
 }
 

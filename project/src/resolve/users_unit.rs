@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::file::tree::{Node, Value};
 use crate::file::{Document, EditError, Setting};
-use crate::unit::rewrite;
+use crate::unit::rewrite_quantity;
 
 /// Units of the keys by the bytes at which their quantities stand.
 type Units = BTreeMap<usize, &'static str>;
@@ -53,7 +53,7 @@ fn in_units(node: &Node, setting: &Setting, units: &Units) -> Setting {
     let number = |value: f64| match &node.value {
         Value::Text(text) => {
             let unit = units.get(&node.span.start)?;
-            rewrite(text, value, unit).map(Setting::Text)
+            rewrite_quantity(text, value, unit).map(Setting::Text)
         }
         _ => None,
     };

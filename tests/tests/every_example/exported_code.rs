@@ -8,14 +8,14 @@ use std::sync::Mutex;
 use counterpoise_controller::{Controller, READINGS, SampledController};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::board::{CORES, Core};
-use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, count_differing, requests, rust_replay};
+use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, count_differing, encode_requests, rust_replay};
 use counterpoise_export::{
     File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan, rust_crate,
     single_precision,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_pipeline::export::compare;
-use counterpoise_pipeline::{procedure, verify};
+use counterpoise_pipeline::export::compare_targets;
+use counterpoise_pipeline::{project_procedure, verify};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
@@ -164,7 +164,8 @@ fn design_of(path: &Path) -> Option<Design> {
     let (project, modelled) = (&designed.project, &designed.modelled);
     let world = examples::world(path);
     let verified = verify(project, modelled, &designed.made, &world).unwrap();
-    let compared = compare(modelled, &verified, &procedure(project, &world).unwrap()).unwrap();
+    let compared =
+        compare_targets(modelled, &verified, &project_procedure(project, &world).unwrap()).unwrap();
     let name = examples::name(path);
     let controller = designed.made.sampled.controller.clone();
     Some(Design { name, plant: modelled.plant.clone(), controller, compared })
@@ -303,7 +304,7 @@ impl Design {
         assert_eq!(rustc(&tests), "");
         assert!(run(&mut Command::new(folder.join("vectors"))).contains("1 passed"));
         let records = &self.compared.figures[0].closed_loops;
-        std::fs::write(folder.join("readings"), requests(records, None)).unwrap();
+        std::fs::write(folder.join("readings"), encode_requests(records, None)).unwrap();
         let readings = std::fs::File::open(folder.join("readings")).unwrap();
         let output = Command::new(folder.join("replay")).stdin(readings).output().unwrap();
         let samples: usize = records.iter().map(|record| record.controls_v.len()).sum();

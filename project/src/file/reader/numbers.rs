@@ -6,7 +6,7 @@ use crate::diagnostic::Problem;
 use crate::file::field::{Assumed, Fallback, Field, Limit, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
-use crate::unit::read;
+use crate::unit::read_quantity;
 
 /// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
@@ -61,7 +61,7 @@ impl<'a> Reader<'a> {
         let relative = match &node.value {
             Value::Number(value) => Ok(*value),
             Value::Whole(value) => Ok(*value as f64),
-            Value::Text(text) => read(text, ""),
+            Value::Text(text) => read_quantity(text, ""),
             _ => {
                 self.wrong_type(path, node, "a number (relative), or a quantity (absolute)");
                 return None;
@@ -70,7 +70,7 @@ impl<'a> Reader<'a> {
         let (half_width, kind) = match (relative, &node.value) {
             (Ok(relative), _) => (relative * value.abs(), ToleranceKind::Relative),
             (Err(_), Value::Text(text)) if !field.unit.is_empty() => {
-                let absolute = read(text, field.unit);
+                let absolute = read_quantity(text, field.unit);
                 let told = |error: &crate::unit::QuantityError| format!("{error}; or a relative half-width");
                 match absolute {
                     Ok(absolute) => (absolute, ToleranceKind::Absolute),
@@ -127,7 +127,7 @@ impl<'a> Reader<'a> {
     /// Returns a number with a unit, in the unit of the field.
     pub(super) fn quantity(&mut self, path: &str, node: &Node, (text, field): (&str, &Field)) -> Option<f64> {
         self.units.insert(node.span.start, field.unit);
-        match read(text, field.unit) {
+        match read_quantity(text, field.unit) {
             Ok(value) => Some(value),
             Err(error) => {
                 let remark = Remark::new(Problem::WrongType, path, error.to_string())
