@@ -39,8 +39,7 @@ macro_rules! say {
 }
 pub(crate) use say;
 
-/// Returns an error and its causes, one below the other; a cause that the line above it quotes is not said
-/// twice.
+/// Returns an error and its causes, one below the other. A cause that the line above it quotes is not repeated.
 pub fn error_chain(error: &anyhow::Error) -> String {
     format!("error: {}", error_causes(error).join("\n  because: "))
 }

@@ -189,7 +189,7 @@ fn an_experiment_separates_what_a_diagnosis_leaves() {
     let refused = planned(&["--angle", "0.1", "--rate", "0.2", "--current", "0.001"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(
-        refused.status.code() == Some(2) && said.contains("no demand of the menu keeps the limits"),
+        refused.status.code() == Some(2) && said.contains("no demand in the menu keeps the limits"),
         "{said}"
     );
 }

@@ -94,7 +94,7 @@ fn with_lines(lines: &[(&str, &str)]) -> String {
     })
 }
 
-/// Returns what is wrong with the answer to a file; empty where it is refused in all these words.
+/// Returns what is wrong with the answer to a file; empty if it is refused in all these words.
 fn judged(name: &str, text: &str, words: &[&str]) -> String {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&file, text).unwrap();

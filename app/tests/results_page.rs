@@ -1,7 +1,7 @@
 //! The manual's page of JSON results: the keys of stored example results, and that the program still gives these keys.
 //!
 //! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test all results_page` runs the commands, stores their shortened results in
-//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` anew.
+//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "support/schema.rs"]
@@ -100,7 +100,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Returns whether the page and the stored results are written anew.
+/// Returns whether the page and the stored results are written again.
 fn writes() -> bool {
     std::env::var_os("WRITE_MANUAL").is_some()
 }

@@ -117,7 +117,7 @@ impl<'a> Bench<'a> {
         Ok(synthesise(&project, &made.modelled, &made.reduced)?.sampled.controller)
     }
 
-    /// Returns a figure of the verification, NaN where it was not measured.
+    /// Returns a figure of the verification, NaN if it was not measured.
     pub fn value(&self, figure: Figure) -> f64 {
         self.designed.verified.verification().value(figure).unwrap_or(f64::NAN)
     }

@@ -113,7 +113,7 @@ fn text(f: &Figures) -> String {
     )
 }
 
-/// Designs without integral action over the gain; the family ends where there is no design.
+/// Designs without integral action over the gain; the family ends if there is no design.
 fn lagging(bench: &Bench<'_>) -> Vec<Lagging> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };

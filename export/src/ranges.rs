@@ -102,7 +102,7 @@ impl Ranges {
     }
 
     /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
-    /// `start` makes it anew for each run.
+    /// `start` creates the controller for each run.
     pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
         self.runs.iter().fold(Measured::default(), |most, run| {
             let mut found = Measured::default();
@@ -182,7 +182,7 @@ fn watch(largest: &mut [f64], controller: &Controller, run: &Run) -> Vec<f64> {
     control_v
 }
 
-/// Returns the larger of two; infinite where one is no number, as what grew out of all range is.
+/// Returns the larger of two; infinite if one is no number, as what grew out of all range is.
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

@@ -37,7 +37,7 @@ impl Pace {
         Ok(Self { lines: !terminal, ..Self::over(bar, count) })
     }
 
-    /// Of a campaign of `count` samples, shown to nobody.
+    /// Of a campaign of `count` samples, shown nowhere.
     pub fn silent(count: usize) -> Self {
         Self::over(ProgressBar::hidden(), count)
     }

@@ -28,7 +28,7 @@ pub struct Descriptor {
 pub struct Reduced {
     /// The finite modes and the direct path.
     pub system: StateSpace,
-    /// What the input's derivatives contribute, each p x m; empty where the system is proper.
+    /// What the input's derivatives contribute, each p x m; empty if the system is proper.
     pub derivatives: Vec<Mat>,
     /// Number of rounds of constraints that were eliminated: zero if E is invertible, one for an index of one.
     pub rounds: usize,
@@ -53,7 +53,7 @@ impl Descriptor {
     ///
     /// Scaled by powers of two, then in rounds: E is brought to echelon form; rows without E are constraints
     /// `0 = R x + b u + b1 u' ...`; as many variables as there are constraints are expressed by the others and vanish;
-    /// until E is invertible. Complete pivoting throughout, and an entry is zero where it cancelled to 1e-11 of what
+    /// until E is invertible. Complete pivoting throughout, and an entry is zero if it cancelled to 1e-11 of what
     /// was summed to it, so that ranks are decided entry by entry: time constants eleven decades apart do not blur
     /// them as they blur singular values. O(n^3) a round.
     ///

@@ -93,7 +93,7 @@ pub struct CandidateMargins {
 }
 
 impl CandidateMargins {
-    /// Returns the gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
+    /// Returns the gain margin nearest to one either way, in dB without sign; infinite if nothing crosses.
     pub fn gain_margin_db(&self) -> f64 {
         nearest_gain_db(&self.gain)
     }
@@ -139,7 +139,7 @@ impl Margins {
         downward.max_by(|a, b| a.factor.total_cmp(&b.factor))
     }
 
-    /// Returns the gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
+    /// Returns the gain margin nearest to one either way, in dB without sign; infinite if nothing crosses.
     pub fn gain_margin_db(&self) -> f64 {
         nearest_gain_db(&self.gain)
     }

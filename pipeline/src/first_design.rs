@@ -48,7 +48,7 @@ pub(crate) fn leaves_weights_open(project: &Project) -> bool {
     project.synth.as_ref().is_none_or(|asked| asked.weights == WeightSource::Chosen)
 }
 
-/// Returns the project with weights chosen anew, whether it states some or not: where a new machine starts from.
+/// Returns the project with newly chosen weights, whether it states weights or not: the start for a new machine.
 ///
 /// # Errors
 /// As [`with_chosen_weights`].

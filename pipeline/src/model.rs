@@ -19,7 +19,7 @@ use counterpoise_project::resolve::model::StructureChoice;
 /// The plant, configured, with its linearisation.
 #[derive(Debug, Clone)]
 pub struct Modelled {
-    /// Parameters with the configuration applied and the lumped structure derived where it is not given.
+    /// Parameters with the configuration applied and the lumped structure derived if it is not given.
     pub parameters: Parameters,
     /// The nonlinear plant.
     pub plant: Plant,

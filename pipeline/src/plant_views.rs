@@ -24,7 +24,7 @@ pub struct PlantViews {
     pub elements: Option<FeModel>,
     /// What few elements make of the beam; none without a beam.
     pub meshes: Option<Meshes>,
-    /// Friction at the motor and at the pivot, where there is any.
+    /// Friction at the motor and at the pivot, if there is any.
     pub frictions: Vec<FrictionView>,
     /// The free functions of the plant, with their bands and the recordings' coverage.
     #[serde(skip)]

@@ -16,7 +16,7 @@ pub struct Reduced {
     pub system: StateSpace,
     /// The plant before.
     pub before: StateSpace,
-    /// Values by which states were ranked, largest first; empty where the method ranks none.
+    /// Values by which states were ranked, largest first; empty if the method ranks none.
     pub ranked: Vec<f64>,
     /// A priori bound on the largest error over all frequencies and directions.
     pub bound: Option<f64>,

@@ -175,13 +175,13 @@ pub struct VerifyResult {
     pub verdicts: Vec<VerdictResult>,
     /// Every figure.
     pub figures: Vec<FigureResult>,
-    /// Stability in every regime; absent where it was not asked.
+    /// Stability in every regime; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateResult>,
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptation_trials: Option<Trials>,
-    /// What the error of the line of sight is made of; absent where it was not asked.
+    /// What the error of the line of sight is made of; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
     /// What the linear figures are measured on.

@@ -198,7 +198,7 @@ const STILL_RAD_S: f64 = 1e-9;
 const ROUNDS: usize = 5;
 
 /// Tunes a feedback on its ground; gives the number of plants on which the limits were checked besides. A mechanism of the sweep on which the answer misses a limit joins
-/// the plants, and the feedback is tuned anew.
+/// the plants, and the feedback is tuned again.
 ///
 /// # Errors
 /// Those of the tuning.
@@ -484,7 +484,7 @@ pub struct TuningResult {
     pub plants: usize,
     /// By how much the worst limit is missed, relative to it.
     pub missed: f64,
-    /// Residual that each start reached, rad/s; absent where it found no loop within the limits.
+    /// Residual that each start reached, rad/s; absent if it found no loop within the limits.
     pub starts_rad_s: Vec<Option<f64>>,
     /// Loops that were evaluated.
     pub evaluations: usize,

@@ -106,7 +106,7 @@ fn motions_that_cannot_be_made_are_told_at_their_key() {
     let long = [("kind", text("spectrum")), ("heave_psd", psd), ("fade", Setting::Number(20.0))];
     assert!(said(&moving(&long), &none)[0].contains("at most half the duration of 30 s"));
     let missing = said(&moving(&[("kind", text("spectrum")), ("heave_psd", text("road.csv"))]), &none);
-    let told = "the file \"road.csv\" was not found beside the project file";
+    let told = "the file \"road.csv\" was not found in the folder of the project file";
     assert!(missing.iter().any(|line| line.contains(told)), "{missing:?}");
 }
 

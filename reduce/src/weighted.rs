@@ -64,7 +64,7 @@ pub struct ControllerReduction {
     pub closed_loop_stable: bool,
     /// Pole of that loop nearest to, or farthest beyond, the border of stability.
     pub critical_pole: C64,
-    /// Largest change of the complementary sensitivity G K inv(1 + G K); infinite where the loop is lost.
+    /// Largest change of the complementary sensitivity G K inv(1 + G K); infinite if the loop is lost.
     pub closed_loop_error: Peak,
 }
 

@@ -24,7 +24,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
             .removed()
             .map_or(String::new(), |share| format!(", {:.0} % of the added rate removed", 100.0 * share));
         format!(
-            "    {:13} {:9} {:20} without {:.3}, with {:.3}, told the load {:.3}{removed}",
+            "    {:13} {:9} {:20} without {:.3}, with {:.3}, load known {:.3}{removed}",
             row.method,
             motion(row.motion),
             load(row.load),
@@ -53,7 +53,7 @@ pub fn trial_section(tried: &Trials) -> Section {
         Column::Text("load"),
         Column::Number("without [mrad/s]"),
         Column::Number("with adaptation [mrad/s]"),
-        Column::Number("told the load [mrad/s]"),
+        Column::Number("load known [mrad/s]"),
         Column::Number("with over without"),
     ];
     let mut table = Table::new("Hub rate, RMS", &columns);

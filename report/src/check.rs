@@ -1,4 +1,4 @@
-//! What a project file was understood to say, and what it leaves open, in words.
+//! How a project file was read and which values are assumed, in words.
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};

@@ -25,7 +25,7 @@ pub struct DesignRun<'a> {
     pub origin: &'a Origin,
     /// What each stage took.
     pub times: &'a [StageTime],
-    /// The compiled code beside its model.
+    /// The compiled code, compared with its model.
     pub proofs: &'a [Proof],
     /// Instructions and memory of a step.
     pub costs: &'a Costs,

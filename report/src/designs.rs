@@ -41,7 +41,7 @@ pub const LEGEND: [&str; 4] = [
     "Control: RMS of the control about its mean under the motion.",
 ];
 
-/// Returns the cells of a row after its name, with the time that its design took in s; empty text where there is no number.
+/// Returns the cells of a row after its name, with the time that its design took in s; empty text if there is no number.
 pub fn design_cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
     let number = |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short);
     let linear = |of: fn(&counterpoise_pipeline::tuning::LoopMeasuresResult) -> f64| {

@@ -1,4 +1,4 @@
-//! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
+//! The report of a diagnosis: the answer first, then how the fit improved, the localisation, and the candidates.
 
 use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
 use crate::wording::name_in_words;
@@ -8,7 +8,7 @@ use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::learned::learned_section;
-use crate::where_when::where_section;
+use crate::localisation::localisation_section;
 use counterpoise_pipeline::Consequence;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
 use counterpoise_pipeline::recordings::tracks::Track;
@@ -28,7 +28,7 @@ pub fn diagnosis_report(
     sections.extend(answer.learned.as_ref().map(learned_section));
     sections.extend(consequence.map(difference::consequence_section));
     sections.extend(residual::residual_sections(tracks, &found.residuals));
-    sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
+    sections.extend([localisation_section(answer), tried_section(answer), cannot_tell(answer)]);
     Report {
         title: format!("Diagnosis of {machine}"),
         subtitle: "where the simulation departs from the recordings, and what explains it".to_owned(),
@@ -75,7 +75,7 @@ fn tiles(answer: &AnswerText) -> Vec<Tile> {
             .noted("worst channel, all recordings"),
         Tile::plain("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "")
             .noted("1 is perfect"),
-        Tile::plain("on data not fitted", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
+        Tile::plain("on held-out data", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
             .noted("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
@@ -131,7 +131,7 @@ fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
         Column::Number("held out, after"),
     ];
     let mut table =
-        Table::new("RMS error per channel over all recordings, and on what was not fitted", &columns);
+        Table::new("RMS error per channel over all recordings, and on held-out data", &columns);
     for (channel, before) in &answer.fit.before {
         let number = |channels: &Channels| {
             channels.get(channel).map_or_else(|| Cell::text(""), |c| Cell::number(c.rms_error))

@@ -48,8 +48,8 @@ pub fn consequence_section(found: &Consequence) -> Section {
         format!("{hold} requirements hold, {fail} fail")
     };
     let anew = match &found.redesigned {
-        Some(redesigned) => format!("Designed anew on the improved model: {}.", counted(redesigned)),
-        None => "Designed anew on the improved model: the weights give no controller.".to_owned(),
+        Some(redesigned) => format!("Redesigned on the improved model: {}.", counted(redesigned)),
+        None => "Redesigned on the improved model: the weights give no controller.".to_owned(),
     };
     let text = format!(
         "The controller designed on the model as it was: {} there, {} on the improved model. {anew}",

@@ -63,7 +63,7 @@ impl Page {
         self.verdicts_beside_glance(report);
     }
 
-    /// The verdicts with pictures beside them, or over the whole width where there are none.
+    /// The verdicts with pictures beside them, or over the whole width if there are none.
     fn verdicts_beside_glance(&mut self, report: &Report) {
         if report.glance.is_empty() {
             return self.table(&report.verdicts);

@@ -44,7 +44,7 @@ pub mod targets;
 pub mod trade_off;
 pub mod triangle;
 pub mod verification;
-mod where_when;
+mod localisation;
 pub mod wording;
 
 pub use design::{of_design, of_synthesis};

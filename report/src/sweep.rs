@@ -258,7 +258,7 @@ fn bound(limit: Limit) -> String {
     }
 }
 
-/// Returns a figure and its room; NaN where it could not be measured.
+/// Returns a figure and its room; NaN if it could not be measured.
 fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
     match value {
         Value::Is(number) => (*number, requirement.limit.distance_to_limit(*number)),

@@ -14,7 +14,7 @@ use crate::{Cell, Column, Section, Table};
 pub struct TargetEvidence<'a> {
     /// The controller in every kind of numbers.
     pub study: &'a TargetStudy,
-    /// The compiled code beside its model.
+    /// The compiled code, compared with its model.
     pub proofs: &'a [Proof],
     /// Instructions and memory.
     pub costs: &'a Costs,
@@ -132,9 +132,9 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
 }
 
 fn proof_table(proofs: &[Proof]) -> Table {
-    let columns = [Column::Text("code"), Column::Text("compiled and run on this machine, beside its model")];
+    let columns = [Column::Text("code"), Column::Text("compiled and run on this machine, compared with its model")];
     let mut table =
-        Table::new("Compiled code beside its model, for all readings of its closed loops", &columns);
+        Table::new("Compiled code compared with its model, for all readings of its closed loops", &columns);
     let said = |answered: &Answered| match answered {
         Answered::Alike { samples } => format!("{samples} samples equal to the last bit"),
         Answered::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),

@@ -1,4 +1,4 @@
-//! `counterpoise check`: what a project file is understood to say, what it leaves open, and its migration to the present format.
+//! `counterpoise check`: how a project file is read, which values are assumed, and its migration to the present format.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

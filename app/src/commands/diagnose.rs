@@ -208,7 +208,7 @@ fn print_learned(learned: &LearnedText) {
     say!("  {}", learned.summary);
 }
 
-/// Effects that are shown where none is certain.
+/// Effects that are shown if none is certain.
 const SHOWN_CANDIDATES: usize = 3;
 
 /// Prints the effects of the library that explain most, each with its size and what it leaves, if no name explains everything.

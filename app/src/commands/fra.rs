@@ -91,7 +91,7 @@ impl From<LoopName> for Around {
 
 const CONTROL_AMPLITUDES_V: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 const RATE_AMPLITUDES_RAD_S: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
-/// From, to (Hz) and count where nothing is said.
+/// Lowest and highest frequency in Hz, and the number of frequencies, by default.
 const FREQUENCIES: (f64, f64, usize) = (0.3, 30.0, 25);
 /// Most frequencies of one map.
 const MOST_FREQUENCIES: usize = 10_000;

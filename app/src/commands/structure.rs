@@ -1,4 +1,4 @@
-//! `counterpoise diagnose` without recordings: what the structure's model left out, from measured natural frequencies.
+//! `counterpoise diagnose` without recordings: what the structure's model lacks, from measured natural frequencies.
 
 use std::process::ExitCode;
 
@@ -58,7 +58,7 @@ fn print(answer: &StructureAnswer) {
         say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, error(model));
     }
     say!();
-    say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "not fitted %");
+    say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "held out %");
     for t in &answer.tried {
         let numbers: Vec<String> =
             t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();

@@ -102,10 +102,10 @@ pub fn run(options: &VerifyOptions) -> Done {
 struct Shown {
     #[serde(flatten)]
     result: VerifyResult,
-    /// Stable within so many times the ranges of the sweep; absent where nothing varies.
+    /// Stable within so many times the ranges of the sweep; absent if nothing varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     robust_to_times_the_ranges: Option<f64>,
-    /// The linear worst case in each case and regime of friction, the design's own sliding first; empty where nothing varies.
+    /// The linear worst case in each case and regime of friction, the design's own sliding first; empty if nothing varies.
     robustness: Vec<RobustnessResult>,
     /// What to change where a requirement fails.
     advice: Vec<AdviceResult>,

@@ -65,7 +65,7 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// Runs the program once; `states` become those after it. Derivatives that are as they were are not computed anew.
+    /// Runs the program once; `states` become those after it. Derivatives that are as they were are not computed again.
     pub fn run(&mut self, states: &mut [f64], inputs: &[f64]) {
         self.values[..self.states].copy_from_slice(states);
         let first = self.values.len() - self.operations.len();

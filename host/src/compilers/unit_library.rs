@@ -7,7 +7,7 @@ use counterpoise_export::host::including_file;
 
 use crate::files;
 
-/// Returns the unit's library for 64-bit Linux, where it can be made here.
+/// Returns the unit's library for 64-bit Linux, if it can be made here.
 pub fn compile_library(folder: &Path, name: &str) -> Option<Vec<u8>> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return None;

@@ -1,7 +1,7 @@
-//! What a structure's model left out, from natural frequencies measured on the real one.
+//! What a structure's model lacks, from natural frequencies measured on the real one.
 //!
 //! Every hypothesis changes the finite elements of the project's beam by at most two numbers. It is fitted to all modes but
-//! one and judged on that one, mode after mode: the error that counts is that of frequencies which were not fitted.
+//! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Support, Theory, modes};
 use counterpoise_models::{Beam, PointMass};
@@ -20,9 +20,9 @@ const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
 const WORTH: f64 = 0.8;
 /// Hypotheses within this factor of the best one's error cannot be told from it.
 const ALIKE: f64 = 1.15;
-/// RMS error, relative, of modes that were not fitted below which the structure is explained.
+/// Relative RMS error of the held-out modes below which the structure is explained.
 const EXPLAINED: f64 = 0.02;
-/// Fewest modes from which a fitted hypothesis can be judged on what was not fitted.
+/// Fewest modes from which a fitted hypothesis can be judged on held-out modes.
 const FEWEST_MODES: usize = 3;
 
 /// One thing that the model may lack.
@@ -107,7 +107,7 @@ pub struct StructureAnswer {
 pub struct StructureDiagnosis {
     /// The answer.
     pub answer: StructureAnswer,
-    /// The improved project; as it was where nothing was named.
+    /// The improved project; as it was if nothing was named.
     pub improved: Project,
 }
 
@@ -353,7 +353,7 @@ fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Opt
             format!("the model has the measured modes within {before:.2} % RMS")
         }
         (_, Some((_, found))) => format!(
-            "the model left out {}: with it, modes that were not fitted are off by {:.2} % RMS, without it by {before:.2} %",
+            "the model lacks {}: with it, held-out modes are off by {:.2} % RMS, without it by {before:.2} %",
             found.what, found.left_out_percent
         ),
         _ => format!("the modes are off by {before:.2} % RMS, and nothing that was tried explains that"),

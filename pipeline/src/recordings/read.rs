@@ -155,7 +155,7 @@ pub fn read_table(
 
 /// Returns the controller that was in the loop when the project's recordings were made; `None` if the project names none.
 ///
-/// The project's own controller is designed anew by each call: a caller asks once.
+/// Each call designs the project's own controller again, so call it once.
 ///
 /// # Errors
 /// The project's own controller is meant, and the project does not design one; or the file of an exported one was not read.

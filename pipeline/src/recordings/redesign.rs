@@ -14,7 +14,7 @@ pub struct Consequence {
     pub before: Verification,
     /// The same controller on the improved model.
     pub kept: Verification,
-    /// A controller designed anew on the improved model, verified on it; `None` if it has no design.
+    /// A controller redesigned on the improved model, verified on it; `None` if it has no design.
     pub redesigned: Option<Verification>,
     /// Every figure from `before` to `kept`.
     pub changes: Vec<Change>,

@@ -65,13 +65,13 @@ pub struct BoundResult {
     pub frequency_hz: f64,
     /// Upper bound.
     pub upper: f64,
-    /// Lower bound; 0 where no perturbation was found.
+    /// Lower bound; 0 if no perturbation was found.
     pub lower: f64,
     /// The blocks of the scaling D that proves the upper bound: M^* D M + j (G M - M^* G) < upper^2 D.
     pub D: Vec<ScalingBlock>,
     /// The blocks of the scaling G.
     pub G: Vec<ScalingBlock>,
-    /// A perturbation of size 1, a number for each block, with det(I - M perturbation / lower) = 0; empty where none was found.
+    /// A perturbation of size 1, a number for each block, with det(I - M perturbation / lower) = 0; empty if none was found.
     pub perturbation: Vec<[f64; 2]>,
 }
 

@@ -180,7 +180,7 @@ enum Acting {
 /// The controller with a note of the out-of-balance that it uses.
 struct Noted {
     acting: Acting,
-    /// Place of the out-of-balance among the states, and its value where there is no such state.
+    /// Place of the out-of-balance among the states, and its value if there is no such state.
     place: (Option<usize>, f64),
     used_kg_m: Vec<f64>,
 }

@@ -1,5 +1,5 @@
 //! Methods of adaptation where they can fail: motions that no window fits, right and wrong starting values, sudden and slow changes of
-//! the load; each against the same controller without adaptation, and against one that is told the load.
+//! the load; each against the same controller without adaptation, and against one that knows the load.
 
 use counterpoise_controller::{Controller, Runner};
 use counterpoise_simulate::signal::Sine;
@@ -55,7 +55,7 @@ pub struct TrialRow {
     pub without_rad_s: f64,
     /// With adaptation, rad/s.
     pub with_rad_s: f64,
-    /// With a controller that is told the load, rad/s.
+    /// With a controller that knows the load, rad/s.
     pub told_rad_s: f64,
 }
 

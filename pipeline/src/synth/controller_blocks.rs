@@ -1,4 +1,4 @@
-//! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
+//! The controller blocks beside the design's paths: the demand's prefilter, friction observers, the estimator.
 
 use counterpoise_controller::signal::{HUB_POSITION, HUB_RATE};
 use counterpoise_controller::{
@@ -31,11 +31,11 @@ const LEAST_SLOPE: f64 = 0.2;
 /// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
 pub(crate) const SMALL_KG_M: f64 = 10.0;
 
-/// Returns the sampled controller with what surrounds its paths, checked anew.
+/// Returns the sampled controller with the blocks beside its paths, checked again.
 ///
 /// # Errors
 /// Those of the controller.
-pub(crate) fn surrounded(
+pub(crate) fn with_controller_blocks(
     sampled: Sampled,
     asked: &Synthesis,
     modelled: &Modelled,
@@ -128,7 +128,7 @@ pub(crate) fn with_reading_limits(sampled: Sampled, sensors: &Sensors) -> Result
 }
 
 /// Returns the largest good readings: [`BEYOND_FULL_SCALE`] times what a fitted sensor gives at its converter's end. The demand
-/// has the scale of the hub gyroscope. `usual` stays where no sensor is fitted.
+/// has the scale of the hub gyroscope. `usual` stays if no sensor is fitted.
 fn reading_limits(sensors: &Sensors, usual: [f64; READINGS]) -> [f64; READINGS] {
     let fitted = [
         Some(&sensors.hub_gyro),

@@ -47,7 +47,7 @@ impl Attachments {
     fn bytes(&self, name: &str) -> Result<&[u8], String> {
         let missing = || match self.problems.get(name) {
             Some(problem) => format!("the file \"{name}\" cannot be read: {problem}"),
-            None => format!("the file \"{name}\" was not found beside the project file"),
+            None => format!("the file \"{name}\" was not found in the folder of the project file"),
         };
         self.files.get(name).map(Vec::as_slice).ok_or_else(missing)
     }

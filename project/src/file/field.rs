@@ -12,7 +12,7 @@ pub(crate) struct Field {
     pub meaning: &'static str,
     /// The canonical text has the key even where absence means the same.
     pub shown: bool,
-    /// Unit of the second number of each pair, where it is not that of the first.
+    /// Unit of the second number of each pair, if it is not that of the first.
     pub second_unit: Option<&'static str>,
     /// By which rule the default stands in for a value that is not known.
     pub assumed: Option<Assumed>,

@@ -45,7 +45,7 @@ struct Frame {
 /// Walks that see every combination of choices within a table and one level into it: 4320 of `[synth]`.
 const TURNS: usize = 4320;
 /// Combinations of choices up to which the items of a list are seen under each of them, as the factors of a product are. Behind more
-/// (the blocks of `[synth]`) they start anew: the walks would be ten times as many, and no key of theirs depends on those choices.
+/// (the blocks of `[synth]`) they start again: the walks would be ten times as many, and no key of theirs depends on those choices.
 const MOST_INHERITED: usize = 480;
 /// All walks: those that leave the choices of `[plant]` at their defaults, then those that make them too.
 pub(crate) const WALKS: usize = 2 * TURNS;
@@ -154,7 +154,7 @@ fn table(rows: &[Row]) -> String {
     rows.iter().fold(head.to_owned(), |text, row| text + &line(row))
 }
 
-/// Under which choices a key exists, where it does not under all.
+/// Under which choices a key exists, if it does not under all.
 fn condition(row: &Row) -> String {
     let some = row.with.iter().filter(|(_, count, names)| names.len() < *count);
     let words: Vec<String> = some.map(|(key, _, names)| format!("`{key}` {}", names.join(", "))).collect();

@@ -235,7 +235,7 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
         if synth.bandwidth_rad_s.is_some() {
             let allowed =
-                "must not stand beside [synth.feedback]: a bandwidth is for weights that are chosen";
+                "must not be given together with [synth.feedback]: a bandwidth is for weights that are chosen";
             v.complain("bandwidth", allowed, Some("remove one of the two".to_owned()));
         }
     }
@@ -249,7 +249,7 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
     });
 }
 
-/// Complains where weights are to be tuned of a feedback that has none of its own, and where there is nothing to tune.
+/// Complains if weights are to be tuned of a feedback that has none, and if there is nothing to tune.
 fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
     let specification = &synth.specification;
     let problem = match tuning.weights {

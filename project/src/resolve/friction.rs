@@ -97,7 +97,7 @@ const BOND: Field =
 const VISCOUS: Field =
     Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::of(ranges::VISCOUS)).or(0.0);
 const STATIC_RATIO: Field =
-    Field::new("static_ratio", "ratio of the dry level at rest to the level while sliding")
+    Field::new("static_ratio", "ratio of the breakaway level to the Coulomb level")
         .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
         .or(1.0);
 const STRIBECK_RATE: Field =
@@ -107,7 +107,7 @@ const STRIBECK_RATE: Field =
         .or(0.01);
 const ASYMMETRY: Field = Field::new(
     "asymmetry",
-    "half the difference between the dry levels of the two directions, as a fraction",
+    "half the difference between the Coulomb levels of the two directions, as a fraction",
 )
 .limit(Limit::of(ranges::ASYMMETRY))
 .or(0.0);
@@ -121,10 +121,10 @@ const QUADRATIC: Field = Field::new("quadratic", "coefficient of quadratic drag"
     .unit("N m s^2/rad^2")
     .limit(Limit::of(ranges::QUADRATIC))
     .or(0.0);
-const LOAD: Field = Field::new("load_coefficient", "relative growth of the dry level per N m of load")
+const LOAD: Field = Field::new("load_coefficient", "relative growth of the Coulomb level per N m of load")
     .limit(Limit::of(ranges::LOAD_COEFFICIENT))
     .or(0.0);
-const WARM_UP: Field = Field::new("warm_up", "fraction by which the dry level changes as the joint warms up")
+const WARM_UP: Field = Field::new("warm_up", "fraction by which the Coulomb level changes as the joint warms up")
     .limit(Limit::of(ranges::WARM_UP))
     .or(0.0);
 const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the warm-up")
@@ -132,7 +132,7 @@ const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the war
     .limit(Limit::of(ranges::WARM_UP_TIME))
     .or(1.0);
 const POSITION_RIPPLE: TableField =
-    TableField::inline("position_ripple", "variation of the dry level with the angle, as a fraction");
+    TableField::inline("position_ripple", "variation of the Coulomb level with the angle, as a fraction");
 
 /// Reads or lists a friction section.
 pub(crate) fn friction(v: &mut dyn Visit, value: &mut Friction) {
@@ -162,7 +162,7 @@ pub(crate) fn ripple(v: &mut dyn Visit, section: &TableField, value: &mut Ripple
     v.leave();
 }
 
-/// Reads or lists a dry friction as it was identified: a law, Dahl's where none is named, and its Stribeck level.
+/// Reads or lists a dry friction as it was identified: a law, Dahl's if none is named, and its Stribeck level.
 pub(crate) fn identified(v: &mut dyn Visit, value: &mut Friction) {
     named_law(v, &MODEL.or_text("dahl"), &mut value.law);
     v.number(&STATIC_RATIO, &mut value.static_ratio);

@@ -21,11 +21,11 @@ pub struct ImportedStructure {
     pub mass: MatrixFile,
     /// File of the stiffness matrix.
     pub stiffness: MatrixFile,
-    /// File of the damping matrix; an empty name where there is none.
+    /// File of the damping matrix; an empty name if there is none.
     pub damping: MatrixFile,
     /// File that says which node each row belongs to and where the nodes lie.
     pub node_map: String,
-    /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, where there is no damping matrix.
+    /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, if there is no damping matrix.
     pub modal_damping: Vec<f64>,
     /// Which shapes a structure is condensed to.
     pub shapes: Shapes,
@@ -264,7 +264,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
     }
 }
 
-/// Returns the matrix of a name among those of a file, or the only one where no name is asked for.
+/// Returns the matrix of a name among those of a file, or the only one if no name is asked for.
 fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Error> {
     let found = match (name, known.len()) {
         ("", 1) => Some(0),

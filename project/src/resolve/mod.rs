@@ -65,7 +65,7 @@ use verify::Verification;
 pub struct Project {
     /// The mechanism.
     pub plant: Parameters,
-    /// The structure as matrices from elsewhere, where there is one.
+    /// The structure as matrices from elsewhere, if there is one.
     pub import: Option<import::ImportedStructure>,
     /// Which description of the mechanism is taken, and where it stands.
     pub model: Modelling,

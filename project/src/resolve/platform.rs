@@ -41,7 +41,7 @@ impl PlatformSource {
 /// A recording of a platform in motion, and how it is taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadSource {
-    /// Name of the recording, beside the project file.
+    /// Name of the recording, in the folder of the project file.
     pub recording: String,
     /// Column of the upward acceleration; its mean (gravity) is removed.
     pub heave: String,
@@ -290,7 +290,7 @@ fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
 }
 
 fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
-    v.text(&Field::new("recording", "name of the recording, beside the project file"), &mut road.recording);
+    v.text(&Field::new("recording", "name of the recording, in the folder of the project file"), &mut road.recording);
     v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
     v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
     let surge = "column of the forward acceleration; without it the platform does not surge";

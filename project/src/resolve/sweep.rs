@@ -74,7 +74,7 @@ const DEVIATION: Field =
         .limit(Limit::AboveTo(0.0, 0.33));
 const FACTORS: Field =
     Field::new("factors", "factors on the parameter, each a mechanism of its own").limit(Limit::AtLeast(0.0));
-/// Error of the plant's gain where none is stated.
+/// Error of the plant's gain if none is stated.
 const GAIN_ERROR: f64 = 0.1;
 const INPUT_ERROR: Field = Field::new(
     "input_error",

@@ -183,7 +183,7 @@ fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str, duration_s
     );
 }
 
-/// The triangle where nothing more is written.
+/// The triangle if nothing more is written.
 const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.1, period_s: 4.0 };
 
 fn triangle(v: &mut dyn Visit, triangle: &mut Triangle, controlled: &'static str) {

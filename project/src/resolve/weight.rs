@@ -111,7 +111,7 @@ pub(crate) fn weight(v: &mut dyn Visit, weight: &mut Weight) {
     }
 }
 
-/// A table and the function that stands for it; fitted anew only where points or order have changed.
+/// A table and the function that stands for it; fitted again only where points or order have changed.
 fn table(v: &mut dyn Visit, weight: &mut Weight) {
     let Weight::Table { points, order, .. } = &*weight else { return };
     let (mut new, mut new_order) = (points.clone(), *order);

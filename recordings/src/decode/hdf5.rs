@@ -253,7 +253,7 @@ fn described(error: &Hdf5Error) -> String {
         error if is_link(error) => {
             "it holds a link to another place or file, and links are not followed: save the data sets themselves".to_owned()
         }
-        _ => format!("{error}: copy the file again from where it was recorded, or save it anew"),
+        _ => format!("{error}: copy the file again from where it was recorded, or save it again"),
     }
 }
 

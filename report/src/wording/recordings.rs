@@ -161,7 +161,7 @@ pub fn describe_repair(repair: &Repair) -> String {
         Repair::Split { gaps, missing_s, first_s, parts } => {
             let many = if *gaps == 1 { "a gap".to_owned() } else { format!("{gaps} gaps") };
             let kept = match parts {
-                0 => "nothing that is left is long enough to be".to_owned(),
+                0 => "no part that remains is long enough to be".to_owned(),
                 1 => "the longest stretch is".to_owned(),
                 n => format!("{n} stretches are, each by itself,"),
             };
@@ -298,7 +298,7 @@ fn describe_treatment(treatment: Treatment) -> &'static str {
     match treatment {
         Treatment::UsedAsItIs => "it is used as it is",
         Treatment::ControlRecomputed => {
-            "the control is made anew from demand and hub_rate by the recorded controller there"
+            "the control there is recomputed from demand and hub_rate by the recording controller"
         }
         Treatment::Interpolated => "straight lines are drawn between its readings",
         Treatment::StretchesLeftOut => "the recording is used without these stretches",

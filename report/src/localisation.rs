@@ -1,4 +1,4 @@
-//! The section of a diagnosis' report that shows where and when: the balances, and component x regime.
+//! The section of a diagnosis' report on localisation: the balances, and the map of component against regime.
 
 use crate::wording::answer::{AnswerText, component_list};
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
@@ -10,8 +10,8 @@ use ndarray::Array2;
 use crate::wording::name_in_words;
 use crate::{Cell, Column, Section, Table};
 
-/// Returns where and when.
-pub(super) fn where_section(answer: &AnswerText) -> Section {
+/// Returns the section on localisation.
+pub(super) fn localisation_section(answer: &AnswerText) -> Section {
     let mut balances = Table::new(
         "Balances that these sensors allow, and the components that each can see",
         &[Column::Text("balance"), Column::Text("available"), Column::Text("sees")],
