@@ -35,6 +35,7 @@ pub mod page;
 pub mod rejection;
 pub mod structure;
 pub mod test_procedures;
+mod tolerance;
 pub mod weights;
 
 pub use bench::Bench;

@@ -10,6 +10,7 @@ use counterpoise_plot::{Axis, Figure as Drawing};
 
 use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::LEAST_LENGTH;
 use counterpoise_pipeline::PipelineError;
 
 /// Pitch rates of the platform, rad/s, and the frequencies of the map, Hz: those of the row on the laws that the thesis compares.
@@ -273,7 +274,7 @@ fn without(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Vec<f64> {
 /// Returns the vector with length 1; `None` if nothing of it is left.
 fn unit(v: Vec<f64>) -> Option<Vec<f64>> {
     let length = norm(&v);
-    (length > 1e-12).then(|| v.into_iter().map(|x| x / length).collect())
+    (length > LEAST_LENGTH).then(|| v.into_iter().map(|x| x / length).collect())
 }
 
 /// What was measured of the laws.

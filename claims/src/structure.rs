@@ -9,6 +9,7 @@ use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, m
 use super::bench::{largest_db, rate_grid};
 use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::UNSEEN_STATE;
 use counterpoise_pipeline::{PipelineError, model};
 use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
@@ -24,8 +25,6 @@ const ORDER: usize = 11;
 const KEPT_MODES: usize = 3;
 /// The inputs in words.
 const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
-/// A state counts as unseen below this share of the system's size.
-const UNSEEN: f64 = 1e-11;
 /// The largest error that keeps the response.
 const KEEPS: f64 = 0.05;
 
@@ -102,7 +101,7 @@ fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
 pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let full = beam_plant(bench, MODES)?.system;
     let rate = cut(&full)?;
-    let seen = minimal(&full, UNSEEN)?;
+    let seen = minimal(&full, UNSEEN_STATE)?;
     let all = [
         ("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
         ("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),

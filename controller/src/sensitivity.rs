@@ -95,8 +95,8 @@ pub fn form_candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
 pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
     let of = |form: Form| candidates.iter().find(|candidate| candidate.form == form);
     match (of(Form::Modal), of(Form::Balanced)) {
-        (Some(modal_form), Some(balanced)) if balanced.predicted * WORTH < modal.predicted => Some(balanced),
-        (Some(modal_form), _) => Some(modal_form),
+        (Some(modal), Some(balanced)) if balanced.predicted * WORTH < modal.predicted => Some(balanced),
+        (Some(modal), _) => Some(modal),
         (None, other) => other,
     }
 }

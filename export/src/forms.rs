@@ -5,6 +5,7 @@ use counterpoise_controller::{Controller, Path};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, poles};
 
+use crate::tolerance::ANTI_WINDUP_SHARE;
 use crate::{Adjustable, Measured, Ranges};
 
 /// A form that every path of a controller is brought to.
@@ -77,16 +78,13 @@ pub fn in_form(controller: &Controller, form: PathForm) -> Option<Controller> {
         .filter(|other| other.parts().paths.len() == controller.parts().paths.len())
 }
 
-/// How much smaller the anti-windup is made beside the inputs while a form is found: the form is that of the path alone.
-const BESIDE: f64 = 1e-6;
-
 /// Returns a path in a form. The anti-windup is a further input of the system, so it comes along.
 fn brought(path: &Path, form: PathForm) -> Option<Path> {
     if form == PathForm::InUse || path.system.order() == 0 {
         return Some(path.clone());
     }
     let (system, inputs) = (&path.system, path.system.inputs());
-    let B = system.B.hstack(&Mat::col(&path.anti_windup).scale(BESIDE));
+    let B = system.B.hstack(&Mat::col(&path.anti_windup).scale(ANTI_WINDUP_SHARE));
     let D = system.D.hstack(&Mat::zeros(system.outputs(), 1));
     let both = StateSpace { B, D, ..system.clone() };
     let realised = match form {
@@ -95,7 +93,7 @@ fn brought(path: &Path, form: PathForm) -> Option<Path> {
         PathForm::Companion | PathForm::InUse => companion(&both)?,
     };
     let order = realised.order();
-    let anti_windup = (0..order).map(|i| realised.B[(i, inputs)] / BESIDE).collect();
+    let anti_windup = (0..order).map(|i| realised.B[(i, inputs)] / ANTI_WINDUP_SHARE).collect();
     let system = StateSpace { B: realised.B.block(0, 0, order, inputs), D: system.D.clone(), ..realised };
     Some(Path { system, anti_windup, ..path.clone() })
 }

@@ -45,6 +45,7 @@ pub mod vectors;
 mod comment;
 mod guard;
 mod print;
+mod tolerance;
 
 pub use c99::c99;
 pub use check::{Checked, check_file};

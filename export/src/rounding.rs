@@ -13,9 +13,8 @@ pub use single::single_precision;
 
 use crate::Ranges;
 use crate::ranges::{Run, larger, settings};
+use crate::tolerance::SECOND_ORDER;
 
-/// Allowance for products of errors, which a first-order bound leaves out.
-const SECOND_ORDER: f64 = 1.01;
 /// Multiple of the root of the sum of squares in the likely bound.
 pub const CONFIDENCE: f64 = 6.0;
 /// 2 exp(-CONFIDENCE^2 / 2): how probable it is that a sample leaves the likely bound.

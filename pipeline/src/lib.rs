@@ -8,7 +8,7 @@
 //!
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
-//! Modules in reading order: [`error`], `budget`, [`check`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
+//! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
 //! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`loop_view`](mod@loop_view), [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
@@ -28,6 +28,7 @@
 mod budget;
 pub mod certificates;
 pub mod check;
+pub mod configuration;
 pub mod design;
 pub mod design_views;
 pub mod error;
@@ -46,6 +47,7 @@ pub mod results;
 pub mod road;
 pub mod studies;
 pub mod synth;
+mod tolerance;
 pub mod tuning;
 pub mod verify;
 

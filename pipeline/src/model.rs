@@ -11,7 +11,7 @@ use counterpoise_models::structure::{
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
 use crate::PipelineError;
-use crate::recordings::configuration::in_configuration;
+use crate::configuration::{in_configuration, named_configuration};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::import::ImportedStructure;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -183,20 +183,4 @@ fn fitted(
         out.masses.push((*found.ok_or_else(missing)?).clone());
     }
     Ok(out)
-}
-
-/// Returns the configuration that the project's model names.
-///
-/// # Errors
-/// A name that no configuration has.
-pub(crate) fn named_configuration(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
-    project.model.configuration.as_deref().map(|name| configuration(project, name)).transpose()
-}
-
-fn configuration<'a>(project: &'a Project, name: &str) -> Result<&'a Configuration, PipelineError> {
-    let all = &project.plant.configurations;
-    all.iter().find(|c| c.name == name).ok_or_else(|| {
-        let known: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();
-        PipelineError::Configuration { name: name.to_owned(), known: known.join(", ") }
-    })
 }

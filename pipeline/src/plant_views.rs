@@ -11,6 +11,7 @@ use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use crate::tolerance::NEGLIGIBLE_MASS_SHARE;
 use crate::{Modelled, PipelineError, finite_elements, finite_elements_of};
 use counterpoise_project::Project;
 
@@ -101,8 +102,6 @@ pub struct FrictionLoop {
     pub lost_j: f64,
 }
 
-/// Share of the whole mass or inertia that is rounding.
-const ROUNDING: f64 = 1e-14;
 /// Flexible modes that are shown.
 const SHOWN: usize = 4;
 /// Largest hub rate on the platform that is shown, rad/s; the motor turns by the gear's ratio faster.
@@ -189,7 +188,7 @@ fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
 /// Returns an effective mass, or 0 if it is no more than rounding of the whole mass: the mode is then orthogonal to the rigid
 /// motion.
 fn above_rounding(mass: f64, whole: f64) -> f64 {
-    if mass < ROUNDING * whole { 0.0 } else { mass }
+    if mass < NEGLIGIBLE_MASS_SHARE * whole { 0.0 } else { mass }
 }
 
 /// Deflections over the distance from the pivot, cubic between the nodes where their rotations are known.

@@ -3,6 +3,8 @@
 use counterpoise_lti::StateSpace;
 use counterpoise_reduce::{Method, Order, Residual, balred, minimal, modal_truncation};
 
+use crate::tolerance::KEPT_HANKEL_SHARE;
+use crate::tolerance::MINIMAL_TOLERANCE;
 use crate::{Modelled, PipelineError};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::ReductionMethod;
@@ -33,9 +35,6 @@ impl Reduced {
     }
 }
 
-/// Relative size of a singular value below which a state counts as neither controllable nor observable.
-const MINIMAL_TOLERANCE: f64 = 1e-10;
-
 /// Reduces the linear plant as the project asks.
 ///
 /// # Errors
@@ -59,7 +58,7 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
             Ok(Reduced { warnings: words(&small.warnings), ..plain(small.system) })
         }
         ReductionMethod::Balanced => {
-            let order = asked.order.map_or(Order::Relative { share: 1e-6 }, Order::States);
+            let order = asked.order.map_or(Order::Relative { share: KEPT_HANKEL_SHARE }, Order::States);
             Ok(ranked(balred(system, order, Method::BalancingFree)?, plain))
         }
         ReductionMethod::Modal => {

@@ -28,6 +28,7 @@ use crate::first_design::{with_angles, with_chosen_weights};
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
+use crate::tolerance::STILL_RAD_S;
 use crate::{
     FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
     synthesise,
@@ -192,8 +193,6 @@ pub fn tuning_ground(
     Ok(TuningGround { plants, held, objective, mechanisms, sampling, disturbance })
 }
 
-/// A hub rate below this is none: rounding of the simulator, not motion, rad/s.
-const STILL_RAD_S: f64 = 1e-9;
 /// Rounds in which the worst mechanism of a sweep is added to the plants that are tuned for.
 const ROUNDS: usize = 5;
 

@@ -40,6 +40,7 @@ pub mod svg;
 pub mod theme;
 pub mod thin;
 pub mod ticks;
+mod tolerance;
 
 pub use bitmap::{Bitmap, bitmap, png};
 pub use error::PlotError;

@@ -4,6 +4,7 @@
 //! axis and the number of intervals for which there is room.
 
 use crate::number::{short_number, superscript, times_power_of_ten, with_minus};
+use crate::tolerance::TICK_SLACK;
 
 /// Parts of a turn that are round, in degrees.
 const DEGREE_STEPS: [f64; 9] = [1.0, 2.0, 5.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
@@ -13,8 +14,6 @@ const FEW_DECADES: f64 = 1.2;
 const MANY_DECADES: f64 = 7.0;
 /// Powers of ten that are short enough to be written as numbers: from 0.001 to 10000.
 const SHORT_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
-/// A tick may lie outside the range by this part of its step, so that rounding does not lose the ticks at the ends.
-const SLACK: f64 = 1e-9;
 
 /// A tick and its text.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +29,7 @@ pub fn linear_step(from: f64, to: f64, intervals: f64) -> f64 {
     let wanted = to / intervals - from / intervals;
     let power = 10f64.powf(wanted.log10().floor());
     let mantissa = wanted / power;
-    [1.0, 2.0, 5.0].into_iter().find(|nice| mantissa <= nice * (1.0 + SLACK)).unwrap_or(10.0) * power
+    [1.0, 2.0, 5.0].into_iter().find(|nice| mantissa <= nice * (1.0 + TICK_SLACK)).unwrap_or(10.0) * power
 }
 
 /// Returns ticks of a linear axis; there are none if the range is empty or infinite, here and in the other functions.
@@ -79,7 +78,7 @@ fn is_positive_range(from: f64, to: f64) -> bool {
 
 fn whole_decades(first: f64, last: f64, intervals: f64) -> Vec<Tick> {
     let stride = ((last - first) / intervals).ceil().max(1.0) as i32;
-    let whole = ((first - SLACK).ceil() as i32)..=((last + SLACK).floor() as i32);
+    let whole = ((first - TICK_SLACK).ceil() as i32)..=((last + TICK_SLACK).floor() as i32);
     let decades: Vec<i32> = whole.filter(|decade| decade.rem_euclid(stride) == 0).collect();
     // either all as numbers or all as powers
     let are_short = decades.iter().all(|decade| SHORT_DECADES.contains(decade));
@@ -101,7 +100,7 @@ fn multiples(from: f64, to: f64, step: f64) -> Vec<Tick> {
     if !is_range {
         return Vec::new();
     }
-    let (first, last) = ((from / step - SLACK).ceil() as i64, (to / step + SLACK).floor() as i64);
+    let (first, last) = ((from / step - TICK_SLACK).ceil() as i64, (to / step + TICK_SLACK).floor() as i64);
     let largest = from.abs().max(to.abs());
     // adding 0 takes the sign from a zero
     let values = (first..=last).map(|k| k as f64 * step + 0.0);
@@ -127,5 +126,5 @@ fn multiple(value: f64, step: f64, largest: f64) -> String {
 /// Returns the power of ten of a number's first digit.
 fn exponent_of(value: f64) -> i32 {
     // a step such as 9.999e-5, which is 1e-4 but for rounding, counts as what it stands for
-    (value.abs() * (1.0 + SLACK)).log10().floor() as i32
+    (value.abs() * (1.0 + TICK_SLACK)).log10().floor() as i32
 }

@@ -20,6 +20,7 @@ pub mod diagnostic;
 pub mod file;
 pub mod resolve;
 pub mod starters;
+mod tolerance;
 pub mod unit;
 
 pub use assumption::{Assumption, Tolerance, ToleranceKind};

@@ -6,10 +6,9 @@ use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, 
 use crate::clock::{Uniform, check_length, to_uniform_clock};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
 use crate::table::TIME_NAMES;
+use crate::tolerance::STATED_PERIOD;
 use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
 
-/// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
-const SAME_PERIOD: f64 = 1e-3;
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
 
@@ -191,7 +190,7 @@ impl Mapping {
     /// Puts every channel on the given sample period if the file has another.
     fn resample(&self, recording: &mut Recording) -> Result<(), Error> {
         let file_s = recording.sample_period_s;
-        let is_other = |wanted_s: &f64| (file_s - wanted_s).abs() > SAME_PERIOD * wanted_s;
+        let is_other = |wanted_s: &f64| (file_s - wanted_s).abs() > STATED_PERIOD * wanted_s;
         let Some(project_s) = self.sample_period_s.filter(is_other) else { return Ok(()) };
         let duration_s = recording.len() as f64 * file_s;
         check_length(&recording.name, duration_s, project_s, recording.channels().count())?;

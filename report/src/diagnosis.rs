@@ -130,8 +130,7 @@ fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
         Column::Number("held out, before"),
         Column::Number("held out, after"),
     ];
-    let mut table =
-        Table::new("RMS error per channel over all recordings, and on held-out data", &columns);
+    let mut table = Table::new("RMS error per channel over all recordings, and on held-out data", &columns);
     for (channel, before) in &answer.fit.before {
         let number = |channels: &Channels| {
             channels.get(channel).map_or_else(|| Cell::text(""), |c| Cell::number(c.rms_error))

@@ -29,6 +29,7 @@ pub mod fra;
 pub mod html;
 pub mod identify;
 mod learned;
+mod localisation;
 pub mod loop_charts;
 pub mod model;
 pub mod page;
@@ -44,7 +45,6 @@ pub mod targets;
 pub mod trade_off;
 pub mod triangle;
 pub mod verification;
-mod localisation;
 pub mod wording;
 
 pub use design::{of_design, of_synthesis};

@@ -132,7 +132,8 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
 }
 
 fn proof_table(proofs: &[Proof]) -> Table {
-    let columns = [Column::Text("code"), Column::Text("compiled and run on this machine, compared with its model")];
+    let columns =
+        [Column::Text("code"), Column::Text("compiled and run on this machine, compared with its model")];
     let mut table =
         Table::new("Compiled code compared with its model, for all readings of its closed loops", &columns);
     let said = |answered: &Answered| match answered {

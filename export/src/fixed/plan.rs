@@ -11,6 +11,7 @@ use crate::fixed::writer::Writer;
 use crate::fixed::{FixedError, FixedProgram};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
+use crate::tolerance::UNSTABLE_MODULUS;
 
 /// Chooses formats for the ranges, fixes the integer arithmetic, proves that it cannot overflow and predicts how far it
 /// is from the reference over `samples` samples.
@@ -69,8 +70,5 @@ fn unstable(controller: &Controller) -> Option<(f64, f64)> {
         let poles = poles(&controller.linear(set).ok()?).ok()?;
         Some((set, poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max)))
     };
-    all.filter_map(radius).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, radius)| *radius > UNSTABLE)
+    all.filter_map(radius).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, radius)| *radius > UNSTABLE_MODULUS)
 }
-
-/// Modulus beyond which a pole is unstable: an integrator's may be off 1 by rounding.
-const UNSTABLE: f64 = 1.0 + 1e-9;

@@ -1,13 +1,12 @@
 //! What an error of an operation does to later controls at rest: impulse responses, summed over time.
 
+use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{Controller, Number, Runner};
 
 /// A limit that no control reaches.
 const UNLIMITED_V: f64 = 1e30;
-/// Below this, relative to the sensitivity's largest entry so far, a sensitivity of the control is taken for 0.
-const NEGLIGIBLE: f64 = 1e-200;
 
 /// Sums of |h| over past samples, for an error added to what each operation writes, then to each reading.
 pub(crate) struct Gains {
@@ -110,5 +109,5 @@ fn dot(row: &[f64], column: &Column) -> f64 {
 
 /// 0 for what is so small that it would only slow the arithmetic down.
 fn flushed(value: f64) -> f64 {
-    if value.abs() < NEGLIGIBLE { 0.0 } else { value }
+    if value.abs() < NEGLIGIBLE_SENSITIVITY { 0.0 } else { value }
 }

@@ -11,21 +11,6 @@ const MARGIN: f64 = 1e-2;
 /// same line.
 const IMPOSSIBLE: f64 = 2.0;
 
-/// Readings of a channel beyond the range of its converter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BeyondRange {
-    /// Number of readings.
-    pub samples: usize,
-    /// Number of those that count as missing, because no fault of a scale explains them.
-    pub missing: usize,
-    /// Row of the first, from 1.
-    pub first_row: usize,
-    /// Its value, in the channel's unit.
-    pub value: f64,
-    /// Range of the converter, in the channel's unit: readings lie between minus and plus this.
-    pub limit: f64,
-}
-
 /// Makes impossible readings of a recording missing ones, and returns what was found, by channel.
 pub(super) fn remove_impossible(
     plant: &Parameters,

@@ -4,8 +4,9 @@ use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
 
+use super::column_remarks::ColumnRemark;
 use super::configuration::in_configuration;
-use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller};
+use super::read::{Gaps, RecordingFile, control_for, read, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
 

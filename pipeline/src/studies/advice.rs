@@ -144,7 +144,12 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn advise(&self, requirement: &Requirement, value: f64, parameters: &[WeightParameter]) -> Result<Advice, PipelineError> {
+    fn advise(
+        &self,
+        requirement: &Requirement,
+        value: f64,
+        parameters: &[WeightParameter],
+    ) -> Result<Advice, PipelineError> {
         let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
         let designed = self.designed(None)?;
         let before = designed.map(|controller| self.measured(&figures, &controller)).transpose()?;
@@ -185,7 +190,10 @@ impl Bench<'_> {
     }
 
     /// Returns the controller of the design with a weight changed; `None` if there is none.
-    fn designed(&self, parameter: Option<(&WeightParameter, f64)>) -> Result<Option<Controller>, PipelineError> {
+    fn designed(
+        &self,
+        parameter: Option<(&WeightParameter, f64)>,
+    ) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
         if let (Some(synth), Some((parameter, factor))) = (&mut project.synth, parameter) {
             (parameter.1)(&mut synth.specification, factor);

@@ -19,6 +19,7 @@ use counterpoise_verify::linear::plant::Resolver;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use crate::tolerance::LEAST_SWING_RAD;
 use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -429,8 +430,6 @@ const HUB: usize = 0;
 const FIRST_READING: usize = 5;
 const HUB_GYRO: usize = FIRST_READING + 1;
 const PLATFORM_GYRO: usize = FIRST_READING + 2;
-/// Swing of the hub below which its friction is not told apart, rad.
-const LEAST_SWING_RAD: f64 = 1e-12;
 /// Relative change of the swing at which the describing function agrees with itself.
 const SELF_CONSISTENT: f64 = 5e-3;
 /// Trials to find that swing.

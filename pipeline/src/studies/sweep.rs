@@ -9,6 +9,7 @@ use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
+use crate::tolerance::DRIFTING_POLE;
 use crate::{Modelled, PipelineError, World, project_procedure};
 use counterpoise_project::Project;
 
@@ -100,14 +101,12 @@ fn usual_requirements() -> Vec<Requirement> {
         |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
     vec![
         require(LoopFigure::MaxSensitivity, Limit::AtMost(USUAL_SENSITIVITY)),
-        require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING)),
+        require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING_POLE)),
     ]
 }
 
 /// Largest sensitivity that is reasonable, 1.4 to 2 (K. J. Astrom and R. M. Murray, Feedback Systems, section 12.3).
 const USUAL_SENSITIVITY: f64 = 2.0;
-/// A pole that only drifts is on the unit circle up to rounding.
-const DRIFTING: f64 = 1e-6;
 /// Where requirements come from that no project states.
 const USUAL: &str = "usual, because the project states no requirement";
 

@@ -70,7 +70,10 @@ pub(super) fn blank() -> InertialUnit {
 
 /// Reads or lists a unit.
 pub(super) fn inertial_unit(v: &mut dyn Visit, unit: &mut InertialUnit) {
-    v.text(&Field::new("recording", "name of the recording, in the folder of the project file"), &mut unit.recording);
+    v.text(
+        &Field::new("recording", "name of the recording, in the folder of the project file"),
+        &mut unit.recording,
+    );
     columns(
         v,
         "acceleration",

@@ -5,9 +5,8 @@ use counterpoise_models::{Beam, Parameters, SectionShape};
 use super::findings::{Findings, duplicates};
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;
+use crate::tolerance::ADJOINING_SHARE;
 
-/// Two ends of sections closer than this fraction of the beam's length adjoin.
-const ADJOINING: f64 = 1e-9;
 /// Lumped and distributed description may differ by this fraction.
 const AGREEMENT: f64 = 0.02;
 /// A mass lies on the beam if it is within this fraction of the beam's length beyond its ends.
@@ -27,7 +26,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
     }
     for (index, two) in beam.sections.windows(2).enumerate() {
         let gap = two[1].from_m - two[0].to_m;
-        if gap.abs() > ADJOINING * length {
+        if gap.abs() > ADJOINING_SHARE * length {
             let what = if gap > 0.0 { "leaves a gap of" } else { "overlaps by" };
             let allowed = format!(
                 "{what} {} m: section \"{}\" ends at {} m; sections must adjoin in order",

@@ -15,11 +15,10 @@ use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
 use crate::file::visit::Choice;
+use crate::tolerance::SAME_SAMPLE_PERIOD;
 
 /// Keys and sections that describe the structure.
 const DESCRIPTIONS: [&str; 5] = ["plant.inertia", "plant.mass", "plant.lumped", "plant.beam", "plant.import"];
-/// Relative difference between two sample periods that is rounding in a file.
-const SAME_PERIOD: f64 = 1e-6;
 
 /// Returns all findings about values that do not fit each other.
 pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
@@ -276,7 +275,7 @@ fn recorded_period(findings: &mut Findings<'_>, project: &Project) {
     let Some(RecordingController::Exported(source)) = &project.recording_controller else { return };
     let Some(content) = &source.content else { return };
     let (own, period) = (content.controller.sample_period_s(), project.plant.interface.sample_period_s);
-    if (own - period).abs() > SAME_PERIOD * period {
+    if (own - period).abs() > SAME_SAMPLE_PERIOD * period {
         let allowed = format!(
             "must be a controller with the sample period of plant.interface, {period} s; this one has {own} s"
         );

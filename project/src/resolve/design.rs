@@ -234,8 +234,7 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
         (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
         if synth.bandwidth_rad_s.is_some() {
-            let allowed =
-                "must not be given together with [synth.feedback]: a bandwidth is for weights that are chosen";
+            let allowed = "must not be given together with [synth.feedback]: a bandwidth is for weights that are chosen";
             v.complain("bandwidth", allowed, Some("remove one of the two".to_owned()));
         }
     }

@@ -96,10 +96,9 @@ const BOND: Field =
 
 const VISCOUS: Field =
     Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::of(ranges::VISCOUS)).or(0.0);
-const STATIC_RATIO: Field =
-    Field::new("static_ratio", "ratio of the breakaway level to the Coulomb level")
-        .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
-        .or(1.0);
+const STATIC_RATIO: Field = Field::new("static_ratio", "ratio of the breakaway level to the Coulomb level")
+    .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
+    .or(1.0);
 const STRIBECK_RATE: Field =
     Field::new("stribeck_rate", "rate at which the excess over the sliding level has fallen to 1/e")
         .unit("rad/s")
@@ -124,9 +123,10 @@ const QUADRATIC: Field = Field::new("quadratic", "coefficient of quadratic drag"
 const LOAD: Field = Field::new("load_coefficient", "relative growth of the Coulomb level per N m of load")
     .limit(Limit::of(ranges::LOAD_COEFFICIENT))
     .or(0.0);
-const WARM_UP: Field = Field::new("warm_up", "fraction by which the Coulomb level changes as the joint warms up")
-    .limit(Limit::of(ranges::WARM_UP))
-    .or(0.0);
+const WARM_UP: Field =
+    Field::new("warm_up", "fraction by which the Coulomb level changes as the joint warms up")
+        .limit(Limit::of(ranges::WARM_UP))
+        .or(0.0);
 const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the warm-up")
     .unit("s")
     .limit(Limit::of(ranges::WARM_UP_TIME))

@@ -290,7 +290,10 @@ fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
 }
 
 fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
-    v.text(&Field::new("recording", "name of the recording, in the folder of the project file"), &mut road.recording);
+    v.text(
+        &Field::new("recording", "name of the recording, in the folder of the project file"),
+        &mut road.recording,
+    );
     v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
     v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
     let surge = "column of the forward acceleration; without it the platform does not surge";

@@ -8,8 +8,8 @@ use counterpoise_diagnose::recording::instrument_faults::{
 use counterpoise_diagnose::recording::remarks::{Comparison, HeaveTreatment, RecordingRemark};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, Meaning, Standstill};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
-use counterpoise_pipeline::recordings::converter_range::BeyondRange;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
