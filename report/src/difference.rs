@@ -4,10 +4,8 @@ use counterpoise_pipeline::Consequence;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::Change;
 
+use crate::tolerance::SAME_FIGURE;
 use crate::{Cell, Column, Section, Table, Tone};
-
-/// Relative change below which a figure counts as the same.
-const SAME: f64 = 1e-6;
 
 /// Returns every figure that changed, those whose verdict turned first.
 pub fn changes_section(before: &str, changes: &[Change]) -> Section {
@@ -62,7 +60,8 @@ pub fn consequence_section(found: &Consequence) -> Section {
 
 /// Returns whether a figure changed at all.
 pub fn has_changed(change: &Change) -> bool {
-    change.turned() || change.relative().is_none_or(|part| part.abs() > SAME) && change.before != change.after
+    change.turned()
+        || change.relative().is_none_or(|part| part.abs() > SAME_FIGURE) && change.before != change.after
 }
 
 /// Returns the verdict's way, in words.

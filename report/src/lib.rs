@@ -42,6 +42,7 @@ pub mod style;
 pub mod summary;
 pub mod sweep;
 pub mod targets;
+mod tolerance;
 pub mod trade_off;
 pub mod triangle;
 pub mod verification;
