@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn printed_figures_keep_their_digits_at_every_size() {
         let texts: Vec<String> =
-            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(figure).into();
+            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(format_figure).into();
         assert_eq!(texts, ["14.492", "-0.00012346", "0.0000", "151670", "2.5000e9", "infinite"]);
     }
 

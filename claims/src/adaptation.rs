@@ -250,7 +250,7 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         let history = adaptive.history_kg_m();
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);
-        let points = (0..history.len()).step_by(every).map(|k| (time_axis(k), history[k])).collect();
+        let points = (0..history.len()).step_by(every).map(|k| (time(k), history[k])).collect();
         curves.push(Curve::line(format!("true {:.1} kg m", share * moment), points));
         let last = &history[history.len() / 2..];
         let estimate = last.iter().sum::<f64>() / last.len().max(1) as f64;

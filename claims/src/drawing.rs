@@ -2,7 +2,7 @@
 
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
-use counterpoise_report::summary::capitalised;
+use counterpoise_report::wording::capitalised;
 use counterpoise_verify::History;
 
 use counterpoise_pipeline::PipelineError;

@@ -8,7 +8,7 @@ use counterpoise_verify::{Arrangement, Experiment, Source};
 use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_pipeline::export::compare_targets;
+use counterpoise_pipeline::export::run_targets;
 use counterpoise_plot::{Axis, Figure as Drawing};
 
 /// The closed loop is the same where smaller numbers cost no more of its error than this, dB.
@@ -27,7 +27,7 @@ pub fn exported_controller(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let phase = |margins: &Margins| margins.phase_margin().map_or(f64::NAN, |phase| phase.deg);
     let (lag_before, lag_after) = (phase(&design), phase(exported));
     let made = &bench.designed;
-    let ran = compare_targets(&made.modelled, &made.verified, &made.procedure)?;
+    let ran = run_targets(&made.modelled, &made.verified, &made.procedure)?;
     let words: Vec<String> = ran.figures.iter().map(in_words).collect();
     let most_db = ran.figures.iter().map(cost_db).fold(0.0, f64::max);
     let files = made.files.len();

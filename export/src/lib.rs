@@ -7,8 +7,8 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`forms`], [`fixed`], [`compare_targets`](mod@targets), [`signal_names`], [`board`], [`host`],
-//! [`fmi`], [`vectors`], [`check_file`](mod@check), [`error`].
+//! [`rounding`], [`forms`], [`fixed`], [`targets`], [`signal_names`], [`board`], [`host`],
+//! [`fmi`], [`vectors`], [`check`], [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};

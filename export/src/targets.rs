@@ -6,7 +6,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, Measured, Ranges, plan, single_precision,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, Measured, Ranges, plan_fixed_point,
+    single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -85,7 +86,7 @@ pub fn compare_targets(
     let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
     bench.record(controller)?;
     let (known, samples) = bench.ranges(controller);
-    let fixed = plan(controller, &known, allowed_v, samples);
+    let fixed = plan_fixed_point(controller, &known, allowed_v, samples);
     let exact = Deviation::none(samples);
     let single = single_precision(controller, &known, samples);
     let in_single = || Box::new(controller.runner_in::<f32>()) as Box<dyn Adjustable>;
@@ -115,7 +116,7 @@ pub fn fixed_form(
     let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
     bench.record(controller)?;
     let (known, samples) = bench.ranges(controller);
-    Ok(plan(controller, &known, allowed_v, samples))
+    Ok(plan_fixed_point(controller, &known, allowed_v, samples))
 }
 
 /// What all runs share.

@@ -11,7 +11,7 @@ use std::process::Command;
 use counterpoise_controller::READINGS;
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan};
+use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
 use support::{Random, complete, folder, is_there, provenance, run, typical, write};
 
@@ -25,7 +25,7 @@ fn generated(test: &str) -> Vec<PathBuf> {
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
-    let fixed = plan(&controller, &known, 1e-2, 2000).unwrap();
+    let fixed = plan_fixed_point(&controller, &known, 1e-2, 2000).unwrap();
     let kinds = [
         ("double", c99(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap()),
         ("complete", c99(Unverified(&complete()), &provenance(), &Options::single("axis")).unwrap()),

@@ -9,7 +9,7 @@ use std::process::Command;
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{
-    Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan, single_precision, vectors::LARGEST,
+    Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision, vectors::LARGEST,
 };
 use support::{
     Random, Request, STRICT, assert_answers, folder, is_there, projecting, provenance, random_controller,
@@ -69,7 +69,7 @@ fn heave_and_surge_projected_in_fixed_point_keep_their_prediction() {
 }
 
 fn keeps_its_prediction(controller: &Controller) {
-    let fixed = plan(controller, &ranges(controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+    let fixed = plan_fixed_point(controller, &ranges(controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
     let mut runner = FixedRunner::new(&fixed);
     let (worst, rms, free) = measure(controller, &mut |readings| runner.step_array(readings), 0.05);
     let predicted = fixed.deviation;
@@ -117,7 +117,7 @@ impl Score {
     fn add(&mut self, seed: u64) {
         let controller = random_controller(seed);
         let known = Ranges::from_readings(&controller, &[few(3)], 4.0);
-        match plan(&controller, &known, 5e-3, FEW) {
+        match plan_fixed_point(&controller, &known, 5e-3, FEW) {
             Ok(fixed) => {
                 let found = known.measure(&|| Box::new(FixedRunner::new(&fixed)));
                 let predicted = fixed.deviation;
@@ -189,9 +189,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn what_cannot_be_planned_says_why() {
     let controller = typical();
     let still = Ranges::from_readings(&controller, &[vec![[0.0; READINGS]; 10]], 4.0);
-    assert!(matches!(plan(&controller, &still, 1.0, 10), Err(FixedError::NeverMoved { .. })));
+    assert!(matches!(plan_fixed_point(&controller, &still, 1.0, 10), Err(FixedError::NeverMoved { .. })));
     let known = ranges(&controller, 0.05, 4.0);
-    let refused = plan(&controller, &known, 1e-12, SAMPLES);
+    let refused = plan_fixed_point(&controller, &known, 1e-12, SAMPLES);
     assert!(matches!(refused, Err(FixedError::TooCoarse { allowed_v: 1e-12, .. })));
 }
 
@@ -219,7 +219,7 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     let controllers: Vec<Controller> =
         [typical(), projecting()].into_iter().chain((0..40).map(random_controller)).collect();
     let known = |controller: &Controller| Ranges::from_readings(controller, &[few(3), few(4)], 4.0);
-    let planned = |controller: &Controller| plan(controller, &known(controller), 1.0, FEW);
+    let planned = |controller: &Controller| plan_fixed_point(controller, &known(controller), 1.0, FEW);
     let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
     assert!(plans.len() > 20, "{}", plans.len());
     let trap =
@@ -248,7 +248,7 @@ fn shipped_fixed_point_compiles_in_silence_and_passes() {
         }
         let folder = folder(&format!("fixed_{compiler}"));
         let controller = typical();
-        let fixed = plan(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+        let fixed = plan_fixed_point(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
         write(&folder, &fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "axis").unwrap());
         let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"];
         let said = run(Command::new(compiler).current_dir(&folder).args(STRICT).args(sources));

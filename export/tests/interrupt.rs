@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READINGS};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan};
+use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::reference;
 use support::{Random, STRICT, folder, is_there, provenance, run, typical, write};
 
@@ -131,7 +131,7 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
         .map(|row| std::array::from_fn(|i| row.get(i).map_or(0.0, |n| per_count[i] * f64::from(*n))))
         .collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
-    let fixed = plan(&controller, &known, 2.5e-3, SAMPLES).unwrap();
+    let fixed = plan_fixed_point(&controller, &known, 2.5e-3, SAMPLES).unwrap();
     let kinds = [
         ("single", c99(Unverified(&controller), &origin(), &Options::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &origin(), "axis").unwrap()),

@@ -15,7 +15,7 @@ pub trait Disk: Send + Sync {
     ///
     /// # Errors
     /// Those of the file system.
-    fn read_project(&self, path: &Path) -> io::Result<Vec<u8>> {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         read_file(path)
     }
 
@@ -54,7 +54,7 @@ pub fn project_file(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// The file cannot be read, or is not text, in words.
-pub fn read(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), String> {
+pub fn read_project(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), String> {
     let bytes = disk.read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     let name = path.display().to_string();
     let document = Document::from_bytes(&bytes, &name)

@@ -11,8 +11,8 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, by_form, compare_targets, describe_weights, every_target,
-    export_by, path_forms, project_hash,
+    Exported, LeftOut, PathForms, TargetCode, by_form, describe_weights, every_target, export_by, path_forms,
+    project_hash, run_targets,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
@@ -203,7 +203,7 @@ fn study_targets(
     stages: &Stages,
     world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
-    let compared = compare_targets(&stages.modelled, &stages.verified, &stages.procedure)?;
+    let compared = run_targets(&stages.modelled, &stages.verified, &stages.procedure)?;
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
         code: every_target(project, &stages.verified, &compared, world)?,

@@ -33,7 +33,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
             1e3 * row.told_rad_s
         )
     }));
-    lines.extend(tried.refused.iter().map(refusal));
+    lines.extend(tried.refused.iter().map(describe_refusal));
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
     let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
     let good = |name: &&str| tried_once(name) && !refused(name);
@@ -69,7 +69,7 @@ pub fn trial_section(tried: &Trials) -> Section {
     };
     table.rows = tried.rows.iter().map(row).collect();
     let mut section = Section::new("Trials of the adaptation").listing(table);
-    section.text = tried.refused.iter().map(refusal).collect();
+    section.text = tried.refused.iter().map(describe_refusal).collect();
     section
 }
 

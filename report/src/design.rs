@@ -1,7 +1,7 @@
 //! The report of a whole design: the verification's, then the plant that was designed for, the weights and the certificates.
 
 use counterpoise_pipeline::certificates::Certificate;
-use counterpoise_pipeline::design_views::{FrequencyResponse, PlantResponse, WeightResponses};
+use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::studies::assumptions::AssumptionEffect;

@@ -43,7 +43,8 @@ pub const LEGEND: [&str; 4] = [
 
 /// Returns the cells of a row after its name, with the time that its design took in s; empty text if there is no number.
 pub fn design_cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
-    let number = |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short);
+    let number =
+        |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short_number);
     let linear = |of: fn(&counterpoise_pipeline::tuning::LoopMeasuresResult) -> f64| {
         number(row.linear.as_ref().map(of))
     };

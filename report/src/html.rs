@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::style::PAGE_CSS;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::svg::{self, escape_xml};
-use counterpoise_plot::{Figure, Theme, theme};
+use counterpoise_plot::{Figure, Theme, css};
 
 /// Returns the report as a page that needs nothing else. Deterministic.
 pub fn html_page(report: &Report) -> String {

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here computes, measures or judges; results come in complete from the pipeline. Nothing here reads a file, a clock
 //! or the network. Same report, same bytes.
 //!
-//! Modules in reading order: [`page`], [`html_page`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
+//! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
 //! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the

@@ -5,7 +5,7 @@ use counterpoise_verify::robust::{Sense, Worst};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use crate::verification::Context;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary as first};
+use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -21,7 +21,7 @@ pub fn campaign_report(
     let text = format!("{good} of {all} mechanisms meet every requirement");
     let detail = format!(
         "The nominal design: {}.{}",
-        first::headline(nominal).text.to_lowercase(),
+        summary::summarise_verdicts(nominal).text.to_lowercase(),
         outside_samples(found)
     );
     let mut sections = vec![worst(found, project)];

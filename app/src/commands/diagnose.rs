@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
-use counterpoise_pipeline::recordings::configuration::in_configuration;
+use counterpoise_pipeline::configuration::in_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};

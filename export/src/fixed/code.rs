@@ -138,7 +138,7 @@ fn rows(fixed: &Fixed) -> Vec<String> {
             list.join(", ")
         )
     };
-    vectors::<f64>(&fixed.controller, SHIPPED_SAMPLES).iter().map(row).collect()
+    self_test_vectors::<f64>(&fixed.controller, SHIPPED_SAMPLES).iter().map(row).collect()
 }
 
 struct Printer<'a> {

@@ -8,7 +8,7 @@ use crate::Ranges;
 use crate::fixed::format::{bits_for, to_integer};
 use crate::fixed::predict::predict;
 use crate::fixed::writer::Writer;
-use crate::fixed::{FixedError, FixedProgram};
+use crate::fixed::{Fixed, FixedError};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
 use crate::tolerance::UNSTABLE_MODULUS;

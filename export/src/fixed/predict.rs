@@ -5,7 +5,7 @@ use counterpoise_controller::program::{Operation, Program, Slot};
 
 use crate::Ranges;
 use crate::fixed::format::{to_integer, unit};
-use crate::fixed::writer::Writer;
+use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::Run;
 use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};

@@ -118,7 +118,7 @@ pub fn export_by(
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn compare_targets(
+pub fn run_targets(
     modelled: &Modelled,
     verified: &VerifiedController,
     procedure: &Procedure,
@@ -282,7 +282,7 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
         project: project.plant.name.clone(),
         project_hash: project_hash(project, world),
         loop_signals: loop_signals(&project.plant),
-        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
+        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
         verdicts: verdicts.collect(),
         feedback_alone: Vec::new(),
         converters: Converters::of(&project.plant),

@@ -3,6 +3,7 @@
 use counterpoise_models::{Measured, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 
+use super::column_remarks::BeyondRange;
 use crate::model::CONVERTER_RANGE_V;
 
 /// A reading may exceed the range by this fraction: decimals of the file, and an offset that was removed.

@@ -1,8 +1,7 @@
 //! Recordings read as a project maps their columns.
 
-use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
-use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
+use counterpoise_diagnose::recording::sanity_checks::check_control;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};

@@ -266,7 +266,7 @@ fn words(findings: &[counterpoise_synth::Finding]) -> String {
 fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, PipelineError> {
     let mut rows = vec![as_built(asked, made)?];
     if asked.options.alternatives.is_empty() {
-        return Ok(balance_rows);
+        return Ok(rows);
     }
     let mut all = vec![asked.options.method];
     all.extend(asked.options.alternatives.iter().filter(|method| **method != asked.options.method));
@@ -281,7 +281,7 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
             rows.push(method_row(made, (method, integrates && variant == 0), answer)?);
         }
     }
-    Ok(balance_rows)
+    Ok(rows)
 }
 
 fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, PipelineError> {
@@ -374,7 +374,7 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
         let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
         rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });
     }
-    Ok(balance_rows)
+    Ok(rows)
 }
 
 /// Returns the sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures);

@@ -1,6 +1,6 @@
 //! What no single key can say: names that must differ or exist, sections that must adjoin, descriptions that must agree.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
@@ -203,7 +203,7 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
     ];
     for (key, value, ideal) in of_mesh.into_iter().filter(|_| gearbox.is_rigid()) {
         let stated = ["gearbox", "ball_screw", "harmonic_drive"].map(|kind| format!("plant.{kind}.{key}"));
-        let Some(path) = stated.iter().find(|path| findings.document.has(path) && value != ideal) else {
+        let Some(path) = stated.iter().find(|path| findings.states(path) && value != ideal) else {
             continue;
         };
         let section = path.trim_end_matches(key);

@@ -20,6 +20,11 @@ impl<'a> Findings<'a> {
         Self { document, list: Vec::new() }
     }
 
+    /// Returns whether the file states a value at a path.
+    pub(super) fn states(&self, path: &str) -> bool {
+        self.document.has(path)
+    }
+
     pub(super) fn into_list(self) -> Vec<Diagnostic> {
         self.list
     }

@@ -1,8 +1,8 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    AccelerometerAxis, Axis, Clock, Drift, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured,
-    Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    AccelerometerAxis, Axis, Clock, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured, Motor,
+    Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::Words;
@@ -306,17 +306,6 @@ fn fitted(
     } else {
         *value = Sensor::ABSENT;
     }
-}
-
-/// Slow errors, as the Allan deviation shows them.
-fn drift(v: &mut dyn Visit, drift: &mut Drift, unit: &'static str) {
-    let field = |key, meaning| Field::new(key, meaning).unit(unit).limit(AT_LEAST_0).or(0.0);
-    let walk = "white noise of any bandwidth: the Allan deviation at 1 s on its slope of -1/2";
-    v.number(&field("angle_random_walk", walk), &mut drift.angle_random_walk);
-    let flicker = "flicker of the bias: the lowest Allan deviation over 0.664";
-    v.number(&field("bias_instability", flicker), &mut drift.bias_instability);
-    let rate = "random walk of the bias: the Allan deviation at 3 s on its slope of +1/2";
-    v.number(&field("rate_random_walk", rate), &mut drift.rate_random_walk);
 }
 
 /// What a real clock does.

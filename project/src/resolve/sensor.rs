@@ -1,6 +1,6 @@
 //! What every sensor has, whatever it measures.
 
-use counterpoise_models::Sensor;
+use counterpoise_models::{Drift, Sensor};
 
 use crate::file::field::{Field, Limit, UsualRange};
 use crate::file::visit::Visit;
@@ -58,4 +58,15 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
         &mut sensor.g_sensitivity,
     );
     drift(v, &mut sensor.drift, unit);
+}
+
+/// Slow errors, as the Allan deviation shows them.
+fn drift(v: &mut dyn Visit, drift: &mut Drift, unit: &'static str) {
+    let field = |key, meaning| Field::new(key, meaning).unit(unit).limit(AT_LEAST_0).or(0.0);
+    let walk = "white noise of any bandwidth: the Allan deviation at 1 s on its slope of -1/2";
+    v.number(&field("angle_random_walk", walk), &mut drift.angle_random_walk);
+    let flicker = "flicker of the bias: the lowest Allan deviation over 0.664";
+    v.number(&field("bias_instability", flicker), &mut drift.bias_instability);
+    let rate = "random walk of the bias: the Allan deviation at 3 s on its slope of +1/2";
+    v.number(&field("rate_random_walk", rate), &mut drift.rate_random_walk);
 }

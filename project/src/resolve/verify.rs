@@ -6,6 +6,7 @@ use counterpoise_verify::{
 
 use super::model::Modelling;
 use super::platform::{self, PlatformSource};
+use super::seed::seed;
 use crate::diagnostic::nearest;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Count, Visit, list, maybe_number, optional, table};
