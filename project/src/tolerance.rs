@@ -8,3 +8,6 @@ pub(crate) const SAME_SAMPLE_PERIOD: f64 = 1e-6;
 
 /// Fraction of a sample period that is rounding when a delay is counted in whole samples.
 pub(crate) const WHOLE_DELAY: f64 = 1e-9;
+
+/// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
+pub(crate) const NUMBER_SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;

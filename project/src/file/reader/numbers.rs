@@ -6,10 +6,8 @@ use crate::diagnostic::Problem;
 use crate::file::field::{Assumed, Fallback, Field, Limit, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
+use crate::tolerance::NUMBER_SIZES;
 use crate::unit::read_quantity;
-
-/// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
 
 /// The section of physical quantities: what is absent in it is assumed.
 pub(super) const PHYSICAL: &str = "plant.";
@@ -112,8 +110,12 @@ impl<'a> Reader<'a> {
             self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
             return None;
         }
-        if value != 0.0 && !SIZES.contains(&value.abs()) {
-            let allowed = format!("must be 0 or of a size between {:e} and {:e}", SIZES.start(), SIZES.end());
+        if value != 0.0 && !NUMBER_SIZES.contains(&value.abs()) {
+            let allowed = format!(
+                "must be 0 or of a size between {:e} and {:e}",
+                NUMBER_SIZES.start(),
+                NUMBER_SIZES.end()
+            );
             self.refuse(path, node, Problem::OutOfRange, allowed);
             return None;
         }
