@@ -4,7 +4,7 @@
 //!
 //! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
 //!
-//! Modules in reading order: [`terminal`], [`files`], [`journals`], [`large_recordings`], [`projects`], [`code_files`], [`shards`],
+//! Modules in reading order: [`terminal`], [`files`], [`json`], [`journals`], [`large_recordings`], [`projects`], [`code_files`], [`shards`],
 //! [`interrupt`], [`worker`], [`time_left`], [`progress`],
 //! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
 //!
@@ -22,6 +22,7 @@ pub mod compilers;
 pub mod files;
 pub mod interrupt;
 pub mod journals;
+pub mod json;
 pub mod large_recordings;
 pub mod progress;
 pub mod projects;

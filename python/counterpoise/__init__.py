@@ -27,6 +27,7 @@ from .numerics import (
     margins,
     riccati,
 )
+from .progress import ProgressBar
 from .project import Finding, Project
 from .results import Result, System
 
@@ -35,6 +36,7 @@ __all__ = [
     "CounterpoiseError",
     "Finding",
     "NumericalError",
+    "ProgressBar",
     "Project",
     "ProjectError",
     "Result",

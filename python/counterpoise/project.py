@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from . import _native
 from ._native import CounterpoiseError, ProjectError
+from .progress import Progress, Telling
 from .results import Result
 
-Progress = Callable[[str, int, int], None]
 Value = float | int | str | bool | list | None
 
 
@@ -44,8 +44,8 @@ ProjectError.findings = property(_findings)
 class Project:
     """A project file in memory. It is immutable: `set` and `remove` return changed projects; `save` writes one.
 
-    `progress(stage, done, of)` of the methods that work long is called as they go on. Such methods release the interpreter's lock and
-    end with `KeyboardInterrupt` at Ctrl+C.
+    `progress(stage, done, of)` of the methods that work long is called as they go on; in a notebook a bar is shown where nothing is
+    given. Such methods release the interpreter's lock and end with `KeyboardInterrupt` at Ctrl+C.
     """
 
     def __init__(self, native: _native.NativeProject):
@@ -122,11 +122,13 @@ class Project:
 
     def synth(self, progress: Progress | None = None) -> Result:
         """Returns the controller: its parts, its matrices and the certificates of its equations."""
-        return Result.from_json("synthesis", self._native.synth(progress))
+        with Telling(progress) as tell:
+            return Result.from_json("synthesis", self._native.synth(tell))
 
     def design(self, progress: Progress | None = None) -> Result:
         """Returns the design with everything that was verified."""
-        return Result.from_json("design", self._native.design(progress))
+        with Telling(progress) as tell:
+            return Result.from_json("design", self._native.design(tell))
 
     def verify(self, progress: Progress | None = None) -> Result:
         """Returns what was verified: verdicts, margins, figures, certificate, frequency responses, time histories."""
@@ -157,7 +159,8 @@ class Project:
         converters quantise.
         """
         signals = [None if s is None else np.ascontiguousarray(s, dtype=float) for s in (demand, heave_m_s2, pitch_rate_rad_s)]
-        return _native.simulate(self._native, *signals, duration_s, hub_angle_rad, seed, progress)
+        with Telling(progress) as tell:
+            return _native.simulate(self._native, *signals, duration_s, hub_angle_rad, seed, tell)
 
     def replay(self, recordings: str | os.PathLike | Iterable) -> Result:
         """Replays recordings on the model: residuals of each channel beside its noise floor."""
@@ -165,12 +168,60 @@ class Project:
 
     def diagnose(self, recordings: str | os.PathLike | Iterable, progress: Progress | None = None) -> tuple[Result, Project]:
         """Compares recordings with the model. Returns what was left out, and the project with it modelled."""
-        answer, improved = self._native.diagnose(_paths(recordings), progress)
+        with Telling(progress) as tell:
+            answer, improved = self._native.diagnose(_paths(recordings), tell)
         return Result.from_json("diagnosis", answer), Project(improved)
 
     def export(self, folder: str | os.PathLike, progress: Progress | None = None) -> list[str]:
         """Writes the verified controller's code into a folder, and returns the paths of the files."""
-        return json.loads(self._native.export(os.fspath(folder), progress))
+        with Telling(progress) as tell:
+            return json.loads(self._native.export(os.fspath(folder), tell))
+
+    def sweep(self, progress: Progress | None = None) -> Result:
+        """Runs the project's campaign over mechanisms that differ from the designed one.
+
+        "figures" has every requirement with the share of mechanisms that meet it and the worst case that was found; "samples" has a
+        column for every factor and every figure, as `to_pandas("samples")`.
+        """
+        with Telling(progress) as tell:
+            return Result.from_json("campaign", _native.sweep(self._native, tell))
+
+    def adapt(self, progress: Progress | None = None) -> Result:
+        """Puts the adaptation to the test in the nonlinear closed loop: "runs" and "trials" of every method."""
+        with Telling(progress) as tell:
+            return Result.from_json("adaptation", _native.adapt(self._native, tell))
+
+    def frequency_response_map(
+        self,
+        amplitudes: Iterable[float],
+        frequencies_hz: Iterable[float],
+        *,
+        loop: str = "disturbance",
+        offset_m: float = 0.0,
+        recordings: str | os.PathLike | Iterable | None = None,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Measures frequency responses on the nonlinear machine by sines of each amplitude and frequency: "maps" has the points.
+
+        `loop` is "plant" (control to hub rate, amplitudes in V), "closed" (demand to hub rate), "disturbance" (platform rate to hub
+        rate) or "disconnected" (the same, balanced, without the motor), amplitudes in rad/s. With `recordings` the same instrument runs on
+        their columns instead.
+        """
+        plan = [float(a) for a in amplitudes], [float(f) for f in frequencies_hz], offset_m
+        found = [] if recordings is None else _paths(recordings)
+        with Telling(progress) as tell:
+            return Result.from_json("map", _native.frequency_response_map(self._native, loop, *plan, found, tell))
+
+    def identify(
+        self, recordings: str | os.PathLike | Iterable, other: str | os.PathLike | Iterable | None = None
+    ) -> tuple[Result, Project]:
+        """Identifies the machine from recordings of triangle waves; `other` holds those of a second state of balance.
+
+        Returns what was identified with its 95 % intervals, and the project with it.
+        """
+        second = [] if other is None else _paths(other)
+        found, improved = _native.identify(self._native, _paths(recordings), second)
+        return Result.from_json("identification", found), Project(improved)
 
     def __repr__(self) -> str:
         return f"<Project {self.path}>"

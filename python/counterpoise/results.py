@@ -77,18 +77,26 @@ class Result(Mapping):
         return len(self.data)
 
     def systems(self) -> dict[str, System]:
-        """Returns the state-space systems of the result by name, those of its parts included."""
-        found: dict[str, System] = {}
-        for part in _walk(self.data):
-            if {"A", "B", "C", "D", "name", "states"} <= part.keys():
-                found.setdefault(part["name"], System(part))
-        return found
+        """Returns the state-space systems of the result, those of its parts included.
+
+        A system goes by its name; where several parts have one of the same name, by its place, as "verify.systems.loop".
+        """
+        parts = list(_systems(self.data))
+        names = [part["name"] for _, part in parts]
+        return {part["name"] if names.count(part["name"]) == 1 else place: System(part) for place, part in parts}
 
     def to_control(self, name: str):
-        """Returns one of the systems as `control.StateSpace`. Needs python-control."""
+        """Returns one of the systems as `control.StateSpace`. Needs python-control.
+
+        `name` is a key of `systems()`, or a name that several parts share: then the system that is nested least deeply is meant.
+        """
         systems = self.systems()
         if name not in systems:
-            raise KeyError(f"there is no system '{name}'; there are {', '.join(systems) or 'none'}")
+            alike = [place for place in systems if place.endswith("." + name)]
+            depth = [place.count(".") + place.count("[") for place in alike]
+            if not alike or depth.count(min(depth)) > 1:
+                raise KeyError(f"no system is '{name}' alone; there are {', '.join(alike or systems) or 'none'}")
+            name = alike[depth.index(min(depth))]
         return systems[name].to_control()
 
     def verdicts(self) -> list[dict[str, Any]]:
@@ -107,7 +115,10 @@ class Result(Mapping):
         return self.data.get("verify", self.data).get("passes")
 
     def to_pandas(self, key: str | None = None):
-        """Returns a list of the result as a data frame: that at `key`, as in "verify.verdicts", or the figures. Needs pandas."""
+        """Returns a part of the result as a data frame: that at `key`, as in "verify.verdicts", or the figures. Needs pandas.
+
+        A list gives a row for each of its items, a mapping of lists a column for each of them.
+        """
         import pandas
 
         if key is None:
@@ -115,6 +126,8 @@ class Result(Mapping):
         value: Any = self.data
         for step in key.split("."):
             value = value[step]
+        if isinstance(value, dict) and value and all(isinstance(column, list) for column in value.values()):
+            return pandas.DataFrame(value)
         return pandas.json_normalize(value)
 
     def __repr__(self) -> str:
@@ -138,11 +151,15 @@ def _short(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _walk(value: Any) -> Iterator[dict[str, Any]]:
+def _systems(value: Any, place: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
+    """Walks over a result; yields every state-space system with its place."""
     if isinstance(value, dict):
-        yield value
-        for inner in value.values():
-            yield from _walk(inner)
+        if {"A", "B", "C", "D", "name", "states"} <= value.keys():
+            yield f"{place.rpartition('.')[0]}.{value['name']}".lstrip("."), value
+        for key, inner in value.items():
+            yield from _systems(inner, f"{place}.{key}".lstrip("."))
     elif isinstance(value, list) and value and isinstance(value[0], dict):
-        for inner in value:
-            yield from _walk(inner)
+        listed = {"A", "B", "C", "D", "name", "states"} <= value[0].keys()
+        for index, inner in enumerate(value):
+            # a list of systems names its members, another one numbers them
+            yield from _systems(inner, f"{place}.system" if listed else f"{place}[{index}]")

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use counterpoise_export::File;
+use counterpoise_host::json::json_text;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::{code_files, compilers::unit_library};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::diagnose::diagnose;
-use counterpoise_pipeline::recordings::read::{Gaps, control_for, read, recording_controller};
+use counterpoise_pipeline::recordings::read::{Gaps, loop_of, read, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay};
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design, run_stages, study_synthesis};
@@ -39,8 +40,13 @@ impl NativeProject {
         self.path.parent().unwrap_or(Path::new(".")).to_owned()
     }
 
+    /// The same project with another file.
+    pub(crate) fn with_document(self, document: Document) -> Self {
+        Self { document, ..self }
+    }
+
     /// Runs a job on the project and returns its result as JSON.
-    fn json<T: Serialize>(
+    pub(crate) fn json<T: Serialize>(
         &self,
         py: Python<'_>,
         progress: Option<&Bound<'_, PyAny>>,
@@ -186,7 +192,7 @@ impl NativeProject {
             let made = run_stages(&loaded.project, world)?;
             let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
             let controller = ControllerResult::new(&identity, made.verified.controller());
-            let text = serde_json::to_string_pretty(&controller).context("cannot write the controller")?;
+            let text = json_text(&controller).context("cannot write the controller")?;
             let with = File { name: "controller.json".to_owned(), text };
             let set = [made.files.as_slice(), &[with]].concat();
             let written = code_files::write_code(&folder, &set, unit_library::compile_library, &|| true);
@@ -203,7 +209,7 @@ impl NativeProject {
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
             let read = read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
-            let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+            let control = loop_of(controller.as_ref());
             let replayed =
                 replay(&loaded.project, &read, &control, ReplayLength::Automatic).map_err(refused)?;
             Ok(ReplayResult { recordings: replayed.iter().map(describe_replay).collect() })
@@ -227,7 +233,7 @@ impl NativeProject {
             let answer = describe_diagnosed_recordings(&diagnosed).answer;
             let json = serde_json::to_string(&answer).context("cannot write the result as JSON")?;
             let document = projects::improved_document(&loaded, &diagnosed.diagnosis.improved)?;
-            Ok((json, Self { document, ..project }))
+            Ok((json, project.with_document(document)))
         })
     }
 }
@@ -239,6 +245,6 @@ impl NativeProject {
     }
 
     fn having(&self, document: Document) -> PyResult<Self> {
-        Ok(Self { document, ..self.clone() })
+        Ok(self.clone().with_document(document))
     }
 }

@@ -46,6 +46,9 @@ def test_a_design_is_verified_and_its_systems_are_arrays(design):
     assert np.isfinite(gain)
     figures = {row["figure"]: row["value"] for row in design.figures()}
     assert figures["gain_margin_db"] == pytest.approx(20 * np.log10(gain), abs=1e-6)
+    assert "verify.systems.loop" in systems and cp.margins(loop)["is_stable"]
+    with pytest.raises(KeyError, match="synth.controllers.feedback, synth.paths.feedback"):
+        design.to_control("feedback")
     assert "<table>" in design._repr_html_() and len(design.to_pandas()) == len(figures)
 
 
@@ -137,3 +140,71 @@ def test_reading_a_key_and_a_small_equation_cost_little(gimbal):
     print(f"get {1e6 * seconds(lambda: gimbal.get('plant.inertia')):.1f} us")
     A, B, Q = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.eye(2)
     print(f"care {1e6 * seconds(lambda: cp.care(A, B, Q)):.1f} us")
+
+
+SWEEP = """
+[sweep]
+samples = 12
+seed = 1
+
+[[sweep.variation]]
+parameter = "hub_inertia"
+low = 0.8
+high = 1.2
+"""
+
+
+def test_a_campaign_has_a_row_a_mechanism(gimbal):
+    swept = cp.Project.from_text(gimbal.text + SWEEP, EXAMPLES / "direct-gimbal").sweep()
+    samples = swept["samples"]
+    assert samples["sample"] == list(range(12)) and 0 <= swept["passing"] <= 12
+    factor = np.array(samples["factor.hub_inertia"])
+    assert ((factor >= 0.8) & (factor <= 1.2)).all() and factor.std() > 0.05
+    for row in swept["figures"]:
+        values = np.array(samples[row["figure"]])
+        assert values.min() <= row["median"] <= values.max() and 0 <= row["share"] <= 1
+    assert len(swept.to_pandas("figures")) == len(swept["figures"])
+    assert swept["figures"] and len(swept.to_pandas("samples")) == 12
+
+
+def test_a_map_is_that_of_the_linear_model_where_the_machine_is_linear(gimbal):
+    found = gimbal.frequency_response_map([0.05], [2.0, 5.0], loop="closed")
+    for point in found["maps"][0]["points"]:
+        assert abs(complex(*point["response"]) - complex(*point["linear"])) < 0.02
+    with pytest.raises(cp.CounterpoiseError, match="no loop"):
+        gimbal.frequency_response_map([0.05], [2.0], loop="open")
+    with pytest.raises(cp.CounterpoiseError, match="positive"):
+        gimbal.frequency_response_map([0.05], [])
+
+
+def test_triangle_waves_tell_of_friction_and_amplifier():
+    folder = EXAMPLES / "amplifier-curve"
+    project = cp.Project.load(folder)
+    found, better = project.identify(folder / "balanced", folder / "midpoint")
+    low, high = found["coulomb_nm"]["ci95"]
+    assert low < found["coulomb_nm"]["value"] < high
+    assert found["amplifier"]["outcome"] == "curve" and better.text != project.text
+    assert len(better.model()["poles_rad_s"]) == len(project.model()["poles_rad_s"])
+
+
+def test_the_command_line_is_in_the_package(gimbal, tmp_path):
+    def run(*arguments):
+        return subprocess.run(
+            [sys.executable, "-m", "counterpoise", *arguments], capture_output=True, text=True, cwd=tmp_path
+        )
+
+    done = run("export", str(EXAMPLES / "direct-gimbal"), "-o", "code")
+    assert done.returncode == 0 and (tmp_path / "code" / "controller.c").exists(), done.stderr
+    gimbal.export(tmp_path / "same")
+    for name in ("controller.c", "controller.json"):
+        assert (tmp_path / "code" / name).read_bytes() == (tmp_path / "same" / name).read_bytes()
+    assert run("design", "no-such-folder").returncode == 2
+    assert "Usage" in run("--help").stdout
+    assert "studio" in run("studio").stderr
+
+
+def test_progress_is_a_line_on_a_terminal(gimbal, capsys):
+    bar = cp.ProgressBar()
+    gimbal.design(progress=bar)
+    bar.close()
+    assert "\r" in capsys.readouterr().err

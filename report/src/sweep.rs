@@ -1,8 +1,10 @@
 //! The pages of a robustness campaign.
 
 use counterpoise_pipeline::studies::sweep::CampaignResult;
-use counterpoise_verify::robust::{Sense, Worst};
+use counterpoise_verify::robust::{Sense, Summary, Worst};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
+
+use serde::Serialize;
 
 use crate::verification::Context;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary};
@@ -80,7 +82,75 @@ fn outside_samples(found: &CampaignResult) -> String {
     searched + &stable
 }
 
-/// Returns the options of `counterpoise sweep` that run a worst case again.
+/// A requirement over a campaign, for another program.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepFigure {
+    /// Key of the figure.
+    pub figure: String,
+    /// Share of the mechanisms that meet the requirement.
+    pub share: f64,
+    /// The share's 95 % interval.
+    pub interval: (f64, f64),
+    /// 5 % quantile of the figure.
+    pub q05: f64,
+    /// Median of the figure.
+    pub median: f64,
+    /// 95 % quantile of the figure.
+    pub q95: f64,
+    /// The sample with the least room; `None` if none could be judged.
+    pub worst_sample: Option<usize>,
+    /// The worst case that a search found from there.
+    pub worst_case: Option<WorstCase>,
+}
+
+/// The worst case that was found from the worst sample, and how to run it again.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstCase {
+    /// The figure.
+    pub value: f64,
+    /// Whether it meets the requirement.
+    pub meets: bool,
+    /// The sample from which the search started, whose noise it kept.
+    pub sample: usize,
+    /// Factor of every parameter that varies.
+    pub factors: Vec<(&'static str, f64)>,
+    /// Options of `counterpoise sweep` that run it again.
+    pub options: String,
+    /// How many mechanisms were tried.
+    pub tried: usize,
+    /// Whether the search ended because its steps grew small, not because of its limit.
+    pub converged: bool,
+}
+
+/// Returns every requirement of a campaign as plain data.
+pub fn figures(found: &CampaignResult) -> Vec<SweepFigure> {
+    let row = |(k, over): (usize, &Summary)| SweepFigure {
+        figure: found.requirements[k].figure.key(),
+        share: over.share,
+        interval: over.interval,
+        q05: over.q05,
+        median: over.median,
+        q95: over.q95,
+        worst_sample: over.worst,
+        worst_case: found.worst[k].as_ref().map(|worst| worst_of(found, k, worst)),
+    };
+    found.summaries.iter().enumerate().map(row).collect()
+}
+
+fn worst_of(found: &CampaignResult, requirement: usize, worst: &Worst) -> WorstCase {
+    let keys = found.variations.iter().map(|variation| variation.parameter.key());
+    WorstCase {
+        value: worst.value,
+        meets: found.requirements[requirement].limit.distance_to_limit(worst.value) >= 0.0,
+        sample: worst.sample,
+        factors: keys.zip(worst.factors.iter().copied()).collect(),
+        options: rerun_options(found, worst),
+        tried: worst.tried,
+        converged: worst.converged,
+    }
+}
+
+/// The options of `counterpoise sweep` that run a worst case again.
 pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
     let both = found.variations.iter().zip(&worst.factors);
     let words: Vec<String> =

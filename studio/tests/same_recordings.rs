@@ -7,14 +7,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use common::{settle, studio};
+use counterpoise_controller::{Readings, SampledController};
 use counterpoise_host::worker::Token;
 use counterpoise_host::{files, projects};
-use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
+use counterpoise_pipeline::model;
+use counterpoise_pipeline::recordings::read::{loop_of, recording_controller};
 use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read, replay};
-use counterpoise_project::Purpose;
+use counterpoise_project::{Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
 use counterpoise_report::wording::recordings::describe_replay;
+use counterpoise_simulate::signal::Signal;
+use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 use counterpoise_studio::command::Command;
 use counterpoise_studio::jobs::recording_views::{ReplayRequest, replay_files};
 use serde::Serialize;
@@ -31,32 +35,115 @@ fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
 }
 
+/// The JSON of recordings replayed in the studio, and as the command line replays them.
+fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
+    let project = projects::load_project(folder, Purpose::Replay).unwrap().project;
+    let controller = recording_controller(&project).unwrap();
+    let controller = controller.as_ref();
+    let files = projects::read_recordings(&paths).unwrap();
+    let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
+    let expected = replay(&project, &read, &loop_of(controller), ReplayLength::Automatic).unwrap();
+    let expected: Vec<_> = expected.iter().map(describe_replay).collect();
+    let project = Arc::new(project);
+    let ask = ReplayRequest { project, folder: folder.to_owned(), paths, improved: None };
+    let seen = replay_files(&ask, &Token::default()).unwrap().views;
+    let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
+    assert!(!found.is_empty());
+    [json(&found), json(&expected)]
+}
+
 #[test]
 fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
     for (name, folders) in EXAMPLES {
-        let folder = example(name);
-        let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
         for inside in folders {
-            let paths = vec![folder.join(inside)];
-            let controller = recording_controller(&project).unwrap();
-            let controller = controller.as_ref();
-            let files = projects::read_recordings(&paths).unwrap();
-            let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
-            let control = control_for(controller, read.iter().map(|item| &item.recording));
-            let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
-            let expected: Vec<_> = expected.iter().map(describe_replay).collect();
-            let ask = ReplayRequest {
-                project: Arc::new(project.clone()),
-                folder: folder.clone(),
-                paths,
-                improved: None,
-            };
-            let seen = replay_files(&ask, &Token::default()).unwrap().views;
-            let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
-            assert_eq!(json(&found), json(&expected), "{name}/{inside}");
-            assert!(!found.is_empty());
+            let folder = example(name);
+            let [found, expected] = both_ways(&folder, vec![folder.join(inside)]);
+            assert_eq!(found, expected, "{name}/{inside}");
         }
     }
+}
+
+/// Control without a controller: two sines, in volts.
+struct Sines {
+    amplitude_v: f64,
+    sample: f64,
+    period_s: f64,
+}
+
+impl SampledController for Sines {
+    fn reset(&mut self) {
+        self.sample = 0.0;
+    }
+
+    fn step(&mut self, _: &Readings) -> f64 {
+        let t = self.sample * self.period_s;
+        self.sample += 1.0;
+        self.amplitude_v * ((5.0 * t).sin() + 0.5 * (31.0 * t).sin())
+    }
+}
+
+/// Samples and length of a recording of an example's machine, whichever is shorter.
+const SAMPLES: f64 = 3000.0;
+const LENGTH_S: f64 = 2.0;
+
+/// A recording of a project's machine under two sines, as CSV.
+fn recorded(project: &Project) -> String {
+    let plant = model(project).unwrap().plant;
+    let period_s = plant.parameters().interface.sample_period_s;
+    let scenario = Scenario {
+        duration_s: LENGTH_S.min(SAMPLES * period_s),
+        demand_rad_s: Signal::ZERO,
+        injection_v: Signal::ZERO,
+        platform: PlatformMotion::STILL,
+        imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
+        initial: Initial::Rest { hub_angle_rad: project.model.operating_point.hub_angle_rad },
+        detail: Detail::Recording,
+    };
+    let mut control = Sines { amplitude_v: 0.5, sample: 0.0, period_s };
+    let history = Simulator::new(&plant).unwrap().run(&mut control, &scenario).unwrap();
+    excerpt(&history.readings.recording("run", period_s), history.readings.control_v.len())
+}
+
+/// Every other example, on a recording that its own machine made.
+#[test]
+fn every_example_replays_in_the_studio_as_on_the_command_line() {
+    let all = std::fs::read_dir(example(".")).unwrap().map(|entry| entry.unwrap().path());
+    let with_recordings = |path: &Path| EXAMPLES.iter().any(|(name, _)| path.ends_with(name));
+    let scratch = files::scratch_folder().unwrap();
+    let mut replayed = 0;
+    for folder in all.filter(|path| path.join("project.toml").exists() && !with_recordings(path)) {
+        let Ok(loaded) = projects::load_project(&folder, Purpose::Replay) else { continue };
+        let path = scratch.path().join(format!("{replayed}.csv"));
+        files::write(&path, recorded(&loaded.project).as_bytes()).unwrap();
+        let [found, expected] = both_ways(&folder, vec![path]);
+        assert_eq!(found, expected, "{}", folder.display());
+        replayed += 1;
+    }
+    assert!(replayed >= 12, "{replayed}");
+}
+
+/// One recording lacks the demand: it alone is replayed under its recorded control, in the studio as on the command line.
+#[test]
+fn a_recording_without_the_demand_does_not_change_how_the_others_are_replayed() {
+    let folder = example("left-out-friction");
+    let scratch = files::scratch_folder().unwrap();
+    let project = projects::load_project(&folder, Purpose::Replay).unwrap().project;
+    let file = projects::read_recordings(&[folder.join("triangle.parquet")]).unwrap();
+    let mut whole = read(&project, None, &file, Gaps::AsWritten).unwrap().remove(0).recording;
+    let written = |name: &str, recording: &Recording| {
+        let path = scratch.path().join(name);
+        files::write(&path, excerpt(recording, 1500).as_bytes()).unwrap();
+        path
+    };
+    let with = written("with.csv", &whole);
+    whole.remove(Channel::Demand);
+    let without = written("without.csv", &whole);
+    let [alone, _] = both_ways(&folder, vec![with.clone()]);
+    let [found, expected] = both_ways(&folder, vec![with, without]);
+    assert_eq!(found, expected);
+    let parse = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+    assert_eq!(parse(&found)[0], parse(&alone)[0]);
+    assert_ne!(parse(&found)[0]["channels"]["hub_rate"], parse(&found)[1]["channels"]["hub_rate"]);
 }
 
 /// Recordings under a controller that another state of the project exported: the note of the command line stands first.

@@ -30,7 +30,12 @@ fn graph_in_cargo() -> Graph {
 fn uses(folder: &str) -> BTreeSet<String> {
     let manifest = manifest(folder);
     let names = manifest["dependencies"].as_table().unwrap().keys();
-    names.filter_map(|name| name.strip_prefix("counterpoise-")).map(str::to_owned).collect()
+    // the command line is the package that has the product's own name
+    let folder = |name: &str| match name {
+        "counterpoise" => Some("app".to_owned()),
+        _ => name.strip_prefix("counterpoise-").map(str::to_owned),
+    };
+    names.filter_map(|name| folder(name)).collect()
 }
 
 #[test]

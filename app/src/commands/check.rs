@@ -1,8 +1,5 @@
 //! `counterpoise check`: how a project file is read, which values are assumed, and its migration to the present format.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-
 use anyhow::{Context, bail};
 use clap::Args;
 use counterpoise_host::files::project_file;
@@ -11,8 +8,9 @@ use counterpoise_pipeline::check::check;
 use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
 use counterpoise_report::check::check_lines;
 use serde::Serialize;
+use std::path::PathBuf;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::Results;
 use crate::output::{self, say};
 
@@ -49,12 +47,12 @@ pub fn run(options: &CheckOptions) -> Done {
             if !output::write_json(&options.results, &found)? {
                 check_lines(&found).iter().for_each(|line| say!("{line}"));
             }
-            Ok(ExitCode::SUCCESS)
+            Ok(Exit::SUCCESS)
         }
         Err(errors) => {
             let refused = Refused { file: document.name(), errors: &errors };
             if output::write_json(&options.results, &refused)? {
-                return Ok(ExitCode::from(2));
+                return Ok(Exit::BAD_INPUT);
             }
             Err(BadProject { errors, document }.into())
         }
@@ -68,7 +66,7 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
     }
     if document.format() == Some(FORMAT) {
         say!("{} is of format {FORMAT} already", document.name());
-        return Ok(ExitCode::SUCCESS);
+        return Ok(Exit::SUCCESS);
     }
     let migrated = document.migrated().context("the file cannot be migrated")?;
     let (before, after) = (Project::resolve(document, attachments), Project::resolve(&migrated, attachments));
@@ -78,5 +76,5 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
     }
     projects::write_file(std::path::Path::new(document.name()), migrated.text().as_bytes())?;
     say!("{} is of format {FORMAT} now", document.name());
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }

@@ -1,8 +1,5 @@
 //! `counterpoise compare`: the project's own design, the joint optimum and tuned fixed structures in one table.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use counterpoise_host::projects::{self, Surroundings};
@@ -12,8 +9,9 @@ use counterpoise_project::Purpose;
 use counterpoise_report::{Origin, designs, html_page};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
+use std::path::PathBuf;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::Results;
 use crate::output::{self, say};
 
@@ -73,7 +71,7 @@ pub fn run(options: &CompareOptions) -> Done {
         options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 /// Reads MS,MT,NOISE,KS.

@@ -1,7 +1,5 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
-use std::process::ExitCode;
-
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
@@ -21,7 +19,7 @@ use counterpoise_report::wording::recordings::{describe_recordings_error, descri
 use counterpoise_report::{diagnosis, difference, html_page};
 use counterpoise_verify::Verification;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::DiagnoseOptions;
 use crate::output;
 use counterpoise_host::interrupt;
@@ -70,7 +68,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         print_held_out(&answer.held_out_recordings);
         consequence.iter().for_each(print_consequence);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 /// Replays the recordings on the improved mechanism as `counterpoise replay` does of the project that was saved.

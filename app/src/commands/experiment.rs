@@ -1,7 +1,5 @@
 //! `counterpoise experiment`: the demand that best separates what a diagnosis leaves possible.
 
-use std::process::ExitCode;
-
 use anyhow::{Context, Error};
 use counterpoise_diagnose::experiment::Limits;
 use counterpoise_host::projects;
@@ -11,7 +9,7 @@ use counterpoise_project::Purpose;
 use counterpoise_report::wording::experiment::{ExperimentPlanText, describe_plan};
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::ExperimentOptions;
 use crate::output::{self, say};
 
@@ -44,7 +42,7 @@ pub fn run(options: &ExperimentOptions) -> Done {
     if !output::write_json(&options.results, &text)? {
         print(&text, options);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 /// Returns the demand as a CSV recording.

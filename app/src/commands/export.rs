@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_export::{Checked, File, check_file};
 use counterpoise_host::compilers::unit_library;
+use counterpoise_host::json::json_text;
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline as pipeline;
@@ -48,7 +49,7 @@ pub fn write_code(folder: &Path, code: &[File], with: &[File]) -> anyhow::Result
 
 /// Returns the file that holds the controller as plain data, beside its code.
 pub fn controller_file(controller: &ControllerResult) -> anyhow::Result<File> {
-    Ok(File { name: "controller.json".to_owned(), text: output::json_text(controller)? })
+    Ok(File { name: "controller.json".to_owned(), text: json_text(controller)? })
 }
 
 /// What became of a file that was checked.

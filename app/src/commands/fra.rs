@@ -1,7 +1,6 @@
 //! `counterpoise fra`: the frequency response analyser, on the simulated mechanism or on recordings.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
@@ -14,7 +13,7 @@ use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::describe_column_remark;
 use counterpoise_simulate::fra::Measurement;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
@@ -108,7 +107,7 @@ pub fn run(options: &FraOptions) -> Done {
     };
     if let Some(path) = &options.outputs.report {
         let command = std::iter::once("counterpoise".to_owned())
-            .chain(std::env::args().skip(1))
+            .chain(std::env::args().skip_while(|argument| argument != "fra"))
             .collect::<Vec<_>>()
             .join(" ");
         projects::write_file(path, html_page(&fra_report(&maps, &speed, &command)).as_bytes())?;
@@ -117,7 +116,7 @@ pub fn run(options: &FraOptions) -> Done {
         maps.iter().for_each(print);
         tell_speed(&maps, &speed);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,

@@ -1,7 +1,5 @@
 //! `counterpoise identify`: the triangle-wave method.
 
-use std::process::ExitCode;
-
 use crate::output::say;
 use counterpoise_diagnose::identification::{Estimate, improved};
 use counterpoise_pipeline::recordings::{AxisUnits, identify};
@@ -13,7 +11,7 @@ use counterpoise_report::wording::identification::{
 };
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::IdentifyOptions;
 use crate::output;
 use counterpoise_host::projects;
@@ -43,7 +41,7 @@ pub fn run(options: &IdentifyOptions) -> Done {
     if !output::write_json(&options.outputs.results, &found)? {
         print(&found, &identified.units);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 fn print(found: &IdentificationText, units: &AxisUnits) {

@@ -1,8 +1,5 @@
 //! `counterpoise model`: the plant, its poles, the modes of its structure, and pictures of both and of its friction.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-
 use clap::Args;
 use counterpoise_pipeline::check::rank_assumptions;
 use counterpoise_pipeline::exchange::StructureResult;
@@ -14,8 +11,9 @@ use counterpoise_project::Purpose;
 use counterpoise_report::check::ranking_lines;
 use counterpoise_report::html_page;
 use counterpoise_report::model::model_report;
+use std::path::PathBuf;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::Results;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
@@ -82,7 +80,7 @@ pub fn run(options: &ModelOptions) -> Done {
         modes(&views.modes);
         views.meshes.iter().for_each(meshes);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 fn print(result: &ModelResult, unheld: Option<&PipelineError>) {

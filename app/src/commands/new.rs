@@ -1,15 +1,13 @@
 //! `counterpoise new`: a folder with a project file to start from, filled in by five questions, like a kind of machine, or in full.
 
-use std::io::{BufRead, IsTerminal, Write};
-use std::path::Path;
-use std::process::ExitCode;
-
 use anyhow::{Result, bail};
 use counterpoise_host::files::{PROJECT_FILE, create_project};
 use counterpoise_project::starters::{Kind, Question, with_answer};
 use counterpoise_project::{Document, STARTER};
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::Path;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::NewOptions;
 use crate::output::{say, write_out};
 
@@ -26,7 +24,7 @@ pub fn run(options: &NewOptions) -> Done {
     };
     let path = create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
     told(&path, &options.folder);
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 fn told(path: &Path, folder: &Path) {

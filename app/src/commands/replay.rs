@@ -1,29 +1,25 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
-use std::path::Path;
-use std::process::ExitCode;
-
 use anyhow::Error;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
-use counterpoise_pipeline::recordings::read::{
-    control_for, read_table, recording_controller, without_demand,
-};
+use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
 use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read, replay};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::wording::recordings::{
-    describe_missing_demand, describe_other_export, describe_recordings_error, describe_replay,
+    describe_other_export, describe_played_back, describe_recordings_error, describe_replay,
     describe_replay_mode,
 };
-use counterpoise_simulate::replay::{Loop, RecordedController};
+use counterpoise_simulate::replay::RecordedController;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use std::path::Path;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::ReplayOptions;
 use crate::output::{self, say};
 
@@ -41,8 +37,10 @@ pub fn run(options: &ReplayOptions) -> Done {
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let controller = controller.as_ref();
     let read = read(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
-    let control =
-        if options.open_loop { Loop::Open } else { closed_loop(&loaded.project, controller, &read) };
+    if !options.open_loop {
+        tell_missing_demand(&loaded.project, &read);
+    }
+    let control = loop_of(controller.filter(|_| !options.open_loop));
     let replayed = replay(&loaded.project, &read, &control, options.windows).map_err(refused)?;
     let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
     for path in &in_parts {
@@ -57,7 +55,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     if !output::write_json(&options.outputs.results, &result)? {
         print(&result);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 /// Most parts in memory at once, a hundred megabytes each.
@@ -82,8 +80,7 @@ fn replay_in_parts(
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
         let read = read_table(project, controller, &table).map_err(refused)?;
         drop(table);
-        let recordings = read.iter().map(|item| &item.recording);
-        let control = if options.open_loop { Loop::Open } else { control_for(controller, recordings) };
+        let control = loop_of(controller.filter(|_| !options.open_loop));
         let replayed = replay(project, &read, &control, options.windows).map_err(refused)?;
         Ok(replayed.iter().map(describe_replay).collect())
     };
@@ -105,13 +102,12 @@ pub(super) fn tell_other_export(loaded: &Loaded) {
     }
 }
 
-/// Returns the loop in which the recordings are replayed; says so if the demand is missing.
-fn closed_loop(project: &Project, controller: Option<&RecordedController>, read: &[ReadRecording]) -> Loop {
+/// Says which recordings are replayed under their recorded control because the demand is missing.
+fn tell_missing_demand(project: &Project, read: &[ReadRecording]) {
     let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
-    if let Some(remark) = describe_missing_demand(&missing) {
+    if let Some(remark) = describe_played_back(&missing) {
         print_message(&format!("note: {remark}"));
     }
-    control_for(controller, read.iter().map(|item| &item.recording))
 }
 
 fn refused(error: PipelineError) -> Error {

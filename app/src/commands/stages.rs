@@ -1,13 +1,11 @@
 //! Single stages of the pipeline, from the same file.
 
-use std::process::ExitCode;
-
 use crate::output::say;
 use counterpoise_pipeline::results::ReduceResult;
 use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
 use counterpoise_project::Purpose;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::StageOptions;
 use crate::output;
 use counterpoise_host::projects::{self, Loaded};
@@ -32,7 +30,7 @@ pub fn reduce(options: &StageOptions) -> Done {
 }
 
 fn verdict_ok() -> Done {
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<Loaded> {

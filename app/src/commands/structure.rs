@@ -1,7 +1,5 @@
 //! `counterpoise diagnose` without recordings: what the structure's model lacks, from measured natural frequencies.
 
-use std::process::ExitCode;
-
 use anyhow::bail;
 use counterpoise_pipeline::recordings::measured_modes::{
     StructureAnswer, StructureVerdict, structure, support_in_words,
@@ -9,7 +7,7 @@ use counterpoise_pipeline::recordings::measured_modes::{
 use counterpoise_report::html_page;
 use counterpoise_report::structure::structure_report;
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::DiagnoseOptions;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
@@ -41,7 +39,7 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
         );
         print(&found.answer);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 fn print(answer: &StructureAnswer) {

@@ -1,11 +1,11 @@
 //! `counterpoise studio`: starts the desktop window, which is a program of its own.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 use anyhow::{Context, bail};
 
-use crate::exit::Done;
+use crate::exit::{Done, Exit};
 use crate::options::StudioOptions;
 
 /// Name of the studio's program, which is installed beside this one.
@@ -18,7 +18,7 @@ pub fn run(options: &StudioOptions) -> Done {
         .args(&options.arguments)
         .status()
         .with_context(|| format!("cannot start {}", program.display()))?;
-    Ok(u8::try_from(status.code().unwrap_or(1)).map_or(ExitCode::FAILURE, ExitCode::from))
+    Ok(Exit(u8::try_from(status.code().unwrap_or(1)).unwrap_or(1)))
 }
 
 /// Returns the path of the studio's program.

@@ -1,26 +1,27 @@
 //! `counterpoise sweep`: robustness, in shards that anybody may run.
 
 use crate::output::say;
-use std::path::Path;
-use std::process::ExitCode;
-
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use counterpoise_host::terminal::print_message;
-use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated};
+use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
+use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::{Context as PageContext, html_page, robust, sweep};
-use counterpoise_verify::robust::{Campaign, Member, Sample, Summary, Worst, merge, worst_case};
+use counterpoise_verify::robust::{Campaign, Member, Sample, merge};
 use counterpoise_verify::structured::RobustStability;
 use rayon::prelude::*;
+use std::path::Path;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::{Done, Exit, verdict_code};
 use crate::options::Results;
 use crate::output;
 use counterpoise_host::campaign_progress::Pace;
 use counterpoise_host::interrupt::Interrupted;
 use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::stages::Progress;
+use counterpoise_host::workers::Workers;
 use counterpoise_host::{interrupt, shards};
 
 /// Arguments of `sweep`.
@@ -51,9 +52,6 @@ pub struct SweepOptions {
 /// Samples in a shard where nobody says how many shards there are.
 const SHARD: usize = 50;
 
-/// Most mechanisms that the search for a worst case tries, a requirement.
-const TRIED: usize = 60;
-
 /// A campaign with its name: only files of the same name belong together.
 struct Named {
     designed: Stages,
@@ -76,7 +74,7 @@ pub fn run(options: &SweepOptions) -> Done {
         let pace = pace(options, named.campaign.shard(shard, of)?.len())?;
         run_shard(&named, &options.output, (shard, of), &pace)?;
         print_cost(options, pace.finish());
-        return Ok(ExitCode::SUCCESS);
+        return Ok(Exit::SUCCESS);
     }
     let cost = if options.merge { None } else { run_all(&named, options)? };
     let code = finish(&named, options)?;
@@ -184,7 +182,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     )?;
     shards::write_shard(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let others = BesideSamples {
-        worst: searched(named, &samples)?,
+        worst: worst_cases(&named.campaign, &samples, &Workers::new(Progress::Quiet))?,
         families: named.families.clone(),
         stability: named.stability.clone(),
     };
@@ -205,7 +203,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     };
     let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).reproduced_by(&command));
     projects::write_file(&options.output.join("report.html"), page.as_bytes())?;
-    let rows = summaries(&found);
+    let rows = sweep::figures(&found);
     if !output::json_list(&options.results, "figures", &rows)? {
         print(&found, &rows);
         print_stability(&found);
@@ -223,69 +221,7 @@ fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     Some(format!("{} of {all} samples are missing, from {first} to {last}", absent.len()))
 }
 
-/// Returns the worst case of each requirement, by a search from its worst sample; `None` if no sample could be
-/// judged.
-fn searched(named: &Named, samples: &[Sample]) -> Result<Vec<Option<Worst>>> {
-    let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
-    let one = |k: usize| {
-        judged(k).then(|| worst_case(&named.campaign, samples, k, TRIED)).transpose().map_err(Into::into)
-    };
-    (0..named.campaign.requirements().len()).into_par_iter().map(one).collect()
-}
-
-/// A requirement over the campaign, for another program.
-#[derive(serde::Serialize)]
-struct Row {
-    figure: String,
-    share: f64,
-    interval: (f64, f64),
-    q05: f64,
-    median: f64,
-    q95: f64,
-    worst_sample: Option<usize>,
-    worst_case: Option<WorstRow>,
-}
-
-/// The worst case that was found from the worst sample, and how to run it again.
-#[derive(serde::Serialize)]
-struct WorstRow {
-    value: f64,
-    meets: bool,
-    sample: usize,
-    factors: Vec<(&'static str, f64)>,
-    options: String,
-    tried: usize,
-    converged: bool,
-}
-
-fn worst_row(found: &CampaignResult, requirement: usize, worst: &Worst) -> WorstRow {
-    let keys = found.variations.iter().map(|variation| variation.parameter.key());
-    WorstRow {
-        value: worst.value,
-        meets: found.requirements[requirement].limit.distance_to_limit(worst.value) >= 0.0,
-        sample: worst.sample,
-        factors: keys.zip(worst.factors.iter().copied()).collect(),
-        options: sweep::rerun_options(found, worst),
-        tried: worst.tried,
-        converged: worst.converged,
-    }
-}
-
-fn summaries(found: &CampaignResult) -> Vec<Row> {
-    let row = |(k, over): (usize, &Summary)| Row {
-        figure: found.requirements[k].figure.key(),
-        share: over.share,
-        interval: over.interval,
-        q05: over.q05,
-        median: over.median,
-        q95: over.q95,
-        worst_sample: over.worst,
-        worst_case: found.worst[k].as_ref().map(|worst| worst_row(found, k, worst)),
-    };
-    found.summaries.iter().enumerate().map(row).collect()
-}
-
-fn print(found: &CampaignResult, rows: &[Row]) {
+fn print(found: &CampaignResult, rows: &[SweepFigure]) {
     for row in rows {
         let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
         let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));

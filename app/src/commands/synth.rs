@@ -1,8 +1,5 @@
 //! `counterpoise synth`: the controller with its certificates, compared with its alternatives; or the search for its weights.
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
@@ -15,8 +12,9 @@ use counterpoise_project::{Project, Purpose};
 use counterpoise_synth::{Ended, Figures, Trial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::{Done, Exit, verdict_code};
 use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
@@ -84,7 +82,7 @@ pub fn run(options: &SynthOptions) -> Done {
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::SUCCESS)
 }
 
 /// Writes the file with the weights of a project; everything else of it stays as it is.

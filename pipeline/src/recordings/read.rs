@@ -187,14 +187,20 @@ fn foreign_controller(
     check_control(&project.plant, recording, &Loop::from(controller?.clone())).map(ColumnRemark::Controller)
 }
 
-/// Returns how recordings are replayed: in closed loop with the project's [`recording_controller`] if it has one and every recording
-/// holds the demand, otherwise under the recorded control.
+/// Returns the loop in which recordings are replayed, each by itself: with the project's [`recording_controller`], or under the recorded
+/// control if the project names none. A recording that lacks the demand is replayed under its recorded control all the same.
+pub fn loop_of(controller: Option<&RecordedController>) -> Loop {
+    controller.cloned().map_or(Loop::Open, Loop::from)
+}
+
+/// Returns the one loop in which all recordings are compared with a model: that of [`loop_of`] if every recording holds the demand,
+/// otherwise the recorded control.
 pub fn control_for<'a>(
     controller: Option<&RecordedController>,
     recordings: impl IntoIterator<Item = &'a Recording>,
 ) -> Loop {
     let complete = recordings.into_iter().all(|recording| recording.has(Channel::Demand));
-    controller.filter(|_| complete).cloned().map_or(Loop::Open, Loop::from)
+    loop_of(controller.filter(|_| complete))
 }
 
 impl ReadRecording {
@@ -202,6 +208,12 @@ impl ReadRecording {
     pub fn has_other_controller(&self) -> bool {
         let contradicts = |remark: &ColumnRemark| matches!(remark, ColumnRemark::Controller(_));
         self.recording.has(Channel::Control) && self.remarks.iter().any(contradicts)
+    }
+
+    /// Returns whether the recorded control is played back although the project names a controller: another one made the recording, or
+    /// the demand, which a controller needs, was not recorded.
+    pub fn plays_control_back(&self) -> bool {
+        self.has_other_controller() || !self.recording.has(Channel::Demand)
     }
 }
 

@@ -78,7 +78,8 @@ struct Mechanism<'a> {
     structure: Option<&'a Body>,
 }
 
-/// Replays one recording on a mechanism; under its recorded control if another controller than the project's was in the loop.
+/// Replays one recording on a mechanism; under its recorded control if another controller than the project's was in the loop, or if the
+/// demand was not recorded.
 ///
 /// # Errors
 /// [`PipelineError::CannotReplay`] with the simulator's reason.
@@ -102,7 +103,7 @@ fn replay_on(
         Some(body) => replayer.with_whole_body(body.clone()),
         None => replayer,
     });
-    let control = if item.has_other_controller() { &Loop::Open } else { control };
+    let control = if item.plays_control_back() { &Loop::Open } else { control };
     let followed = replayer.and_then(|replayer| match mechanism.structure {
         Some(_) => selected(&replayer, plant, control, length),
         None => {

@@ -5,7 +5,7 @@
 //! at the amplitude that this model itself gives.
 
 use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
-use counterpoise_diagnose::simulator_access::{Pool, map};
+use counterpoise_diagnose::simulator_access::{Pool, map, map_with_progress};
 use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
@@ -236,16 +236,13 @@ impl Analyser {
             offset_m: self.offset_m,
             ..Settings::default()
         };
-        let done = std::sync::atomic::AtomicUsize::new(0);
-        let measured = map(pool, count, |index| {
+        let measured = map_with_progress(pool, "point", count, |index| {
             let amplitude = plan.amplitudes[index / plan.frequencies_hz.len()];
             let frequency_rad_s = TAU * plan.frequencies_hz[index % plan.frequencies_hz.len()];
             let mut controller = self.runner();
             let test = self.around.test();
             let at = TestSine { frequency_rad_s, amplitude };
-            let found = fra::measure(&self.plant, controller.as_mut(), test, at, &settings);
-            pool.progress("point", done.fetch_add(1, std::sync::atomic::Ordering::Relaxed), count);
-            found
+            fra::measure(&self.plant, controller.as_mut(), test, at, &settings)
         });
         measured.into_iter().map(|point| Ok(point?)).collect()
     }

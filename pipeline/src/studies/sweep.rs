@@ -1,9 +1,10 @@
 //! The robustness campaign that the project asks for.
 
 use counterpoise_controller::Controller;
+use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_verify::robust::{
     Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
-    one_at_a_time, ranking, summary,
+    one_at_a_time, ranking, summary, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
@@ -177,6 +178,24 @@ pub fn robust_stability(
     let procedure = project_procedure(project, world)?;
     let parameters = &modelled.parameters;
     Ok(counterpoise_verify::structured::robust_stability(parameters, controller, &procedure, &uncertainty)?)
+}
+
+/// Most mechanisms that the search for a worst case tries, a requirement.
+const TRIED: usize = 60;
+
+/// The worst case of each requirement, by a search from its worst sample; `None` if no sample could be judged.
+///
+/// # Errors
+/// Those of the campaign.
+pub fn worst_cases(
+    campaign: &Campaign,
+    samples: &[Sample],
+    pool: &dyn Pool,
+) -> Result<Vec<Option<Worst>>, PipelineError> {
+    let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
+    let one = |k: usize| judged(k).then(|| worst_case(campaign, samples, k, TRIED)).transpose();
+    let found = map(pool, campaign.requirements().len(), one);
+    found.into_iter().map(|worst| Ok(worst?)).collect()
 }
 
 /// A requirement over the mechanisms of a campaign.

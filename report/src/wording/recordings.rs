@@ -52,6 +52,16 @@ pub fn describe_missing_demand(files: &[String]) -> Option<String> {
     })
 }
 
+/// Describes that recordings lack the demand, and that each of these is replayed under its recorded control.
+pub fn describe_played_back(files: &[String]) -> Option<String> {
+    (!files.is_empty()).then(|| {
+        format!(
+            "demand was not recorded in {}: replayed under the recorded control instead of by the recorded controller",
+            files.join(", ")
+        )
+    })
+}
+
 /// Describes that the recordings' controller was exported from another state of the project.
 pub fn describe_other_export(other: &OtherExport) -> String {
     format!(

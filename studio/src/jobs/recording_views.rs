@@ -9,15 +9,17 @@ use counterpoise_models::Parameters;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
-    control_for, read_recording, recording_controller, tabulate, without_demand,
+    loop_of, read_recording, recording_controller, tabulate, without_demand,
 };
 use counterpoise_pipeline::recordings::replay::replay_one;
-use counterpoise_pipeline::recordings::{Gaps, ReadRecording, RecordingFile, ReplayLength};
+use counterpoise_pipeline::recordings::{
+    Gaps, ReadRecording, RecordingFile, ReplayLength, ReplayedRecording, replay,
+};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_report::wording::recordings::{
-    describe_column_remark, describe_missing_demand, describe_other_export, describe_recordings_error,
+    describe_column_remark, describe_other_export, describe_played_back, describe_recordings_error,
     describe_replay,
 };
 use counterpoise_simulate::replay::{RecordedController, Replay};
@@ -204,18 +206,17 @@ fn replayed_view(
     blank: RecordingView,
 ) -> RecordingView {
     let mut errors = Vec::new();
-    let control = control_for(controller, [&item.recording]);
-    let mut run = |plant: &Parameters| match replay_one(plant, item, &control, ReplayLength::Automatic) {
-        Ok(made) => Some(made),
-        Err(error) => {
-            errors.push(describe_recordings_error(&error));
-            None
-        }
+    let control = loop_of(controller);
+    let mut kept = |made: Result<ReplayedRecording, PipelineError>| {
+        made.map_err(|error| errors.push(describe_recordings_error(&error))).ok()
     };
-    let model = run(&request.project.plant);
-    let improved = request.improved.as_deref().and_then(run);
+    let length = ReplayLength::Automatic;
+    let modelled = replay(&request.project, std::slice::from_ref(item), &control, length);
+    let model = kept(modelled.map(|mut made| made.remove(0)));
+    let improved = request.improved.as_deref();
+    let improved = improved.and_then(|plant| kept(replay_one(plant, item, &control, length)));
     let demand =
-        describe_missing_demand(&without_demand(&request.project, [(item.file.as_str(), &item.recording)]));
+        describe_played_back(&without_demand(&request.project, [(item.file.as_str(), &item.recording)]));
     let found = model.as_ref().map_or(&item.remarks, |made| &made.remarks);
     let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.followed.replay));
     RecordingView {

@@ -1,0 +1,188 @@
+//! Studies of a project: robustness, frequency response maps, adaptation, identification.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context, ensure};
+use counterpoise_diagnose::identification::improved;
+use counterpoise_diagnose::simulator_access::{Pool, map_with_progress};
+use counterpoise_host::projects;
+use counterpoise_pipeline::recordings::{Gaps, identify, read, read::recording_controller};
+use counterpoise_pipeline::results::AdaptResult;
+use counterpoise_pipeline::studies::adapt::adapt;
+use counterpoise_pipeline::studies::adaptation_trials::run_trials;
+use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
+use counterpoise_pipeline::{
+    self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
+};
+use counterpoise_project::Purpose;
+use counterpoise_report::sweep::{SweepFigure, figures};
+use counterpoise_report::wording::identification::describe_identified_recordings;
+use counterpoise_report::wording::recordings::{describe_column_remark, describe_recordings_error};
+use counterpoise_verify::robust::Sample;
+use pyo3::prelude::*;
+use serde::Serialize;
+
+use crate::background::{self, Surroundings};
+use crate::failures::CounterpoiseError;
+use crate::project::NativeProject;
+
+/// A campaign: every requirement over it, and its samples as columns.
+#[derive(Serialize)]
+struct Swept {
+    passing: usize,
+    figures: Vec<SweepFigure>,
+    samples: Columns,
+}
+
+/// The samples of a campaign as columns: factors of what varies, and figures.
+#[derive(Serialize)]
+struct Columns {
+    sample: Vec<usize>,
+    #[serde(flatten)]
+    values: BTreeMap<String, Vec<f64>>,
+}
+
+impl Columns {
+    fn of(found: &CampaignResult) -> Self {
+        let factors = found.variations.iter().zip(found.factors.columns());
+        let factors = factors.map(|(v, column)| (format!("factor.{}", v.parameter.key()), column.to_vec()));
+        let figures = found.requirements.iter().zip(found.values.columns());
+        let figures = figures.map(|(r, column)| (r.figure.key(), column.to_vec()));
+        Self { sample: (0..found.samples()).collect(), values: factors.chain(figures).collect() }
+    }
+}
+
+/// A list of maps under a key, as the command line writes it.
+#[derive(Serialize)]
+struct Maps {
+    maps: Vec<Map>,
+}
+
+/// Runs the project's campaign: every requirement over all mechanisms with its worst case, and the samples.
+#[pyfunction]
+pub fn sweep(
+    py: Python<'_>,
+    project: &NativeProject,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    project.json(py, progress, |project, world| swept(project, world))
+}
+
+fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept> {
+    let loaded = project.loaded(Purpose::Sweep)?;
+    let project = &loaded.project;
+    campaign_is_stated(project)?;
+    let made = run_stages(project, world)?;
+    let (modelled, verified) = (&made.modelled, &made.verified);
+    let campaign = prepare_campaign(project, modelled, verified, world)?;
+    let run = map_with_progress(world, "sample", campaign.len(), |index| campaign.run(index));
+    ensure!(!world.cancelled(), "stopped");
+    let samples: Vec<Sample> = run.into_iter().collect::<Result<_, _>>()?;
+    let others = BesideSamples {
+        worst: worst_cases(&campaign, &samples, world)?,
+        families: vary_families(project, modelled, verified, world)?,
+        stability: robust_stability(project, modelled, verified.controller(), world)?,
+    };
+    let found = CampaignResult::new(&campaign, &samples, others);
+    Ok(Swept { passing: found.passing, figures: figures(&found), samples: Columns::of(&found) })
+}
+
+/// Puts every method of adaptation to the test in the nonlinear closed loop.
+#[pyfunction(name = "adapt")]
+pub fn adaptation(
+    py: Python<'_>,
+    project: &NativeProject,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    project.json(py, progress, |project, world| {
+        let loaded = project.loaded(Purpose::Verify)?;
+        let modelled = pipeline::model(&loaded.project)?;
+        let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+        let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
+        let runs = adapt(&loaded.project, &modelled, &made)?;
+        let procedure = pipeline::project_procedure(&loaded.project, world)?;
+        Ok(AdaptResult { runs, trials: run_trials(&loaded.project, &modelled, &made, &procedure)? })
+    })
+}
+
+/// Measures frequency responses on the simulated machine, or on recordings.
+#[pyfunction]
+pub fn frequency_response_map(
+    py: Python<'_>,
+    project: &NativeProject,
+    around: &str,
+    amplitudes: Vec<f64>,
+    frequencies_hz: Vec<f64>,
+    offset_m: f64,
+    recordings: Vec<PathBuf>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    let around = match around {
+        "plant" => Around::Plant,
+        "closed" => Around::Closed,
+        "disturbance" => Around::Disturbance,
+        "disconnected" => Around::Disconnected,
+        other => {
+            return Err(CounterpoiseError::new_err(format!(
+                "\"{other}\" is no loop; there are plant, closed, disturbance, disconnected"
+            )));
+        }
+    };
+    let plan = Plan { around, amplitudes, frequencies_hz, offset_m };
+    project.json(py, progress, move |project, world| {
+        let positive = |values: &[f64]| {
+            !values.is_empty() && values.iter().all(|value| value.is_finite() && *value > 0.0)
+        };
+        ensure!(positive(&plan.frequencies_hz), "frequencies_hz must be positive numbers, at least one");
+        let loaded = project.loaded(Purpose::Model)?;
+        let modelled = pipeline::model(&loaded.project)?;
+        if !recordings.is_empty() {
+            return recorded_maps(&loaded, &plan, &recordings);
+        }
+        ensure!(positive(&plan.amplitudes), "amplitudes must be positive numbers, at least one");
+        let analyser = Analyser::new(&loaded.project, &modelled, &plan, On::Simulation)?;
+        let measured = analyser.measure(&plan, world)?;
+        ensure!(!world.cancelled(), "stopped");
+        Ok(Maps { maps: vec![analyser.compare(&measured, world)?] })
+    })
+}
+
+fn recorded_maps(loaded: &projects::Loaded, plan: &Plan, recordings: &[PathBuf]) -> anyhow::Result<Maps> {
+    let modelled = pipeline::model(&loaded.project)?;
+    let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
+    let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
+    let controller = recording_controller(&loaded.project).map_err(refused)?;
+    let files = projects::read_recordings(recordings)?;
+    let mut maps = Vec::new();
+    for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)? {
+        let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
+        map.recording = Some(item.file);
+        map.remarks.extend(item.remarks.iter().map(describe_column_remark));
+        maps.push(map);
+    }
+    Ok(Maps { maps })
+}
+
+/// Identifies the machine from recordings of triangle waves, in one or two states of balance: what was found as JSON, and the project
+/// with it.
+#[pyfunction(name = "identify")]
+pub fn identification(
+    py: Python<'_>,
+    project: &NativeProject,
+    recordings: Vec<PathBuf>,
+    other: Vec<PathBuf>,
+) -> PyResult<(String, NativeProject)> {
+    let kept = project.clone();
+    background::run(py, project.folder(), None, move |_| {
+        let loaded = kept.loaded(Purpose::Model)?;
+        let (first, second) = (projects::read_recordings(&recordings)?, projects::read_recordings(&other)?);
+        let identified = identify(&loaded.project, &[&first, &second])
+            .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
+        let found = describe_identified_recordings(&identified);
+        let json = serde_json::to_string(&found).context("cannot write the result as JSON")?;
+        let better = improved(&loaded.project.plant, &identified.identified);
+        Ok((json, kept.with_document(projects::improved_document(&loaded, &better)?)))
+    })
+}
