@@ -67,7 +67,7 @@ pub fn sweep(
     project: &NativeProject,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    project.json(py, progress, |project, world| swept(project, world))
+    project.json(py, progress, swept)
 }
 
 fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept> {

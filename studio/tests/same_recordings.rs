@@ -156,7 +156,7 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     files::write(&folder.join("road.parquet"), &road).unwrap();
     files::write(&folder.join("project.toml"), whole.as_bytes()).unwrap();
     let project = projects::load_project(&folder, Purpose::Design).unwrap().project;
-    let modelled = counterpoise_pipeline::model(&project).unwrap();
+    let modelled = model(&project).unwrap();
     let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
     let made = counterpoise_pipeline::synthesise(&project, &modelled, &reduced).unwrap();
     let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
