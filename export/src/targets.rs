@@ -78,7 +78,7 @@ pub struct Targets {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn targets(
+pub fn compare_targets(
     verified: &VerifiedController,
     plant: &Plant,
     procedure: &Procedure,
@@ -103,7 +103,8 @@ pub struct FixedFigures {
     figures: Option<TargetFigures>,
 }
 
-/// The fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see [`targets`].
+/// Returns the fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see
+/// [`compare_targets`].
 ///
 /// # Errors
 /// Those of the simulator.
@@ -114,7 +115,7 @@ pub fn fixed_form(
     allowed_v: f64,
 ) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
     let TargetRuns { controller, known, samples, .. } = TargetRuns::record(verified, plant, procedure)?;
-    Ok(plan(controller, &known, allowed_v, samples))
+    Ok(plan_fixed_point(controller, &known, allowed_v, samples))
 }
 
 /// The runs of a controller in double, beside which other numbers are put. Each kind of numbers can be tried by itself.
@@ -233,7 +234,7 @@ fn run(
 }
 
 impl Run {
-    /// The run's error against that in double.
+    /// Returns the run's error against that in double.
     fn compared(&self, in_double: f64) -> ExperimentFigures {
         let error_rms_rad_s = rms(&self.errors_rad_s);
         let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());

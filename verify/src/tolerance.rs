@@ -353,3 +353,5 @@ pub const SIGHT_TAPERS: usize = 4;
 pub const SIGHT_BANDS_A_DECADE: f64 = 16.0;
 /// Points over which a density is summed within a band, for 16 points resolve a mode of half a per cent of damping.
 pub const SIGHT_POINTS_A_BAND: f64 = 8.0;
+/// Relative distance of two frequencies of a path below which no point is added between them: a jump of the response is then an edge.
+pub const SAME_FREQUENCY: f64 = 1e-6;
