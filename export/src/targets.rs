@@ -6,8 +6,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, by_form, plan,
-    single_precision,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, by_form,
+    plan_fixed_point, single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -76,7 +76,7 @@ pub struct Targets {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn targets(
+pub fn compare_targets(
     verified: &VerifiedController,
     plant: &Plant,
     procedure: &Procedure,
@@ -101,7 +101,8 @@ pub struct FixedFigures {
     figures: Option<TargetFigures>,
 }
 
-/// The fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see [`targets`].
+/// Returns the fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see
+/// [`compare_targets`].
 ///
 /// # Errors
 /// Those of the simulator.
@@ -112,7 +113,7 @@ pub fn fixed_form(
     allowed_v: f64,
 ) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
     let TargetRuns { controller, known, samples, .. } = TargetRuns::record(verified, plant, procedure)?;
-    Ok(plan(controller, &known, allowed_v, samples))
+    Ok(plan_fixed_point(controller, &known, allowed_v, samples))
 }
 
 /// The runs of a controller in double, beside which other numbers are put. Each kind of numbers can be tried by itself.
@@ -177,7 +178,7 @@ impl<'a> TargetRuns<'a> {
     /// # Errors
     /// Those of the simulator.
     pub fn fixed(&self, allowed_v: f64) -> Result<FixedFigures, counterpoise_verify::Error> {
-        let fixed = plan(self.controller, &self.known, allowed_v, self.samples);
+        let fixed = plan_fixed_point(self.controller, &self.known, allowed_v, self.samples);
         let figures = match &fixed {
             Err(_) => None,
             Ok(form) => {
@@ -231,7 +232,7 @@ fn run(
 }
 
 impl Run {
-    /// The run's error against that in double.
+    /// Returns the run's error against that in double.
     fn compared(&self, in_double: f64) -> ExperimentFigures {
         let error_rms_rad_s = self.error_rms_rad_s;
         let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());

@@ -9,20 +9,20 @@ use counterpoise_verify::certificate::Certificate as StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::{Procedure, VerifiedController};
 
-use crate::certificates::{Certificate, certify};
+use crate::certificates::{Certificate, certify_designs};
 use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, forms, half_step_v, project_hash,
-    weights,
+    Exported, LeftOut, PathForms, TargetCode, describe_weights, every_target, export_by, half_step_v,
+    path_forms, project_hash,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
     Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, choose_and_tune, model,
-    observed, procedure, reduce, studies, synthesise, verify_on,
+    project_procedure, reduce, run_observed, studies, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -134,7 +134,7 @@ impl ProjectIdentity {
 /// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
 pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
     let made = run_to_verification(project, world)?;
-    let stability = observed(world, Step::Verify, || made.certificate(project))?;
+    let stability = run_observed(world, Step::Verify, || made.certificate(project))?;
     made.exported(project, world, stability)
 }
 
@@ -148,18 +148,18 @@ struct VerifiedDesign {
 }
 
 fn run_to_verification(project: &Project, world: &dyn World) -> Result<VerifiedDesign, PipelineError> {
-    let modelled = observed(world, Step::Model, || model(project))?;
-    let reduced = observed(world, Step::Reduce, || reduce(project, &modelled))?;
-    let synthesised = observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
-    let procedure = procedure(project, world)?;
+    let modelled = run_observed(world, Step::Model, || model(project))?;
+    let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
+    let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+    let procedure = project_procedure(project, world)?;
     let verified =
-        observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
+        run_observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
     Ok(VerifiedDesign { modelled, reduced, synthesised, procedure, verified })
 }
 
 impl VerifiedDesign {
     fn certificate(&self, project: &Project) -> Result<StabilityCertificate, PipelineError> {
-        studies::certificate::certificate(project, &self.modelled, &self.synthesised, &self.procedure)
+        studies::certificate::certify_controller(project, &self.modelled, &self.synthesised, &self.procedure)
     }
 
     /// Writes the code.
@@ -170,8 +170,9 @@ impl VerifiedDesign {
         stability: StabilityCertificate,
     ) -> Result<Stages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure, verified } = self;
-        let Exported { files, left_out } =
-            observed(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
+        let Exported { files, left_out } = run_observed(world, Step::Export, || {
+            export_by(project, &modelled, &verified, &procedure, world)
+        })?;
         Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
     }
 
@@ -219,14 +220,14 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
     let Decided { project, first } = choose_and_tune(project, world)?;
     let project = &project;
     let made = run_to_verification(project, world)?;
-    let studied = observed(world, Step::Verify, || made.studied(project, world.pool()))?;
+    let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;
     let StudiedDesign { stability, targets } = studied;
     let stages = made.exported(project, world, stability)?;
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
     Ok(Designed {
         identity: ProjectIdentity::of(project, world),
-        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
-        certificates: certify(&stages.synthesised, Some(stages.verified.verification())),
+        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
+        certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         loop_view: loop_view(stages.verified.verification())?,
@@ -254,8 +255,8 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     let synthesised = synthesise(project, &modelled, &reduced)?;
     Ok(SynthesisStudy {
         identity: ProjectIdentity::of(project, world),
-        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
-        certificates: certify(&synthesised, None),
+        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
+        certificates: certify_designs(&synthesised, None),
         comparison: compare_designs(project, &modelled, &synthesised)?,
         views: design_views(&modelled, &reduced, &synthesised)?,
         modelled,
@@ -283,7 +284,7 @@ fn study_targets(
             additions: programs.step.additions(),
             states: programs.state_count(),
         },
-        forms: forms(&stages.verified)?,
+        forms: path_forms(&stages.verified)?,
         by_form,
         compared,
     })
