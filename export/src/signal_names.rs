@@ -1,72 +1,119 @@
-//! What the first two readings are called in the code of a loop of position.
+//! What the first two readings are called in the code of a loop of position, torque or current.
 //!
-//! The code of a controller is generated with the names of a rate loop. A loop of position runs the same operations on other
+//! The code of a controller is generated with the names of a rate loop. Another loop runs the same operations on other
 //! quantities; its files have these quantities' names, units and meanings in place of the rates'.
 
 use crate::File;
 
-/// The quantity that a loop of position controls.
+/// The quantity that a loop controls, if it is no rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ControlledPosition {
+pub enum ControlledQuantity {
     /// The angle of a turning axis.
     Angle,
     /// The place of a sliding axis.
     Place,
+    /// The torque that a transmission passes.
+    Torque,
+    /// The force that the transmission of a sliding axis passes.
+    Force,
+    /// The motor's current.
+    Current,
 }
 
-/// Identifiers of a rate loop with those of the two loops of position.
-const NAMES: [(&str, &str, &str); 4] = [
-    ("demand_rad_s", "demand_rad", "demand_m"),
-    ("hub_rate_rad_s", "measured_angle_rad", "measured_position_m"),
-    ("filtered_demand_rad_s", "filtered_demand_rad", "filtered_demand_m"),
-    ("rate_error_rad_s", "angle_error_rad", "position_error_m"),
-];
+/// What a quantity is called.
+struct Words {
+    unit: &'static str,
+    /// Of demand, reading, filtered demand and error.
+    names: [&'static str; 4],
+    /// Of demand and reading, and of the sensor in quotation marks.
+    meanings: [&'static str; 3],
+    /// Definition of a unit that FMI units of a turning axis lack.
+    definition: Option<&'static str>,
+}
 
-/// Meanings of the readings of a rate loop with those of the two loops of position.
-const MEANINGS: [(&str, &str, &str); 3] = [
-    ("demanded hub rate, rad/s", "demanded angle, rad", "demanded position, m"),
-    (
-        "hub gyroscope, rad/s, positive nose-up, inertial",
-        "measured angle relative to the platform, rad",
-        "measured position relative to the platform, m",
-    ),
-    (
-        "\"hub gyroscope\"",
-        "\"measured angle relative to the platform\"",
-        "\"measured position relative to the platform\"",
-    ),
-];
+/// Identifiers of a rate loop.
+const NAMES: [&str; 4] = ["demand_rad_s", "hub_rate_rad_s", "filtered_demand_rad_s", "rate_error_rad_s"];
 
-/// The unit that FMI units of a turning axis do not define, and the line that it precedes.
-const METRE: &str = "    <Unit name=\"m\"><BaseUnit m=\"1\"/></Unit>";
-const AFTER_METRE: &str = "    <Unit name=\"V\">";
+/// Meanings of the readings of a rate loop.
+const MEANINGS: [&str; 3] =
+    ["demanded hub rate, rad/s", "hub gyroscope, rad/s, positive nose-up, inertial", "\"hub gyroscope\""];
 
-impl ControlledPosition {
+/// The line of FMI units before which units are defined.
+const AFTER_DEFINITION: &str = "    <Unit name=\"V\">";
+
+impl ControlledQuantity {
     /// Returns generated files with the names of this quantity.
     pub fn named(self, files: Vec<File>) -> Vec<File> {
         files.into_iter().map(|file| File { text: self.text(&file.text), ..file }).collect()
     }
 
-    fn of(self, angle: &'static str, place: &'static str) -> &'static str {
+    fn words(self) -> Words {
         match self {
-            Self::Angle => angle,
-            Self::Place => place,
+            Self::Angle => Words {
+                unit: "rad",
+                names: ["demand_rad", "measured_angle_rad", "filtered_demand_rad", "angle_error_rad"],
+                meanings: [
+                    "demanded angle, rad",
+                    "measured angle relative to the platform, rad",
+                    "\"measured angle relative to the platform\"",
+                ],
+                definition: None,
+            },
+            Self::Place => Words {
+                unit: "m",
+                names: ["demand_m", "measured_position_m", "filtered_demand_m", "position_error_m"],
+                meanings: [
+                    "demanded position, m",
+                    "measured position relative to the platform, m",
+                    "\"measured position relative to the platform\"",
+                ],
+                definition: Some("    <Unit name=\"m\"><BaseUnit m=\"1\"/></Unit>"),
+            },
+            Self::Torque => Words {
+                unit: "N.m",
+                names: ["demand_nm", "measured_torque_nm", "filtered_demand_nm", "torque_error_nm"],
+                meanings: [
+                    "demanded torque, N m",
+                    "measured torque of the transmission, N m",
+                    "\"measured torque of the transmission\"",
+                ],
+                definition: Some("    <Unit name=\"N.m\"><BaseUnit kg=\"1\" m=\"2\" s=\"-2\"/></Unit>"),
+            },
+            Self::Force => Words {
+                unit: "N",
+                names: ["demand_n", "measured_force_n", "filtered_demand_n", "force_error_n"],
+                meanings: [
+                    "demanded force, N",
+                    "measured force of the transmission, N",
+                    "\"measured force of the transmission\"",
+                ],
+                definition: Some("    <Unit name=\"N\"><BaseUnit kg=\"1\" m=\"1\" s=\"-2\"/></Unit>"),
+            },
+            Self::Current => Words {
+                unit: "A",
+                names: ["demand_a", "measured_current_a", "filtered_demand_a", "current_error_a"],
+                meanings: [
+                    "demanded current, A",
+                    "measured current of the motor, A",
+                    "\"measured current of the motor\"",
+                ],
+                definition: None,
+            },
         }
     }
 
     fn text(self, text: &str) -> String {
-        let described = MEANINGS
-            .iter()
-            .fold(text.to_owned(), |text, (rate, angle, place)| text.replace(rate, self.of(angle, place)));
-        let mut named = match self {
-            Self::Angle => described,
-            Self::Place => described.replace(AFTER_METRE, &format!("{METRE}\n{AFTER_METRE}")),
+        let Words { unit, names, meanings, definition } = self.words();
+        let pairs = MEANINGS.iter().zip(meanings);
+        let described = pairs.fold(text.to_owned(), |text, (rate, own)| text.replace(rate, own));
+        let mut named = match definition {
+            None => described,
+            Some(unit) => described.replace(AFTER_DEFINITION, &format!("{unit}\n{AFTER_DEFINITION}")),
         };
-        for (index, (rate, angle, place)) in NAMES.iter().enumerate() {
-            let name = self.of(angle, place);
+        for (index, (rate, name)) in NAMES.iter().zip(names).enumerate() {
             // The first two are variables of FMI units, whose lines state the unit as well.
             named = match index {
-                0 | 1 => with_unit(&named, rate, self.of("rad", "m")),
+                0 | 1 => with_unit(&named, rate, unit),
                 _ => named,
             };
             named = with_identifier(&named, rate, name);
@@ -114,7 +161,7 @@ mod tests {
     fn a_variable_of_a_unit_has_the_unit_of_its_quantity() {
         let text = "    <Float64 name=\"demand_rad_s\" unit=\"rad/s\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         let files = vec![File { name: "modelDescription.xml".into(), text: text.into() }];
-        let found = ControlledPosition::Place.named(files);
+        let found = ControlledQuantity::Place.named(files);
         let expected = "    <Float64 name=\"demand_m\" unit=\"m\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         assert_eq!(found[0].text, expected);
     }

@@ -6,8 +6,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, Measured, Ranges, plan_fixed_point,
-    single_precision,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, by_form,
+    plan_fixed_point, single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -84,23 +84,23 @@ pub fn compare_targets(
     procedure: &Procedure,
     allowed_v: f64,
 ) -> Result<Targets, counterpoise_verify::Error> {
-    let controller = verified.controller();
-    let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
-    bench.record(controller)?;
-    let (known, samples) = bench.ranges(controller);
-    let fixed = plan_fixed_point(controller, &known, allowed_v, samples);
-    let exact = Deviation::none(samples);
-    let single = single_precision(controller, &known, samples);
-    let in_single = || Box::new(controller.runner_in::<f32>()) as Box<dyn Adjustable>;
-    let exactly = (Numbers::Double, exact, Measured::default());
-    let singly = (Numbers::Single, single, known.measure(&in_single));
-    let mut figures = vec![bench.recorded_figures(exactly), bench.figures(singly, &in_single)?];
-    if let Ok(fixed) = &fixed {
-        let acting = || Box::new(FixedRunner::new(fixed)) as Box<dyn Adjustable>;
-        let found = (Numbers::Fixed, fixed.deviation, known.measure(&acting));
-        figures.push(bench.figures(found, &acting)?);
+    let runs = TargetRuns::record(verified, plant, procedure)?;
+    Ok(Targets::of(&runs, runs.single()?, runs.fixed(allowed_v)?))
+}
+
+impl Targets {
+    /// Puts the figures of each kind of numbers together.
+    pub fn of(runs: &TargetRuns<'_>, single: TargetFigures, fixed: FixedFigures) -> Self {
+        let FixedFigures { fixed, figures } = fixed;
+        Self { figures: [runs.double(), single].into_iter().chain(figures).collect(), fixed }
     }
-    Ok(Targets { figures, fixed })
+}
+
+/// The fixed-point form with its figures, or why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FixedFigures {
+    fixed: Result<Fixed, FixedError>,
+    figures: Option<TargetFigures>,
 }
 
 /// Returns the fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see
@@ -114,19 +114,19 @@ pub fn fixed_form(
     procedure: &Procedure,
     allowed_v: f64,
 ) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
-    let controller = verified.controller();
-    let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
-    bench.record(controller)?;
-    let (known, samples) = bench.ranges(controller);
+    let TargetRuns { controller, known, samples, .. } = TargetRuns::record(verified, plant, procedure)?;
     Ok(plan_fixed_point(controller, &known, allowed_v, samples))
 }
 
-/// What all runs share.
-struct Bench<'a> {
-    simulator: Simulator,
+/// The runs of a controller in double, beside which other numbers are put. Each kind of numbers can be tried by itself.
+pub struct TargetRuns<'a> {
+    plant: &'a Plant,
     procedure: &'a Procedure,
-    /// The runs in double.
+    controller: &'a Controller,
     runs: Vec<Run>,
+    known: Ranges,
+    /// Samples of the longest run.
+    samples: usize,
 }
 
 /// A run of an experiment.
@@ -136,62 +136,101 @@ struct Run {
     errors_rad_s: Vec<f64>,
 }
 
-impl Bench<'_> {
-    /// Returns the experiments with the whole controller.
-    fn experiments(&self) -> Vec<Experiment> {
-        let whole = |experiment: &Experiment| match experiment {
-            Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
-            Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
-        };
-        nonlinear::experiments(self.procedure).into_iter().filter(whole).collect()
-    }
-
-    /// Runs everything in double and keeps it.
-    fn record(&mut self, controller: &Controller) -> Result<(), counterpoise_verify::Error> {
-        for experiment in self.experiments() {
-            let run = self.run(Box::new(controller.runner()), experiment)?;
-            self.runs.push(run);
+impl<'a> TargetRuns<'a> {
+    /// Runs every experiment with the whole controller in double.
+    ///
+    /// # Errors
+    /// Those of the simulator.
+    pub fn record(
+        verified: &'a VerifiedController,
+        plant: &'a Plant,
+        procedure: &'a Procedure,
+    ) -> Result<Self, counterpoise_verify::Error> {
+        let (controller, mut simulator) = (verified.controller(), Simulator::new(plant)?);
+        let mut runs = Vec::new();
+        for experiment in experiments(procedure) {
+            runs.push(run(&mut simulator, Box::new(controller.runner()), procedure, experiment)?);
         }
-        Ok(())
-    }
-
-    fn run(
-        &mut self,
-        inner: Box<dyn SampledController>,
-        experiment: Experiment,
-    ) -> Result<Run, counterpoise_verify::Error> {
-        let mut recorder = Recorder { inner, seen: Record::default() };
-        let history = nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
-        Ok(Run { experiment, seen: recorder.seen, errors_rad_s: errors(&history) })
-    }
-
-    /// Returns the ranges of the recorded runs, and the length of the longest.
-    fn ranges(&self, controller: &Controller) -> (Ranges, usize) {
-        let readings: Vec<_> = self.runs.iter().map(|run| run.seen.readings.clone()).collect();
+        let readings: Vec<_> = runs.iter().map(|run| run.seen.readings.clone()).collect();
         let samples = readings.iter().map(Vec::len).max().unwrap_or(0);
-        (Ranges::from_readings(controller, &readings, RANGE_MARGIN), samples)
+        let known = Ranges::from_readings(controller, &readings, RANGE_MARGIN);
+        Ok(Self { plant, procedure, controller, runs, known, samples })
     }
 
-    /// Returns the figures of the runs in double.
-    fn recorded_figures(&self, judged: (Numbers, Deviation, Measured)) -> TargetFigures {
+    /// Returns the figures in double.
+    pub fn double(&self) -> TargetFigures {
+        let judged = (Numbers::Double, Deviation::none(self.samples), Measured::default());
         let experiments = self.runs.iter().map(|run| run.compared(rms(&run.errors_rad_s))).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
         with_runs(judged, experiments, closed_loops)
     }
 
+    /// Returns the figures in single precision.
+    ///
+    /// # Errors
+    /// Those of the simulator.
+    pub fn single(&self) -> Result<TargetFigures, counterpoise_verify::Error> {
+        let predicted = single_precision(self.controller, &self.known, self.samples);
+        let acting = || Box::new(self.controller.runner_in::<f32>()) as Box<dyn Adjustable>;
+        self.figures((Numbers::Single, predicted, self.known.measure(&acting)), &acting)
+    }
+
+    /// Returns the fixed-point form with its figures, or why there is none; its control may deviate by at most `allowed_v`.
+    ///
+    /// # Errors
+    /// Those of the simulator.
+    pub fn fixed(&self, allowed_v: f64) -> Result<FixedFigures, counterpoise_verify::Error> {
+        let fixed = plan_fixed_point(self.controller, &self.known, allowed_v, self.samples);
+        let figures = match &fixed {
+            Err(_) => None,
+            Ok(form) => {
+                let acting = || Box::new(FixedRunner::new(form)) as Box<dyn Adjustable>;
+                let judged = (Numbers::Fixed, form.deviation, self.known.measure(&acting));
+                Some(self.figures(judged, &acting)?)
+            }
+        };
+        Ok(FixedFigures { fixed, figures })
+    }
+
+    /// Returns the controller with its paths in every form, in double and in single precision.
+    pub fn by_form(&self) -> Vec<FormFigures> {
+        by_form(self.controller, &self.known)
+    }
+
     fn figures(
-        &mut self,
+        &self,
         judged: (Numbers, Deviation, Measured),
         acting: &dyn Fn() -> Box<dyn Adjustable>,
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
+        let mut simulator = Simulator::new(self.plant)?;
         let (mut experiments, mut closed_loops) = (Vec::new(), Vec::new());
-        for k in 0..self.runs.len() {
-            let run = self.run(acting(), self.runs[k].experiment)?;
-            experiments.push(run.compared(rms(&self.runs[k].errors_rad_s)));
-            closed_loops.push(run.seen);
+        for known in &self.runs {
+            let found = run(&mut simulator, acting(), self.procedure, known.experiment)?;
+            experiments.push(found.compared(rms(&known.errors_rad_s)));
+            closed_loops.push(found.seen);
         }
         Ok(with_runs(judged, experiments, closed_loops))
     }
+}
+
+/// The experiments with the whole controller.
+fn experiments(procedure: &Procedure) -> Vec<Experiment> {
+    let whole = |experiment: &Experiment| match experiment {
+        Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
+        Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
+    };
+    nonlinear::experiments(procedure).into_iter().filter(whole).collect()
+}
+
+fn run(
+    simulator: &mut Simulator,
+    inner: Box<dyn SampledController>,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<Run, counterpoise_verify::Error> {
+    let mut recorder = Recorder { inner, seen: Record::default() };
+    let history = nonlinear::history_of(simulator, &mut recorder, procedure, experiment)?;
+    Ok(Run { experiment, seen: recorder.seen, error_rms_rad_s: error_rms(&history) })
 }
 
 impl Run {

@@ -441,6 +441,14 @@ fn kinds_of_machine() {
             p.sensors.measured = Measured::MotorPosition;
         }),
         machine("linear axis", |p| p.axis = Axis::Linear),
+        machine("torque sensor in a gearbox with a gap", |p| p.sensors.measured = Measured::Torque),
+        machine("torque sensor behind a harmonic drive", |p| {
+            p.gearbox.backlash_rad = 0.0;
+            p.gearbox.kinematic_error = Ripple { amplitude: 5e-5, order: 2.0, phase_rad: 0.2 };
+            (p.gearbox.hysteresis_nm, p.gearbox.hysteresis_stiffness_nm_rad) = (60.0, 4e5);
+            p.sensors.measured = Measured::Torque;
+        }),
+        machine("current sensor", |p| p.sensors.measured = Measured::Current),
     ]);
 }
 

@@ -5,8 +5,11 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::World;
 use counterpoise_project::{Attachments, Document, Setting};
+
+use crate::workers::Processors;
 
 /// The disk under a project: what can make one wait. Tests put a slow one here.
 pub trait Disk: Send + Sync {
@@ -319,6 +322,10 @@ impl World for Folder {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let told = |error| format!("cannot read {}: {error}", self.0.join(name).display());
         read_reference(&self.0, name).map_err(told)
+    }
+
+    fn pool(&self) -> &dyn Pool {
+        &Processors
     }
 }
 

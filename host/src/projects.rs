@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
 use counterpoise_pipeline::{Step, TunedProject, World, with_chosen_weights, with_tuned_structure};
@@ -13,6 +14,7 @@ use counterpoise_synth::FirstDesign;
 
 use crate::files::{self, Disk, Native, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
 use crate::stages::{Progress, Stages};
+use crate::workers::Processors;
 use counterpoise_pipeline::StageTime;
 
 /// A project as found on disk.
@@ -192,6 +194,10 @@ impl World for Surroundings {
     fn read(&self, name: &str) -> std::result::Result<Vec<u8>, String> {
         let told = |error| format!("cannot read {}: {error}", self.folder.join(name).display());
         files::read_reference(&self.folder, name).map_err(told)
+    }
+
+    fn pool(&self) -> &dyn Pool {
+        &Processors
     }
 
     fn begins(&self, step: Step) {

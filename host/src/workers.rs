@@ -11,6 +11,15 @@ use crate::interrupt;
 use crate::stages::Progress;
 use crate::time_left::TimeLeft;
 
+/// All processors of this machine, without a word about how far the work is.
+pub struct Processors;
+
+impl Pool for Processors {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        (0..count).into_par_iter().for_each(job);
+    }
+}
+
 /// All processors of this machine, with a line that says how far the work is.
 pub struct Workers {
     bar: Mutex<Line>,

@@ -73,7 +73,8 @@ pub use gramians::{
     ctrb_factor, ctrb_gramian, gramian_factors, hankel_values, hankelnorm, obsv_factor, obsv_gramian,
 };
 pub use margins::{
-    CandidateMargins, DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, candidate_margins, margins,
+    CandidateMargins, DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, candidate_margins,
+    candidate_sensitivity, margins,
 };
 pub use multiloop::{MultiloopMargins, multiloop_margins};
 pub use named::{Named, connect};

@@ -186,6 +186,18 @@ pub fn candidate_margins(loop_gain: &StateSpace) -> Result<CandidateMargins, Err
     Ok(CandidateMargins { ms: sensitivity_peak(&scan), gain, phase })
 }
 
+/// The largest sensitivity of one of many loops that are compared: that of [`candidate_margins`], without its crossings.
+///
+/// # Errors
+/// [`Error::NotSiso`].
+pub fn candidate_sensitivity(loop_gain: &StateSpace) -> Result<Peak, Error> {
+    needs_siso("margins", loop_gain)?;
+    let mut scan = Scan::of_candidate(loop_gain)?;
+    scan.points.extend(ends(loop_gain));
+    scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+    Ok(sensitivity_peak(&scan))
+}
+
 /// Returns the crossings of the negative real axis and of the unit circle; the ends of the axis are added to
 /// the scan.
 fn crossings(scan: &mut Scan, loop_gain: &StateSpace) -> (Vec<GainMargin>, Vec<PhaseMargin>) {

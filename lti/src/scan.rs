@@ -232,7 +232,12 @@ fn unresolved(a: Point, b: Point) -> bool {
     if b.rate - a.rate <= SCAN_RESOLUTION * b.rate {
         return false;
     }
-    let near = |value: C64| value.norm().ln().abs() < NEAR_CRITICAL || (-value).arg().abs() < NEAR_CRITICAL;
+    // Away from the left half plane and from a gain of one neither logarithm nor angle can be small.
+    let near = |value: C64| {
+        let size = value.norm();
+        (size > 0.5 && size < 2.0 && size.ln().abs() < NEAR_CRITICAL)
+            || (value.re < 0.0 && value.im.abs() < -value.re && (-value).arg().abs() < NEAR_CRITICAL)
+    };
     let step = if near(a.value) || near(b.value) { NEAR_STEP } else { SCAN_STEP };
     let size = a.value.norm().min(b.value.norm());
     let to_critical = (a.value + 1.0).norm().min((b.value + 1.0).norm());

@@ -170,6 +170,47 @@ fn a_chain_with_one_part_less_is_the_structure_without_it() {
 }
 
 #[test]
+fn a_torque_sensor_shows_what_accelerates_and_holds_the_load() {
+    // torque = J w' + c w + k theta of the load, whatever drives it; the spring is among the states only where it acts
+    for spring in [0.0, 30.0] {
+        let mut p = direct(0.4);
+        p.gearbox =
+            Gearbox { ratio: 20.0, stiffness_nm_rad: 900.0, damping_nm_s_rad: 0.7, ..Gearbox::DIRECT };
+        (p.motor.inertia_kg_m2, p.pivot_friction.viscous_nm_s_rad) = (1e-4, 1.5);
+        p.lumped.as_mut().unwrap().position_stiffness_nm_rad = spring;
+        p.sensors.measured = Measured::Torque;
+        let plant = Plant::lumped(&p).unwrap();
+        let found = linear(&p, plant.angles());
+        assert_eq!(plant.angles(), if spring == 0.0 { Angles::Drop } else { Angles::Relative });
+        for rate in [0.3, 7.0, 60.0, 900.0] {
+            let s = C64::new(0.0, rate);
+            let at = |row: usize| response(&found, rate, (row, LinearPlant::CONTROL));
+            let expected = at(LinearPlant::HUB_RATE) * (s * 0.4 + 1.5 + spring / s);
+            let torque = at(found.measured);
+            assert!((torque - expected).norm() < 1e-9 * expected.norm(), "{rate}: {torque} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_current_sensor_shows_the_armature_behind_its_inductance() {
+    let mut p = direct(0.01);
+    p.amplifier.dynamics = AmplifierDynamics::Modelled;
+    (p.amplifier.gain, p.amplifier.current_feedback_v_a, p.amplifier.time_constant_s) = (2.0, 0.0, 0.0);
+    (p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (0.1, 0.1);
+    (p.motor.resistance_ohm, p.motor.inductance_h) = (4.0, 3e-3);
+    p.sensors.measured = Measured::Current;
+    let found = linear(&p, Angles::Drop);
+    for rate in [0.5, 20.0, 3000.0] {
+        let s = C64::new(0.0, rate);
+        // u = (L s + R + K^2 / (J s)) i
+        let expected = 2.0 / (s * 3e-3 + 4.0 + 0.1 * 0.1 / (s * 0.01));
+        let h = response(&found, rate, (found.measured, LinearPlant::CONTROL));
+        assert!((h - expected).norm() < 1e-9 * expected.norm(), "{rate}: {h} {expected}");
+    }
+}
+
+#[test]
 fn a_pendulum_swings_at_its_own_frequency() {
     // 0.3 kg at 0.2 m, hanging straight down: the mean angle of a level mechanism is 0, so it hangs at -90 degrees
     let mut p = direct(0.3 * 0.2 * 0.2);

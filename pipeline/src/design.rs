@@ -1,6 +1,9 @@
 //! A whole design: every stage from the project file to code, and everything that is stated about the result.
 
-use counterpoise_export::{File, FormFigures, Targets};
+use std::sync::OnceLock;
+
+use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::Certificate as StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral};
@@ -11,8 +14,8 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, by_form, describe_weights, every_target, export_by, path_forms,
-    project_hash, run_targets,
+    Exported, LeftOut, PathForms, TargetCode, describe_weights, every_target, export_by, half_step_v,
+    path_forms, project_hash,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
@@ -130,18 +133,83 @@ impl ProjectIdentity {
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
 /// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
 pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
+    let made = run_to_verification(project, world)?;
+    let stability = run_observed(world, Step::Verify, || made.certificate(project))?;
+    made.exported(project, world, stability)
+}
+
+/// What the stages up to the verification made.
+struct VerifiedDesign {
+    modelled: Modelled,
+    reduced: Reduced,
+    synthesised: Synthesised,
+    procedure: Procedure,
+    verified: VerifiedController,
+}
+
+fn run_to_verification(project: &Project, world: &dyn World) -> Result<VerifiedDesign, PipelineError> {
     let modelled = run_observed(world, Step::Model, || model(project))?;
     let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
     let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
     let procedure = project_procedure(project, world)?;
     let verified =
         run_observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
-    let stability = run_observed(world, Step::Verify, || {
-        studies::certificate::certify_controller(project, &modelled, &synthesised, &procedure)
-    })?;
-    let Exported { files, left_out } =
-        run_observed(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
-    Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
+    Ok(VerifiedDesign { modelled, reduced, synthesised, procedure, verified })
+}
+
+impl VerifiedDesign {
+    fn certificate(&self, project: &Project) -> Result<StabilityCertificate, PipelineError> {
+        studies::certificate::certify_controller(project, &self.modelled, &self.synthesised, &self.procedure)
+    }
+
+    /// Writes the code.
+    fn exported(
+        self,
+        project: &Project,
+        world: &dyn World,
+        stability: StabilityCertificate,
+    ) -> Result<Stages, PipelineError> {
+        let Self { modelled, reduced, synthesised, procedure, verified } = self;
+        let Exported { files, left_out } = run_observed(world, Step::Export, || {
+            export_by(project, &modelled, &verified, &procedure, world)
+        })?;
+        Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
+    }
+
+    /// Certifies the loop and runs the controller in every kind of numbers, side by side on the processors at hand.
+    fn studied(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
+        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure)?;
+        let allowed_v = half_step_v(&self.modelled.plant);
+        let (certified, single, fixed, forms) =
+            (OnceLock::new(), OnceLock::new(), OnceLock::new(), OnceLock::new());
+        let certify = || self.certificate(project);
+        let (in_single, in_fixed) = (|| runs.single(), || runs.fixed(allowed_v));
+        pool.run(4, &|part| match part {
+            0 => drop(certified.set(certify())),
+            1 => drop(fixed.set(in_fixed())),
+            2 => drop(single.set(in_single())),
+            _ => drop(forms.set(runs.by_form())),
+        });
+        // A pool that was asked to stop leaves parts out.
+        let stability = certified.into_inner().unwrap_or_else(certify)?;
+        let single = single.into_inner().unwrap_or_else(in_single)?;
+        let fixed = fixed.into_inner().unwrap_or_else(in_fixed)?;
+        let by_form = forms.into_inner().unwrap_or_else(|| runs.by_form());
+        let targets = StudiedTargets { compared: Targets::of(&runs, single, fixed), by_form };
+        Ok(StudiedDesign { stability, targets })
+    }
+}
+
+/// What is computed of a verified design side by side.
+struct StudiedDesign {
+    stability: StabilityCertificate,
+    targets: StudiedTargets,
+}
+
+/// The controller in every kind of numbers and in every form, in the runs of its verification.
+struct StudiedTargets {
+    compared: Targets,
+    by_form: Vec<FormFigures>,
 }
 
 /// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
@@ -151,7 +219,10 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
     let Decided { project, first } = choose_and_tune(project, world)?;
     let project = &project;
-    let stages = run_stages(project, world)?;
+    let made = run_to_verification(project, world)?;
+    let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;
+    let StudiedDesign { stability, targets } = studied;
+    let stages = made.exported(project, world, stability)?;
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
     Ok(Designed {
         identity: ProjectIdentity::of(project, world),
@@ -161,7 +232,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         loop_view: loop_view(stages.verified.verification())?,
         spectra: spectral(stages.verified.verification()),
-        targets: study_targets(project, &stages, world)?,
+        targets: study_targets(project, &stages, targets, world)?,
         first_design: first,
         verified_loop: verified_loop(
             &stages.modelled.plant,
@@ -194,16 +265,17 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     })
 }
 
-/// Runs the controller in every kind of numbers in the simulated loop and writes its code in each.
+/// Writes the code in each kind of numbers and puts it beside what was found of them.
 ///
 /// # Errors
-/// Those of the simulator and of the realisations.
+/// Those of the realisations.
 fn study_targets(
     project: &Project,
     stages: &Stages,
+    studied: StudiedTargets,
     world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
-    let compared = run_targets(&stages.modelled, &stages.verified, &stages.procedure)?;
+    let StudiedTargets { compared, by_form } = studied;
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
         code: every_target(project, &stages.verified, &compared, world)?,
@@ -213,7 +285,7 @@ fn study_targets(
             states: programs.state_count(),
         },
         forms: path_forms(&stages.verified)?,
-        by_form: by_form(&stages.verified, &compared),
+        by_form,
         compared,
     })
 }

@@ -80,6 +80,8 @@ fn circumstances(
     let plant = design_plant(asked, modelled, reduced)?;
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
+    // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
+    let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
         others: vec![with_angles(project, modelled, &plant)?],
         sampling: sampling(asked, modelled)?,
@@ -90,8 +92,8 @@ fn circumstances(
         margins: margins(project),
         position_gain: asked.specification.position_gain,
         asked_rad_s: asked.bandwidth_rad_s,
-        heave: motions.and_then(|m| motion(&m.heave, &p.sensors.platform_accelerometer, modelled)),
-        pitch: motions.and_then(|m| motion(&m.pitch, &p.sensors.platform_gyro, modelled)),
+        heave: opposed.and_then(|m| motion(&m.heave, &p.sensors.platform_accelerometer, modelled)),
+        pitch: opposed.and_then(|m| motion(&m.pitch, &p.sensors.platform_gyro, modelled)),
         plant,
     })
 }

@@ -51,6 +51,7 @@ mod tolerance;
 pub mod tuning;
 pub mod verify;
 
+use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
 pub use design::{Designed, ProjectIdentity, Stages, SynthesisStudy, design, run_stages, study_synthesis};
@@ -74,6 +75,11 @@ pub trait World {
     /// # Errors
     /// Why the file cannot be read, in words.
     fn read(&self, name: &str) -> Result<Vec<u8>, String>;
+
+    /// Returns the processors for work that has independent parts.
+    fn pool(&self) -> &dyn Pool {
+        &Serial
+    }
 
     /// Called when a step begins.
     fn begins(&self, _step: Step) {}

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::files;
+use counterpoise_host::workers::Processors;
 use counterpoise_pipeline::{Step, World};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -38,6 +39,10 @@ impl World for Surroundings {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let why = |error| format!("cannot read {}: {error}", self.folder.join(name).display());
         files::read_reference(&self.folder, name).map_err(why)
+    }
+
+    fn pool(&self) -> &dyn Pool {
+        &Processors
     }
 
     fn begins(&self, step: Step) {

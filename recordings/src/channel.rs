@@ -33,6 +33,10 @@ pub enum Controlled {
     Rate,
     /// A position.
     Position,
+    /// A torque or a force.
+    Torque,
+    /// A current.
+    Current,
 }
 
 /// How an axis moves.
@@ -64,6 +68,9 @@ impl ChannelUnits {
             (Controlled::Rate, Travel::Sliding) => "m/s",
             (Controlled::Position, Travel::Turning) => "rad",
             (Controlled::Position, Travel::Sliding) => "m",
+            (Controlled::Torque, Travel::Turning) => "N m",
+            (Controlled::Torque, Travel::Sliding) => "N",
+            (Controlled::Current, _) => "A",
         };
         match channel {
             Channel::Demand => controlled(self.demand),

@@ -157,6 +157,8 @@ fn rest(plant: &Plant, hub_angle_rad: f64, platform_angle_rad: f64, platform_rat
         Measured::RelativeRate | Measured::MotorRate => 0.0,
         Measured::HubPosition => position,
         Measured::MotorPosition => position + core[state::WINDUP],
+        Measured::Torque => plant.transmitted_torque_at_rest_nm(core[state::WINDUP], position),
+        Measured::Current => core[state::CURRENT],
     };
     PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
 }

@@ -236,7 +236,10 @@ impl Assembled {
                 let share = f64::from(k) / f64::from(AROUND_POLE);
                 share.powi(3) * HALF_WIDTHS * width
             });
-            rates.extend(offsets.map(|offset| pole.im + offset).filter(|rate| *rate > low));
+            // On an undamped pole of the plant itself no response exists; that of the loop does to either side.
+            let is_undamped = pole.re.abs() <= f64::EPSILON * pole.norm();
+            let apart = offsets.filter(|offset| *offset != 0.0 || !is_undamped);
+            rates.extend(apart.map(|offset| pole.im + offset).filter(|rate| *rate > low));
         }
         rates.sort_by(f64::total_cmp);
         rates.dedup();

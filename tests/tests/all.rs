@@ -7,6 +7,7 @@ mod bench;
 mod certificates;
 mod choices;
 mod contributing;
+mod data_sheets;
 mod designs;
 mod every_example;
 mod exported_recordings;

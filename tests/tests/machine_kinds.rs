@@ -66,7 +66,7 @@ fn example(name: &str) -> Machine {
 }
 
 /// Kinds that no example and no starter has.
-const OTHERS: [(&str, &str); 5] = [
+const OTHERS: [(&str, &str); 8] = [
     (
         "five inertias in a chain",
         "format = 2
@@ -111,6 +111,37 @@ const OTHERS: [(&str, &str); 5] = [
          plant.drive = { kind = \"current\", limit = 9.0 }
          plant.sensors.encoder = { resolution = 1e-6 }
          plant.interface = { sample_period = 0.25e-3 }",
+    ),
+    (
+        "series elastic joint with a torque sensor against a spring",
+        "format = 2
+         plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+         plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+         plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+         plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+         plant.sensors.torque = { noise = 1e-4 }
+         plant.interface = { sample_period = 1e-3 }",
+    ),
+    (
+        "servo press with a load cell",
+        "format = 2
+         plant.axis = \"linear\"
+         plant.lumped = { mass = 60.0, position_stiffness = 2e7 }
+         plant.ball_screw = { lead = \"5 mm/rev\", stiffness = \"200 N/um\" }
+         plant.motor = { inertia = 5e-4 }
+         plant.drive = { limit = 8.0 }
+         plant.sensors.torque = { noise = 5.0 }
+         plant.interface = { sample_period = 0.5e-3 }",
+    ),
+    (
+        "current loop of a motor on a voltage",
+        "format = 2
+         plant.inertia = 1.42e-5
+         plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
+         plant.drive = { kind = \"voltage\", limit = 24.0 }
+         plant.friction.pivot = { viscous = 5e-6 }
+         plant.sensors.current = { noise = 1e-4 }
+         plant.interface = { sample_period = 5e-5 }",
     ),
     (
         "direct drive with a resolver",
@@ -247,15 +278,19 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
             }
         }
     }
-    let mut random = Random(20_261_123);
+    let (mut random, mut wrong) = (Random(20_261_123), Vec::new());
     let count = if std::env::var_os("EVERY_KEY").is_some() { left.len() } else { SAMPLE };
     for _ in 0..count {
         let (name, project) = left.swap_remove(random.below(left.len()));
-        if let Err(why) = designed(&project) {
-            let said = why.to_string();
-            assert!(said.contains("plant."), "{name}: a refusal names what to change: {said}");
+        let Err(why) = designed(&project) else { continue };
+        let said = why.to_string();
+        // a key of the machine, a weight of which the file states too few, or the clock that the machine left over would need
+        let changes = ["plant.", "give the loop recovery", "sample faster"];
+        if !changes.iter().any(|change| said.contains(change)) {
+            wrong.push(format!("{name}: a refusal names what to change: {said}"));
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
@@ -351,10 +386,11 @@ fn every_kind_is_exported_in_every_language() {
         let exported = export(&project, &modelled, &verified, &Nowhere).unwrap();
         assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
         assert!(exported.files.len() > 12, "{}", machine.name);
-        let is_position = project.plant.sensors.measured.is_position();
+        let measured = project.plant.sensors.measured;
+        let is_rate = !(measured.is_position() || measured.is_effort());
         for file in &exported.files {
             let named = file.text.contains(" hub_rate_rad_s");
-            assert!(!(is_position && named), "{}: {} has hub_rate_rad_s", machine.name, file.name);
+            assert!(is_rate || !named, "{}: {} has hub_rate_rad_s", machine.name, file.name);
         }
     }
 }

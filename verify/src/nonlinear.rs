@@ -1,6 +1,7 @@
 //! Time histories on the nonlinear plant: friction, backlash, limits, converters and sensor noise, with the controller as exported.
 
 use counterpoise_controller::{Controller, Readings, Runner, SampledController};
+use counterpoise_models::Measured;
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_simulate::{
     Detail, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
@@ -73,11 +74,11 @@ pub fn history_of(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<History, Error> {
-    let from = Start::of(simulator.plant(), procedure);
+    let from = Start::of(simulator, procedure);
     let mut scenario = scenario(procedure, experiment);
-    if from.position_rad.is_some_and(|position| position != 0.0) {
+    if let Some(reading) = from.reading.filter(|reading| *reading != 0.0) {
         let demand = std::mem::replace(&mut scenario.demand_rad_s, Signal::ZERO);
-        let stands = Signal::Constant(from.position_rad.unwrap_or(0.0));
+        let stands = Signal::Constant(reading);
         scenario.demand_rad_s = Signal::Sum(vec![stands, demand]);
     }
     let run = simulator.run(acting, &scenario)?;
@@ -144,16 +145,24 @@ fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> Platf
     PlatformMotion { heave_m_s2, pitch_rate_rad_s, further, ..still }
 }
 
-/// Where a run starts: in a loop of position the hub's position, from which demands and histories count.
+/// What the loop's sensor shows at rest, from which demands and histories count; `None` in a loop of rate, where that is zero.
 struct Start {
-    position_rad: Option<f64>,
+    measured: Measured,
+    reading: Option<f64>,
 }
 
 impl Start {
-    fn of(plant: &Plant, procedure: &Procedure) -> Self {
+    fn of(simulator: &Simulator, procedure: &Procedure) -> Self {
         let at = &procedure.operating_point;
-        let position = at.hub_angle_rad - at.platform_angle_rad;
-        Self { position_rad: plant.parameters().sensors.measured.is_position().then_some(position) }
+        let measured = simulator.plant().parameters().sensors.measured;
+        let reading = match measured {
+            Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => None,
+            Measured::HubPosition | Measured::MotorPosition => Some(at.hub_angle_rad - at.platform_angle_rad),
+            Measured::Torque | Measured::Current => {
+                Some(simulator.rest(at.hub_angle_rad, at.platform_angle_rad, 0.0).hub_gyro[0])
+            }
+        };
+        Self { measured, reading }
     }
 }
 
@@ -165,8 +174,17 @@ fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
     let truth = run.truth;
     let (mut demand, mut hub, mut tip) =
         (run.readings.demand_rad_s, truth.hub_rate_rad_s, truth.tip_rate_rad_s);
-    if let Some(position) = from.position_rad {
-        demand.iter_mut().for_each(|value| *value -= position);
+    if let Some(reading) = from.reading {
+        demand.iter_mut().for_each(|value| *value -= reading);
+    }
+    let about_start =
+        |values: &[f64]| values.iter().map(|value| value - from.reading.unwrap_or(0.0)).collect();
+    match from.measured {
+        Measured::Torque => hub = about_start(&truth.mesh_torque_nm),
+        Measured::Current => hub = about_start(&truth.current_a),
+        _ => {}
+    }
+    if from.measured.is_position() {
         let beyond = tip.iter().zip(&hub).map(|(tip, hub)| tip - hub);
         let bent = integrated(beyond, period_s);
         tip = travel_rad.iter().zip(bent).map(|(hub, bent)| hub + bent).collect();

@@ -73,8 +73,8 @@ pub const GRID_LOWEST_HZ: f64 = 0.05;
 pub const KERNELS: usize = 9;
 /// Lowest reference rate of a multiplier, rad/s: below it a loop of servo bandwidth has no peak.
 pub const MULTIPLIER_START: f64 = 1e-3;
-/// Intervals into which a range of frequencies is split at most: a hundred times what a loop with resonances of 1 % damping needs.
-pub const MULTIPLIER_SPLITS: usize = 200_000;
+/// Intervals into which a range of frequencies is split at most: ten times what a loop with resonances of 1 % damping needs.
+pub const MULTIPLIER_SPLITS: usize = 20_000;
 /// The least eigenvalue, in units of the loop's largest gain, below which a multiplier is not told from 0: ten times the accuracy of the cone
 /// program, 1e-8.
 pub const HOPELESS_EIGENVALUE: f64 = 1e-7;

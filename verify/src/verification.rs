@@ -10,6 +10,7 @@ use crate::acceptance::Acceptance;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
+use crate::linear::closed::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
@@ -228,7 +229,9 @@ fn nonlinear_part(
 ) -> Result<bool, Error> {
     let mut simulator = Simulator::new(plant)?;
     for experiment in nonlinear::experiments(procedure) {
-        match nonlinear::history(&mut simulator, controller, procedure, experiment) {
+        let known = same_run(controller, experiment, &found.evidence.histories);
+        let run = || nonlinear::history(&mut simulator, controller, procedure, experiment);
+        match known.map_or_else(run, Ok) {
             Ok(history) => {
                 found.figures.extend(history_figures(&history, procedure.settle_s));
                 found.figures.extend(line_of_sight::figures(&history, procedure, plant.into()));
@@ -246,6 +249,22 @@ fn nonlinear_part(
     }
     found.error_budget = error_budget(plant, controller, procedure)?;
     Ok(true)
+}
+
+/// Returns the history of an experiment that is the same run as one before: without feedforward the feedback is the whole controller.
+fn same_run(controller: &Controller, experiment: Experiment, histories: &[History]) -> Option<History> {
+    let Experiment::Disturbance(source, arrangement) = experiment else { return None };
+    if controller.parts().paths.iter().any(is_feedforward) {
+        return None;
+    }
+    let other = match arrangement {
+        Arrangement::Uncontrolled => return None,
+        Arrangement::Feedback => Arrangement::Compensated,
+        Arrangement::Compensated => Arrangement::Feedback,
+    };
+    let same = Experiment::Disturbance(source, other);
+    let known = histories.iter().find(|h| h.model == Model::Nonlinear && h.experiment == same)?;
+    Some(History { experiment, ..known.clone() })
 }
 
 /// The plant linearised where the procedure has it stand. In a loop of rate its angles are left out, so that gravity's gradient and a

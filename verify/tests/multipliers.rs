@@ -43,6 +43,7 @@ fn proves(system: &StateSpace, k: f64, known: Knowledge, most: Criterion) -> boo
         match multiplier.proves(&|over| shifted(system, k, over), RANGE) {
             Proof::Holds { .. } => return true,
             Proof::FailsAt(rate) => rates.push(rate),
+            Proof::Narrow(_) => return false,
         }
     }
     false

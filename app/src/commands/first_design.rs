@@ -4,6 +4,8 @@ use counterpoise_host::projects::Loaded;
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::{LimitRow, falls_short};
 
+use counterpoise_synth::LimitKind;
+
 use crate::output::say;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::first_design::describe_limitation;
@@ -25,6 +27,9 @@ pub fn print_first_design(loaded: &Loaded) {
         say!("warning: {} rad/s are asked for and CANNOT BE REACHED", short_number(asked));
     }
     result.limits.iter().for_each(print_limit);
+    if first.bandwidth.limited_by.contains(&LimitKind::Control) {
+        print_step(loaded);
+    }
     for fact in &result.unknown {
         say!("  not known, and lowers the ceiling by 3 dB: {fact}");
     }
@@ -38,6 +43,16 @@ pub fn print_first_design(loaded: &Loaded) {
     result.left_out.iter().for_each(|reason| say!("no feedforward: {reason}"));
     say!("`counterpoise synth PROJECT --save FILE` writes the weights into the file");
     say!();
+}
+
+/// Prints which step of the demand the control's limit counts, and where it is stated.
+fn print_step(loaded: &Loaded) {
+    let Some(verify) = &loaded.project.verify else { return };
+    let unit = loaded.project.controlled_unit();
+    say!(
+        "  the control limit counts a step of the demand of {} {unit}: set verify.step.rate to the largest that yours takes at once",
+        short_number(verify.procedure.step.rate_rad_s)
+    );
 }
 
 fn print_limit(row: &LimitRow) {

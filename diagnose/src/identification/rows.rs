@@ -303,6 +303,11 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         Measured::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
         Measured::RelativeRate | Measured::MotorRate => reading.clone(),
         Measured::HubPosition | Measured::MotorPosition => derivative(&reading, r.sample_period_s),
+        // A torque and a current show no motion; the motor's tachometer does.
+        Measured::Torque | Measured::Current => {
+            let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
+            motor.iter().map(|rate| rate / p.gearbox.ratio).collect()
+        }
     };
     let hub = match measured {
         Measured::HubRate => reading.clone(),

@@ -36,6 +36,8 @@ impl MeasuredSignals {
             Measured::HubRate => self.hub_rate.iter().zip(&self.platform_rate).map(|(h, p)| h - p).collect(),
             Measured::RelativeRate | Measured::MotorRate => self.hub_rate.clone(),
             Measured::HubPosition | Measured::MotorPosition => derivative(&self.hub_rate, self.period_s),
+            // Of a torque or a current there are no signals: see [`read_signals`].
+            Measured::Torque | Measured::Current => vec![f64::NAN; self.hub_rate.len()],
         }
     }
 
@@ -53,8 +55,12 @@ impl MeasuredSignals {
     }
 }
 
-/// Returns the signals of a recording in a loop of what `measured` says; `None` if it has no control or no hub rate.
+/// Returns the signals of a recording in a loop of what `measured` says; `None` if it has no control or no hub rate, or if the loop's sensor
+/// measures a torque or a current, which shows no motion.
 pub fn read_signals(recording: &Recording, measured: Measured) -> Option<MeasuredSignals> {
+    if measured.is_effort() {
+        return None;
+    }
     let recorded = |channel| recording.samples(channel).map(<[f64]>::to_vec);
     let still = || vec![0.0; recording.len()];
     Some(MeasuredSignals {

@@ -162,6 +162,11 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
         Measured::MotorPosition => {
             ("motor_position", "v.angle[0] / m.ratio", number(rest.core_state[state::WINDUP]))
         }
+        Measured::Torque => {
+            let at_rest = plant.transmitted_torque_at_rest_nm(rest.core_state[state::WINDUP], 0.0);
+            ("torque", transmitted(plant), number(at_rest))
+        }
+        Measured::Current => ("current", "x[CURRENT]", number(rest.core_state[state::CURRENT])),
     };
     let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
     minijinja::context! {
@@ -178,6 +183,17 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
         voltage_state => plant.has_state(state::VOLTAGE),
         bus_limits_drive => modelled && !unlimited,
         current, measured, shown, shown_at_rest,
+    }
+}
+
+/// Returns the torque that the transmission passes to the hub, as an expression of the generated code.
+fn transmitted(plant: &Plant) -> &'static str {
+    let is_wavy = plant.parameters().gearbox.kinematic_error.amplitude != 0.0;
+    match (plant.gear_hysteresis().is_some(), is_wavy) {
+        (false, false) => "v.mesh",
+        (true, false) => "v.mesh + x[GEAR]",
+        (false, true) => "v.mesh + wave_torque(&v)",
+        (true, true) => "v.mesh + x[GEAR] + wave_torque(&v)",
     }
 }
 

@@ -16,21 +16,30 @@ pub enum Measured {
     HubPosition,
     /// Angle of the motor relative to the platform over the ratio: a resolver or an encoder on its shaft.
     MotorPosition,
+    /// Torque that the transmission passes to the hub, N m: a torque sensor between them. The transmission must yield.
+    Torque,
+    /// Current of the motor, A, which must be a state: an inductance or a lag of the current loop.
+    Current,
 }
 
 impl Measured {
-    /// Returns whether it is an angle or a place, and not a rate.
+    /// Returns whether it is an angle or a place.
     pub fn is_position(self) -> bool {
         matches!(self, Self::HubPosition | Self::MotorPosition)
     }
 
-    /// Returns the measured quantity of which this one is the integral; `None` for a rate.
+    /// Returns the measured quantity of which this one is the integral; `None` for any but a position.
     pub fn rate(self) -> Option<Self> {
         match self {
             Self::HubPosition => Some(Self::RelativeRate),
             Self::MotorPosition => Some(Self::MotorRate),
-            Self::HubRate | Self::RelativeRate | Self::MotorRate => None,
+            Self::HubRate | Self::RelativeRate | Self::MotorRate | Self::Torque | Self::Current => None,
         }
+    }
+
+    /// Returns whether it is a torque or a current, which shows neither a rate nor a position.
+    pub fn is_effort(self) -> bool {
+        matches!(self, Self::Torque | Self::Current)
     }
 }
 

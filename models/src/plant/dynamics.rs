@@ -188,6 +188,14 @@ impl Plant {
         }
     }
 
+    /// Returns the torque that the transmission passes to the hub at rest, N m, with its kinematic error, at a wind-up and a position of
+    /// the hub on the platform.
+    pub fn transmitted_torque_at_rest_nm(&self, wind_up_rad: f64, position_rad: f64) -> f64 {
+        let spring_nm = self.mesh_torque_nm(wind_up_rad, 0.0, 0.0, 0.0);
+        let motor_angle_rad = self.parameters.gearbox.ratio * (wind_up_rad + position_rad);
+        spring_nm + self.kinematic_error_nm(spring_nm, motor_angle_rad, 0.0).hub_nm
+    }
+
     /// Returns the smooth torques on the motor shaft beside those of the core: cogging, torque ripple, current limit, drag, N m.
     pub fn motor_torque_nm(&self, current_a: f64, motor_angle_rad: f64, motor_rate_rad_s: f64) -> f64 {
         let motor = &self.parameters.motor;

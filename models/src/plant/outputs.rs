@@ -44,8 +44,24 @@ impl Plant {
                 row[state::WINDUP] += 1.0;
                 row
             }
+            Measured::Torque => {
+                inputs[LinearPlant::PITCH_RATE] =
+                    self.parameters.gearbox.damping_nm_s_rad * (1.0 - self.motor_share() / ratio);
+                self.transmitted_torque_row()
+            }
+            Measured::Current => self.current_row()[..self.core_order()].to_vec(),
         };
         Some(OutputRow { states, inputs })
+    }
+
+    /// The torque that a transmission with touching teeth passes to the hub: T_2 = K_gb delta + D_gb delta'.
+    pub fn transmitted_torque_row(&self) -> Vec<f64> {
+        let gearbox = &self.parameters.gearbox;
+        let mut row: Vec<f64> =
+            self.hub_rate_row().iter().map(|rate| -gearbox.damping_nm_s_rad * rate).collect();
+        row[state::MOTOR] += gearbox.damping_nm_s_rad / gearbox.ratio;
+        row[state::WINDUP] += gearbox.stiffness_nm_rad;
+        row
     }
 
     /// The hub's angle relative to the platform: the state behind those of the core.
@@ -72,8 +88,14 @@ impl Plant {
         OutputRow { states: kept.iter().map(|&s| if s < n { row[s] } else { 0.0 }).collect(), inputs }
     }
 
-    /// Returns how a linear plant of this machine keeps its angles: a loop of position has them among its states.
+    /// Returns how a linear plant of this machine keeps its angles: a loop of position has them among its states, and so has one of a torque or
+    /// a current against a spring, which answers them.
     pub fn angles(&self) -> Angles {
-        if self.parameters.sensors.measured.is_position() { Angles::Position } else { Angles::Drop }
+        let measured = self.parameters.sensors.measured;
+        match (measured.is_position(), measured.is_effort() && self.spring.0 != 0.0) {
+            (true, _) => Angles::Position,
+            (_, true) => Angles::Relative,
+            _ => Angles::Drop,
+        }
     }
 }

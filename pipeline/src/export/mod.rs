@@ -3,15 +3,13 @@
 mod feedback_alone;
 pub mod target_proofs;
 
-use counterpoise_controller::READINGS;
 use counterpoise_controller::realise::count_coefficients;
 use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::signal_names::ControlledPosition;
-use counterpoise_export::targets::RANGE_MARGIN;
+use counterpoise_export::signal_names::ControlledQuantity;
 use counterpoise_export::{
-    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, compare_targets,
-    fixed_c99, fixed_form, rust_crate,
+    Converters, File, Numbers, Options, Provenance, Targets, c99, compare_targets, fixed_c99, fixed_form,
+    rust_crate,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{Axis, Measured, Parameters};
@@ -107,7 +105,7 @@ pub fn export_by(
             Language::Fmi => units(&mut made, &modelled.plant, verified, &origin, options),
         }
     }
-    if let Some(quantity) = controlled_position(&project.plant) {
+    if let Some(quantity) = controlled_quantity(&project.plant) {
         made.files = quantity.named(made.files);
     }
     Ok(made)
@@ -203,19 +201,9 @@ pub fn path_forms(verified: &VerifiedController) -> Result<Vec<PathForms>, Pipel
     paths.map(of).collect()
 }
 
-/// Returns the controller with its paths in every form, in double and in single precision, for the readings of the
-/// verification's runs.
-pub fn by_form(verified: &VerifiedController, compared: &Targets) -> Vec<FormFigures> {
-    let controller = verified.controller();
-    let runs: Vec<_> = compared.figures.iter().take(1).flat_map(|double| &double.closed_loops).collect();
-    let readings: Vec<Vec<[f64; READINGS]>> = runs.into_iter().map(|run| run.readings.clone()).collect();
-    let known = Ranges::from_readings(controller, &readings, RANGE_MARGIN);
-    counterpoise_export::by_form(controller, &known)
-}
-
 /// Returns half a step of the output converter, V. A converter that the project leaves ideal counts as one of
 /// [`FINEST_CONVERTER_BITS`] bits: code in fixed point is for targets that have a real one.
-fn half_step_v(plant: &Plant) -> f64 {
+pub(crate) fn half_step_v(plant: &Plant) -> f64 {
     let bits = plant.parameters().interface.output_bits.min(FINEST_CONVERTER_BITS);
     CONVERTER_SPAN_V / 2.0 / f64::from(bits).exp2()
 }
@@ -289,20 +277,24 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
     }
 }
 
-/// Returns the quantity that a loop of position controls; `None` for a loop of rate.
-fn controlled_position(plant: &Parameters) -> Option<ControlledPosition> {
-    let quantity = match plant.axis {
-        Axis::Rotary => ControlledPosition::Angle,
-        Axis::Linear => ControlledPosition::Place,
-    };
-    plant.sensors.measured.is_position().then_some(quantity)
+/// Returns the quantity that a loop controls; `None` for a loop of rate.
+fn controlled_quantity(plant: &Parameters) -> Option<ControlledQuantity> {
+    let measured = plant.sensors.measured;
+    match (measured, plant.axis) {
+        (Measured::HubRate | Measured::RelativeRate | Measured::MotorRate, _) => None,
+        (Measured::HubPosition | Measured::MotorPosition, Axis::Rotary) => Some(ControlledQuantity::Angle),
+        (Measured::HubPosition | Measured::MotorPosition, Axis::Linear) => Some(ControlledQuantity::Place),
+        (Measured::Torque, Axis::Rotary) => Some(ControlledQuantity::Torque),
+        (Measured::Torque, Axis::Linear) => Some(ControlledQuantity::Force),
+        (Measured::Current, _) => Some(ControlledQuantity::Current),
+    }
 }
 
 /// Returns what the first two readings of the controller hold, if the loop is not one of the hub's inertial rate on a turning axis.
 fn loop_signals(plant: &Parameters) -> Option<String> {
-    let (angle, rate) = match plant.axis {
-        Axis::Rotary => ("angle, rad", "rate, rad/s"),
-        Axis::Linear => ("position, m", "speed, m/s"),
+    let (angle, rate, torque) = match plant.axis {
+        Axis::Rotary => ("angle, rad", "rate, rad/s", "torque of the transmission, N m"),
+        Axis::Linear => ("position, m", "speed, m/s", "force of the transmission, N"),
     };
     let signal = match plant.sensors.measured {
         Measured::HubRate if plant.axis == Axis::Rotary => return None,
@@ -311,6 +303,8 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
         Measured::MotorRate => format!("motor's {rate}, over the ratio, relative to the platform"),
         Measured::HubPosition => format!("{angle}, relative to the platform"),
         Measured::MotorPosition => format!("motor's {angle}, over the ratio, relative to the platform"),
+        Measured::Torque => torque.to_owned(),
+        Measured::Current => "current of the motor, A".to_owned(),
     };
     Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }

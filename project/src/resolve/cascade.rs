@@ -1,4 +1,4 @@
-//! What the loop controls: the rate or the position that its sensor measures, or both in a cascade.
+//! What the loop controls: the rate, the position, the torque or the current that its sensor measures, or rate and position in a cascade.
 
 use counterpoise_lti::Discretisation;
 use counterpoise_models::{Axis, Measured};
@@ -9,12 +9,17 @@ use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
 
 impl Choice for LoopKind {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("rate", Self::Rate), ("position", Self::Position), ("cascade", Self::Cascade)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("rate", Self::Rate),
+        ("position", Self::Position),
+        ("cascade", Self::Cascade),
+        ("torque", Self::Torque),
+        ("current", Self::Current),
+    ];
 }
 
-const LOOP: &str = "what the loop controls: the rate or the position that its sensor measures (if absent, whichever it is), or `cascade`: \
-     that position, by a proportional loop around a rate loop with the weights of `[synth.feedback]`, which takes the rate as \
+const LOOP: &str = "what the loop controls: the rate, the position, the torque or the current that its sensor measures (if absent, whichever it \
+     is), or `cascade`: that position, by a proportional loop around a rate loop with the weights of `[synth.feedback]`, which takes the rate as \
      the difference of two readings over the sample period";
 const GAIN: Field = Field::new(
     "position_gain",
@@ -26,28 +31,45 @@ const GAIN: Field = Field::new(
 
 /// Reads or lists what the loop controls.
 pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
-    let usual = if measured.is_position() { LoopKind::Position } else { LoopKind::Rate };
+    let usual = usual_kind(measured);
     if synth.loop_kind != LoopKind::Cascade {
         synth.loop_kind = usual;
     }
     choose(v, &Field::new("loop", LOOP).or_text(usual.name()), &mut synth.loop_kind);
-    match (synth.loop_kind, measured.is_position()) {
-        (LoopKind::Rate, true) => v.complain(
-            "loop",
-            "must be \"position\" or \"cascade\" with an encoder or a resolver",
-            Some("for a rate loop give [plant.sensors.tachometer] or hub_gyro in its place".to_owned()),
-        ),
-        (LoopKind::Position | LoopKind::Cascade, false) => v.complain(
-            "loop",
-            "must be \"rate\" with a sensor of rate",
-            Some("for a loop of position give [plant.sensors.encoder] or resolver in its place".to_owned()),
-        ),
-        _ => {}
+    let is_cascade = synth.loop_kind == LoopKind::Cascade && usual == LoopKind::Position;
+    if synth.loop_kind != usual && !is_cascade {
+        let allowed = match usual {
+            LoopKind::Position | LoopKind::Cascade => {
+                "must be \"position\" or \"cascade\" with an encoder or a resolver"
+            }
+            LoopKind::Rate => "must be \"rate\" with a sensor of rate",
+            LoopKind::Torque => "must be \"torque\" with a torque sensor",
+            LoopKind::Current => "must be \"current\" with a current sensor",
+        };
+        let instead = match synth.loop_kind {
+            LoopKind::Rate => "for a rate loop give [plant.sensors.tachometer] or hub_gyro in its place",
+            LoopKind::Position | LoopKind::Cascade => {
+                "for a loop of position give [plant.sensors.encoder] or resolver in its place"
+            }
+            LoopKind::Torque => "for a loop of torque give [plant.sensors.torque] in its place",
+            LoopKind::Current => "for a loop of current give [plant.sensors.current] in its place",
+        };
+        v.complain("loop", allowed, Some(instead.to_owned()));
     }
     if synth.loop_kind == LoopKind::Cascade {
         maybe_number(v, &GAIN, &mut synth.specification.position_gain);
     } else {
         synth.specification.position_gain = None;
+    }
+}
+
+/// What the loop of a sensor controls if nothing else is said.
+fn usual_kind(measured: Measured) -> LoopKind {
+    match measured {
+        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => LoopKind::Rate,
+        Measured::HubPosition | Measured::MotorPosition => LoopKind::Position,
+        Measured::Torque => LoopKind::Torque,
+        Measured::Current => LoopKind::Current,
     }
 }
 
@@ -60,7 +82,7 @@ const RATE_LIMIT: Field = Field::new(
 
 /// Reads or lists the largest rate that a loop of position demands.
 pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: Axis) {
-    if synth.loop_kind == LoopKind::Rate {
+    if !matches!(synth.loop_kind, LoopKind::Position | LoopKind::Cascade) {
         synth.rate_limit = None;
         return;
     }

@@ -10,7 +10,7 @@ use super::design::ReductionMethod;
 use super::findings::{Findings, duplicates};
 use super::model::StructureChoice;
 use super::synthesis::LoopKind;
-use super::{Project, base_motion_checks, beam_checks};
+use super::{Project, base_motion_checks, beam_checks, effort_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
@@ -47,6 +47,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     rotor(&mut findings, plant);
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
+    effort_checks::effort(&mut findings, project);
     delays(&mut findings, plant);
     base_motion_checks::elevated(&mut findings, project);
     base_motion_checks::slide(&mut findings, project);

@@ -1,4 +1,4 @@
-//! The sensor of the controlled output, each kind a section of its own: gyroscope, tachometer, encoder or resolver.
+//! The sensor of the controlled output, each kind a section of its own: gyroscope, tachometer, encoder, resolver, torque or current.
 //!
 //! Without any, the loop has an ideal rate gyroscope.
 
@@ -75,47 +75,54 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         found += measures(plant, positions[usize::from(place == Place::Motor)], found);
         v.leave();
     }
+    found += efforts(v, plant, found);
     not_alone(v);
     if found > 1 {
         v.complain(
             "sensors",
-            "must have one sensor of the loop: hub_gyro, tachometer, encoder or resolver",
+            "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
             None,
         );
     }
 }
 
-/// Sensors that cannot be the only one of a loop: key, unit, why, and what to add.
-const NOT_ALONE: [(&str, &str, &str, &str); 3] = [
-    (
-        "accelerometer",
-        "m/s^2",
-        "cannot be the sensor of the loop: it does not see a steady rate, so its bias would make the rate drift without end",
-        "add hub_gyro or tachometer for a loop of rate, encoder or resolver for one of position, and leave the accelerometer out; one on the platform is platform_accelerometer",
-    ),
-    (
-        "torque",
-        "N m",
-        "cannot be the sensor of the loop: it sees neither a rate nor a position, and an inertia that it drives would run away",
-        "write drive = \"torque\": the drive's own loop controls the torque; for the motion add hub_gyro, tachometer, encoder or resolver",
-    ),
-    (
-        "current",
-        "A",
-        "cannot be the sensor of the loop: it sees neither a rate nor a position, and an inertia that it drives would run away",
-        "write drive = { kind = \"current\", bandwidth = ... }: the drive's own loop controls the current; for the motion add hub_gyro, tachometer, encoder or resolver",
-    ),
-];
+/// Why an accelerometer cannot be the sensor of a loop, and what to add.
+const DRIFTS: &str = "cannot be the sensor of the loop: it does not see a steady rate, so its bias would make the rate drift without end";
+const SEES_RATE: &str = "add hub_gyro or tachometer for a loop of rate, encoder or resolver for one of position, and leave the accelerometer out; one on the platform is platform_accelerometer";
 
-/// Complains of each sensor that cannot be the only one of a loop.
+/// Complains of an accelerometer, which cannot be the only sensor of a loop.
 fn not_alone(v: &mut dyn Visit) {
-    for (key, unit, why, add) in NOT_ALONE {
-        if v.has(key) && v.enter(&TableField::optional(key, why), Presence::Absent) {
-            sensor(v, &mut UNKNOWN.clone(), unit);
+    if v.has("accelerometer") && v.enter(&TableField::optional("accelerometer", DRIFTS), Presence::Absent) {
+        sensor(v, &mut UNKNOWN.clone(), "m/s^2");
+        v.leave();
+        v.complain("accelerometer", DRIFTS, Some(SEES_RATE.to_owned()));
+    }
+}
+
+/// Reads or lists a sensor of torque and one of current; returns how many there are.
+fn efforts(v: &mut dyn Visit, plant: &mut Parameters, found: usize) -> usize {
+    let measured = plant.sensors.measured;
+    let torque_unit = match plant.axis {
+        Axis::Rotary => "N m",
+        Axis::Linear => "N",
+    };
+    let mut count = 0;
+    for (key, meaning, of, unit) in [
+        (
+            "torque",
+            "torque or force that the transmission passes to the load, which the loop controls",
+            Measured::Torque,
+            torque_unit,
+        ),
+        ("current", "current of the motor, which the loop controls", Measured::Current, "A"),
+    ] {
+        if v.enter(&TableField::optional(key, meaning), Presence::from(measured == of)) {
+            sensor(v, &mut plant.sensors.hub_gyro, unit);
+            count += measures(plant, of, found + count);
             v.leave();
-            v.complain(key, why, Some(add.to_owned()));
         }
     }
+    count
 }
 
 /// Sets what the loop's sensor measures, if `found` sensors before it are none: the first one of a file counts. Returns 1.
@@ -128,11 +135,15 @@ fn measures(plant: &mut Parameters, measured: Measured, found: usize) -> usize {
 
 /// Returns the unit of what the loop controls.
 pub(super) fn controlled_unit(plant: &Parameters) -> &'static str {
-    match (plant.axis, plant.sensors.measured.is_position()) {
-        (Axis::Rotary, false) => "rad/s",
-        (Axis::Rotary, true) => "rad",
-        (Axis::Linear, false) => "m/s",
-        (Axis::Linear, true) => "m",
+    let [rate, position, torque] = match plant.axis {
+        Axis::Rotary => ["rad/s", "rad", "N m"],
+        Axis::Linear => ["m/s", "m", "N"],
+    };
+    match plant.sensors.measured {
+        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => rate,
+        Measured::HubPosition | Measured::MotorPosition => position,
+        Measured::Torque => torque,
+        Measured::Current => "A",
     }
 }
 

@@ -12,6 +12,7 @@ pub mod controller;
 pub mod controller_file;
 pub mod design;
 mod drive;
+mod effort_checks;
 mod findings;
 pub mod fixed_structure;
 mod format;

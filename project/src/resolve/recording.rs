@@ -1,6 +1,6 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
-use counterpoise_models::Axis;
+use counterpoise_models::{Axis, Measured};
 use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
 
 use super::Project;
@@ -9,10 +9,19 @@ use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Presence, Visit, maybe_number, table};
 
 impl Project {
+    /// Returns the unit of what the loop's sensor measures.
+    pub fn controlled_unit(&self) -> &'static str {
+        self.channel_units().of(Channel::HubRate)
+    }
+
     /// Returns what the axis, the loop's sensor and the recording's controller make of the units of the channels of recordings.
     pub fn channel_units(&self) -> ChannelUnits {
-        let is_position = self.plant.sensors.measured.is_position();
-        let reading = if is_position { Controlled::Position } else { Controlled::Rate };
+        let reading = match self.plant.sensors.measured {
+            Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => Controlled::Rate,
+            Measured::HubPosition | Measured::MotorPosition => Controlled::Position,
+            Measured::Torque => Controlled::Torque,
+            Measured::Current => Controlled::Current,
+        };
         let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
         let demand = if positioned { Controlled::Position } else { reading };
         let travel = match self.plant.axis {

@@ -15,6 +15,9 @@ fn units_of(measured: &'static str) -> (&'static str, &'static str) {
     match measured {
         "rad/s" => ("V s/rad", "(rad/s)/(m/s^2)"),
         "rad" => ("V/rad", "rad/(m/s^2)"),
+        "N m" => ("V/(N m)", "N m/(m/s^2)"),
+        "N" => ("V/N", "N/(m/s^2)"),
+        "A" => ("V/A", "A/(m/s^2)"),
         _ => ("V/(m/s^2)", "(m/s^2)/(m/s^2)"),
     }
 }

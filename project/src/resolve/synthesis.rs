@@ -46,6 +46,10 @@ pub enum LoopKind {
     Position,
     /// That position, by a proportional loop around a loop of its rate.
     Cascade,
+    /// The torque or the force that a sensor between transmission and load measures.
+    Torque,
+    /// The motor's current.
+    Current,
 }
 
 /// Where the feedback's weights come from.

@@ -289,6 +289,11 @@ impl Attempt {
         &self.result[STATE..STATE + self.order]
     }
 
+    /// Returns the torque of the transmission's hysteresis at the nodes, N m, with the one before the step.
+    pub fn gear_hysteresis(&self, before: &FrictionState) -> [f64; STAGES + 1] {
+        std::array::from_fn(|node| if node == 0 { before.gear } else { self.memory[node - 1].gear })
+    }
+
     /// Friction's state at the end.
     pub fn friction(&self) -> FrictionState {
         self.memory[STAGES - 1]

@@ -129,6 +129,15 @@ pub(crate) struct Point<'a> {
     pub about: &'a AngleNearby,
 }
 
+/// What the loop's sensor may feel at one instant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SensorPoint<'a> {
+    pub outputs: &'a [f64; OUTPUTS],
+    pub platform: &'a PlatformPoint,
+    /// Torque of the transmission's hysteresis, N m.
+    pub gear_hysteresis_nm: f64,
+}
+
 /// Sine and cosine of angles near one whose own are known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AngleNearby {
@@ -318,15 +327,25 @@ impl Ports {
         [outputs[MOTOR] - self.coupling * platform_rate, outputs[HUB_RATE] - platform_rate]
     }
 
-    /// Returns what the loop's sensor feels.
+    /// Returns what the loop's sensor feels at a point.
     #[inline]
-    pub fn measured(&self, outputs: &[f64; OUTPUTS], platform: &PlatformPoint) -> f64 {
+    pub fn measured(&self, plant: &Plant, at: &SensorPoint) -> f64 {
+        let SensorPoint { outputs, platform, .. } = at;
         match self.measured {
             Measured::HubRate => outputs[HUB_RATE],
             Measured::RelativeRate => outputs[HUB_RATE] - platform.rate,
             Measured::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
             Measured::HubPosition => outputs[HUB_ANGLE] - platform.angle,
             Measured::MotorPosition => outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle,
+            Measured::Torque => {
+                let motor_rate = outputs[MOTOR] - self.coupling * platform.rate;
+                let motor_angle = self.ratio * (outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle);
+                let spring =
+                    plant.mesh_torque_nm(outputs[WINDUP], outputs[HUB_RATE], motor_rate, platform.rate);
+                let passed = spring + at.gear_hysteresis_nm;
+                passed + plant.kinematic_error_nm(passed, motor_angle, motor_rate).hub_nm
+            }
+            Measured::Current => outputs[CURRENT],
         }
     }
 

@@ -5,7 +5,7 @@ use super::events::{Part, TriedStep};
 use super::filter::Filter;
 use super::joints::Transition;
 use super::linear::{Mode, Seen};
-use super::ports::PlatformPoint;
+use super::ports::{PlatformPoint, SensorPoint};
 use super::present::{Present, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS};
@@ -243,9 +243,17 @@ impl Stepper {
 
     /// Takes the step that was tried last.
     fn take_step(&mut self, mode: &Mode) {
+        let (outputs, hysteresis) =
+            (self.attempt.outputs(), self.attempt.gear_hysteresis(self.present.friction()));
         self.present.take(&self.attempt, &self.ahead, mode);
-        let outputs = self.attempt.outputs();
-        let felt = std::array::from_fn(|k| self.present.ports.measured(&outputs[k], &self.nodes[k]));
+        let felt = std::array::from_fn(|k| {
+            let at = SensorPoint {
+                outputs: &outputs[k],
+                platform: &self.nodes[k],
+                gear_hysteresis_nm: hysteresis[k],
+            };
+            self.present.ports.measured(&self.present.plant, &at)
+        });
         self.filter.advance(self.level, &mut self.present.hub_gyro, &felt);
         self.attempt.accept(self.period_s * fraction(TICKS >> self.level));
         self.effort.steps += 1;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
-    CandidateMargins, Discretisation, StateSpace, Timebase, c2d, candidate_margins, feedback as closed,
-    frequency_response, h2norm, is_stable_pole, poles, series,
+    CandidateMargins, Discretisation, StateSpace, Timebase, c2d, candidate_margins, candidate_sensitivity,
+    feedback as closed, frequency_response, h2norm, is_stable_pole, poles, series,
 };
 
 use super::Circumstances;
@@ -175,8 +175,11 @@ impl<'a> Judge<'a> {
             if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
                 return Ok(seen);
             }
-            let found = stable_margins(held, K)?;
-            worst = worst.max(found.map_or(f64::INFINITY, |margins| margins.ms.value));
+            let sensitivity = match stable_loop(held, K)? {
+                Some(loop_gain) => candidate_sensitivity(&loop_gain)?.value,
+                None => f64::INFINITY,
+            };
+            worst = worst.max(sensitivity);
         }
         Ok(worst)
     }
@@ -192,7 +195,7 @@ impl<'a> Judge<'a> {
             if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
                 return Ok(false);
             }
-            if candidate_margins(&broken)?.ms.value > NEIGHBOUR_MS {
+            if candidate_sensitivity(&broken)?.value > NEIGHBOUR_MS {
                 return Ok(false);
             }
         }
@@ -256,6 +259,11 @@ fn sampled_controller(controller: &StateSpace, sampling: &Sampling) -> Result<St
 }
 
 fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<CandidateMargins>, Error> {
+    Ok(stable_loop(plant, K)?.map(|loop_gain| candidate_margins(&loop_gain)).transpose()?)
+}
+
+/// The loop gain of a controller on a plant; `None` if its closed loop is not stable.
+fn stable_loop(plant: &StateSpace, K: &StateSpace) -> Result<Option<StateSpace>, Error> {
     let loop_gain = series(plant, &K.negate())?;
     // Poles cost a hundredth of the margins, and most candidates that fail are not stable.
     let one = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
@@ -263,7 +271,7 @@ fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Candidate
     if found.iter().any(|pole| !is_stable_pole(*pole, loop_gain.timebase)) {
         return Ok(None);
     }
-    Ok(Some(candidate_margins(&loop_gain)?))
+    Ok(Some(loop_gain))
 }
 
 /// The largest sensitivity at some frequencies; those above half the sample rate and on a pole are left out.

@@ -118,6 +118,8 @@ pub enum Proof {
     },
     /// It does not hold, or cannot be shown, at this rate, rad/s.
     FailsAt(f64),
+    /// It holds wherever it was looked at, but so narrowly that [`MULTIPLIER_SPLITS`] intervals did not show it; up to this rate, rad/s.
+    Narrow(f64),
 }
 
 impl Multiplier {
@@ -195,8 +197,11 @@ impl Multiplier {
                 }
             }
             let middle = (from * to).sqrt();
-            if intervals > MULTIPLIER_SPLITS || !(from < middle && middle < to) {
+            if !(from < middle && middle < to) {
                 return Proof::FailsAt(middle);
+            }
+            if intervals > MULTIPLIER_SPLITS {
+                return Proof::Narrow(middle);
             }
             open.extend([[middle, to], [from, middle]]);
         }

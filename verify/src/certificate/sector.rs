@@ -220,6 +220,8 @@ impl<'a> Scaled<'a> {
                     }
                     rates.push(rate);
                 }
+                // Another multiplier for one more rate holds as narrowly.
+                Proof::Narrow(rate) => return (None, rate),
                 holds => return (Some((multiplier, holds)), failed),
             }
         }

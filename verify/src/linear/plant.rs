@@ -38,6 +38,8 @@ pub struct SampledPlant {
     pub holding_v: f64,
     /// Whether hub and tip are positions and not rates: the loop's sensor measures one.
     pub controls_position: bool,
+    /// Whether the loop controls a torque or a current, which is then in the place of the hub's rate.
+    pub controls_effort: bool,
     /// The hub's angle at the operating point, rad.
     pub hub_angle_rad: f64,
     /// Whether the platform's accelerometer feels surge as the out-of-balance does.
@@ -98,6 +100,7 @@ impl SampledPlant {
             sample_period_s,
             holding_v: plant.equilibrium.control_v,
             controls_position: parameters.sensors.measured.is_position(),
+            controls_effort: parameters.sensors.measured.is_effort(),
             hub_angle_rad,
             surge_is_measured: parameters.sensors.measures_surge(),
             delays,
@@ -120,7 +123,8 @@ fn with_truths(plant: &LinearPlant, parameters: &Parameters) -> Result<StateSpac
         true => hub.clone(),
         false => (hub.0.clone(), &hub.1 - &pitch.1),
     };
-    let truths = [hub, output(LinearPlant::TIP_RATE), motor.clone(), current];
+    let controlled = if parameters.sensors.measured.is_effort() { output(plant.measured) } else { hub };
+    let truths = [controlled, output(LinearPlant::TIP_RATE), motor.clone(), current];
     let felt =
         [output(plant.measured), heave.clone(), pitch.clone(), heave.clone(), heave, pitch, motor, relative];
     let rows: Vec<(Mat, Mat)> = truths.into_iter().chain(felt).collect();

@@ -65,7 +65,9 @@ fn run(
     let y = lsim(&closed.system, &u, None)?;
     let column = |j: usize| y.column(j).to_vec();
     let hub = column(port::HUB);
-    let relative = hub.iter().zip(&driven).map(|(rate, inputs)| rate - inputs.2);
+    // A loop of a torque or a current has it in the place of the hub's rate.
+    let moving = if plant.controls_effort { column(port::TIP) } else { hub.clone() };
+    let relative = moving.iter().zip(&driven).map(|(rate, inputs)| rate - inputs.2);
     let travel_rad = if plant.controls_position { hub.clone() } else { integrated(relative, period_s) };
     Ok(History {
         model: Model::Linear,

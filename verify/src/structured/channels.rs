@@ -42,8 +42,8 @@ pub(super) fn base(plant: &Plant, slope_per_drive: f64, (resolver, springs): (Re
         (0..n + 3).filter(|j| felt[*j] != 0.0).for_each(|j| A[(second, j)] = w * felt[j]);
         (A[(second, first)], A[(second, second)]) = (-w, -2.0 * z * w);
     }
-    if resolver == Resolver::Read || springs != [0.0; 2] || plant.parameters().sensors.measured.is_position()
-    {
+    let sensors = &plant.parameters().sensors;
+    if resolver == Resolver::Read || springs != [0.0; 2] || sensors.measured.is_position() {
         (0..n).for_each(|j| A[(angle, j)] = hub[j]);
     }
     let torque = Torques::of(plant);
@@ -88,6 +88,8 @@ fn measured(plant: &Plant, angle: usize) -> Vec<f64> {
             row[state::WINDUP] = 1.0;
             row
         }
+        Measured::Torque => wide(plant.transmitted_torque_row()),
+        Measured::Current => wide(plant.current_row()[..n].to_vec()),
     }
 }
 
