@@ -230,7 +230,7 @@ fn run(
 ) -> Result<Run, counterpoise_verify::Error> {
     let mut recorder = Recorder { inner, seen: Record::default() };
     let history = nonlinear::history_of(simulator, &mut recorder, procedure, experiment)?;
-    Ok(Run { experiment, seen: recorder.seen, error_rms_rad_s: error_rms(&history) })
+    Ok(Run { experiment, seen: recorder.seen, errors_rad_s: errors(&history) })
 }
 
 impl Run {
