@@ -58,7 +58,9 @@ pub use ranges::{Adjustable, Measured, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;
-pub use targets::{FixedFigures, Numbers, Record, TargetFigures, TargetRuns, Targets, fixed_form, targets};
+pub use targets::{
+    FixedFigures, Numbers, Record, TargetFigures, TargetRuns, Targets, compare_targets, fixed_form,
+};
 
 use counterpoise_controller::program::Operation;
 use counterpoise_controller::words::is_word;

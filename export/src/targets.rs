@@ -6,8 +6,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, by_form, plan,
-    single_precision,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, by_form,
+    plan_fixed_point, single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -180,7 +180,7 @@ impl<'a> TargetRuns<'a> {
     /// # Errors
     /// Those of the simulator.
     pub fn fixed(&self, allowed_v: f64) -> Result<FixedFigures, counterpoise_verify::Error> {
-        let fixed = plan(self.controller, &self.known, allowed_v, self.samples);
+        let fixed = plan_fixed_point(self.controller, &self.known, allowed_v, self.samples);
         let figures = match &fixed {
             Err(_) => None,
             Ok(form) => {

@@ -198,7 +198,8 @@ pub fn candidate_sensitivity(loop_gain: &StateSpace) -> Result<Peak, Error> {
     Ok(sensitivity_peak(&scan))
 }
 
-/// The crossings of the negative real axis and of the unit circle; the ends of the axis are added to the scan.
+/// Returns the crossings of the negative real axis and of the unit circle; the ends of the axis are added to
+/// the scan.
 fn crossings(scan: &mut Scan, loop_gain: &StateSpace) -> (Vec<GainMargin>, Vec<PhaseMargin>) {
     let ends = ends(loop_gain);
     let phase = phase_margins(scan);

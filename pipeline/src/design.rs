@@ -14,8 +14,8 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, forms, half_step_v, project_hash,
-    weights,
+    Exported, LeftOut, PathForms, TargetCode, describe_weights, every_target, export_by, half_step_v,
+    path_forms, project_hash,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
@@ -170,8 +170,9 @@ impl VerifiedDesign {
         stability: StabilityCertificate,
     ) -> Result<Stages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure, verified } = self;
-        let Exported { files, left_out } =
-            run_observed(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
+        let Exported { files, left_out } = run_observed(world, Step::Export, || {
+            export_by(project, &modelled, &verified, &procedure, world)
+        })?;
         Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
     }
 
@@ -219,7 +220,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
     let Decided { project, first } = choose_and_tune(project, world)?;
     let project = &project;
     let made = run_to_verification(project, world)?;
-    let studied = observed(world, Step::Verify, || made.studied(project, world.pool()))?;
+    let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;
     let StudiedDesign { stability, targets } = studied;
     let stages = made.exported(project, world, stability)?;
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;

@@ -204,10 +204,10 @@ pub struct VerifyResult {
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptation_trials: Option<Trials>,
-    /// How the line of sight is judged; absent where it was not asked.
+    /// How the line of sight is judged; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sight_procedure: Option<SightProcedureResult>,
-    /// What the error of the line of sight is made of; absent where it was not asked.
+    /// What the error of the line of sight is made of; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
     /// What the linear figures are measured on.
@@ -535,7 +535,7 @@ fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
 }
 
-/// The costs of every part that was designed in continuous and in sampled time.
+/// Returns the costs of every part that was designed in continuous and in sampled time.
 fn costs(made: &Synthesised) -> Vec<CostResult> {
     let design = &made.design;
     let feedforwards = [("heave", &design.heave), ("pitch", &design.pitch)].into_iter();
@@ -553,7 +553,7 @@ fn costs(made: &Synthesised) -> Vec<CostResult> {
     continuous.chain(sampled).map(result).collect()
 }
 
-/// The weights of every part of the design.
+/// Returns the weights of every part of the design.
 fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     let of = |name: &str, weight: &Weight| TransferFunctionResult::of(name, weight);
     let mut all =

@@ -3,7 +3,7 @@
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::results::AdaptResult;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
-use counterpoise_pipeline::studies::adaptation_trials::{Trials, trials};
+use counterpoise_pipeline::studies::adaptation_trials::{Trials, run_trials};
 use counterpoise_project::Purpose;
 
 use std::path::PathBuf;

@@ -48,7 +48,8 @@ pub fn run(options: &DesignOptions) -> Done {
         result.leave_histories_out();
     }
     let code = &designed.targets.code;
-    let (proofs, costs) = (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
+    let (proofs, costs) =
+        (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
     result.targets = result.targets.with_answers(&proofs, &costs);
     let compiled = compiled(&proofs, &costs);
     let systems = options.results.loop_systems();

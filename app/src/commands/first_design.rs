@@ -51,7 +51,7 @@ fn print_step(loaded: &Loaded) {
     let unit = loaded.project.controlled_unit();
     say!(
         "  the control limit counts a step of the demand of {} {unit}: set verify.step.rate to the largest that yours takes at once",
-        short(verify.procedure.step.rate_rad_s)
+        short_number(verify.procedure.step.rate_rad_s)
     );
 }
 

@@ -60,7 +60,7 @@ pub struct TargetRunResult {
     pub experiment: String,
     /// RMS of demand less hub rate, rad/s.
     pub error_rms_rad_s: f64,
-    /// That against double, dB; `None` where the loop in double has no error.
+    /// That against double, dB; `None` if the loop in double has no error.
     pub cost_db: Option<f64>,
     /// Demand less hub rate, rad/s, at the controller's sample time; absent unless time histories were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -3,12 +3,13 @@
 mod feedback_alone;
 pub mod target_proofs;
 
-use counterpoise_controller::realise::coefficients;
-use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
+use counterpoise_controller::realise::count_coefficients;
+use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::signal_names::ControlledQuantity;
 use counterpoise_export::{
-    Converters, File, Numbers, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
+    Converters, File, Numbers, Options, Provenance, Targets, c99, compare_targets, fixed_c99, fixed_form,
+    rust_crate,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{Axis, Measured, Parameters};

@@ -235,7 +235,7 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// The hub's rate after the load has settled; empty if the motion diverges.
+    /// Returns the hub's rate after the load has settled; empty if the motion diverges.
     fn hub_rates(
         &self,
         platform: &PlatformMotion,

@@ -403,7 +403,7 @@ fn method_row(
     })
 }
 
-/// What an alternative solved.
+/// Returns what an alternative solved.
 fn problem(
     made: &Synthesised,
     weights: &FeedbackWeights,
@@ -424,7 +424,7 @@ fn problem(
     })
 }
 
-/// What a three-part feedback solved.
+/// Returns what a three-part feedback solved.
 fn three_part(
     made: &Synthesised,
     weights: &FeedbackWeights,
@@ -447,7 +447,7 @@ fn three_part(
     })
 }
 
-/// The weight with its poles on the axis moved to the left, its height above them kept.
+/// Returns the weight with its poles on the axis moved to the left, its height above them kept.
 fn without_integral(weight: &Weight) -> Weight {
     let rational = weight.rational();
     if rational.poles.iter().all(|pole| pole.re != 0.0) {

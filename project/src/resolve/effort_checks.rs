@@ -4,7 +4,7 @@ use counterpoise_models::parameters::AmplifierDynamics;
 use counterpoise_models::{Measured, Parameters};
 
 use super::Project;
-use super::checks::Findings;
+use super::findings::Findings;
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;
 
