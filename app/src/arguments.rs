@@ -29,7 +29,7 @@ pub struct Arguments {
 pub enum Command {
     /// Write a folder with a project file to start from
     New(NewOptions),
-    /// Say what a project file is understood to say and what it leaves open; migrate older files
+    /// Print how a project file is read and which values are assumed; migrate older files
     Check(CheckOptions),
     /// Run the whole pipeline: model, reduce, synthesise, verify, export, report
     Design(DesignOptions),
@@ -49,11 +49,11 @@ pub enum Command {
     Export(ExportOptions),
     /// Measure frequency responses as an analyser does: nonlinear, at several amplitudes, or on recordings
     Fra(FraOptions),
-    /// Simulate what was recorded and compare it with the recording
+    /// Simulate the experiment of each recording and compare the result with the recording
     Replay(ReplayOptions),
-    /// Find what the model lacks, and show that the fit improves on held-out data
+    /// Find from recordings what the model lacks, and show that the fit improves on held-out data
     Diagnose(DiagnoseOptions),
-    /// Plan the experiment that best separates what a diagnosis leaves possible
+    /// Plan the experiment that best separates the models that a diagnosis leaves possible
     Experiment(ExperimentOptions),
     /// Identify out-of-balance, friction, inertia and the amplifier's gain curve from triangle waves in closed loop
     Identify(IdentifyOptions),
@@ -61,7 +61,7 @@ pub enum Command {
     Sweep(SweepOptions),
     /// Measure the claims of the thesis, one by one
     Claims(ClaimsOptions),
-    /// The desktop studio: weights in the hand, consequences at once (also with no arguments)
+    /// Open the desktop studio, which shows every consequence of a change at once (also without a command)
     Studio(StudioOptions),
 }
 

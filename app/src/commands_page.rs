@@ -1,6 +1,6 @@
 //! The manual's page of commands, written from the grammar of the command line and tested to be current.
 //!
-//! `WRITE_MANUAL=1 cargo test --release -p counterpoise commands_page` writes `docs/reference/commands.md` anew.
+//! `WRITE_MANUAL=1 cargo test --release -p counterpoise commands_page` regenerates `docs/reference/commands.md`.
 
 use clap::{Arg, ArgAction, Command, CommandFactory};
 

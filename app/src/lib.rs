@@ -16,7 +16,7 @@ use std::ffi::OsString;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::print_message;
 use exit::{Done, Exit};
 use options::StudioOptions;
 
@@ -26,7 +26,7 @@ use options::StudioOptions;
 /// It is the process's: it handles Ctrl+C, and ends the process with 2 after a message if the arguments are wrong, or with 3 if a result
 /// cannot be written to the standard output.
 pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    interrupt::install();
+    interrupt::install_handler();
     counterpoise_host::terminal::quiet_decoders();
     let parsed = Arguments::try_parse_from(arguments::with_json_file_joined(arguments.into_iter()));
     let arguments = match parsed {
@@ -40,7 +40,7 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let window = Command::Studio(StudioOptions::default());
     let Exit(code) = run_command(arguments.command.as_ref().unwrap_or(&window)).unwrap_or_else(|error| {
-        tell(&output::error_chain(&error));
+        print_message(&output::error_chain(&error));
         if error.is::<Interrupted>() { Exit(INTERRUPTED) } else { Exit::BAD_INPUT }
     });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.

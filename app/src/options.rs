@@ -184,7 +184,7 @@ pub struct ExperimentOptions {
     pub results: Results,
 }
 
-/// A finite number above 0.
+/// Returns a finite number above 0.
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
@@ -195,7 +195,7 @@ fn positive(text: &str) -> Result<f64, String> {
 /// Longest experiment that is planned, s.
 const LONGEST_S: f64 = 600.0;
 
-/// A duration that can be planned.
+/// Returns a duration that can be planned.
 fn seconds(text: &str) -> Result<f64, String> {
     match positive(text)? {
         duration if duration <= LONGEST_S => Ok(duration),

@@ -14,7 +14,7 @@ use counterpoise_host::json::json_text;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
 use counterpoise_host::terminal::escape_controls;
-use counterpoise_host::terminal::{causes, tell};
+use counterpoise_host::terminal::{error_causes, print_message};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::first_findings;
 
@@ -27,7 +27,7 @@ pub fn write_out(text: &str) {
     let mut out = std::io::stdout().lock();
     if let Err(error) = out.write_all(escape_controls(text).as_bytes()).and_then(|()| out.flush()) {
         if error.kind() != std::io::ErrorKind::BrokenPipe {
-            tell(&format!("error: the result could not be written to the standard output: {error}"));
+            print_message(&format!("error: the result could not be written to the standard output: {error}"));
         }
         std::process::exit(LOST);
     }
@@ -40,13 +40,14 @@ macro_rules! say {
 }
 pub(crate) use say;
 
-/// An error and its causes, one below the other; a cause that the line above it quotes is not said twice.
+/// Returns an error and its causes, one below the other. A cause that the line above it quotes is not repeated.
 pub fn error_chain(error: &anyhow::Error) -> String {
-    format!("error: {}", causes(error).join("\n  because: "))
+    format!("error: {}", error_causes(error).join("\n  because: "))
 }
 
-/// A number of a printed line: five significant digits, a plain minus sign, and a word for what has no bound.
-pub fn figure(value: f64) -> String {
+/// Returns a number of a printed line: five significant digits, a plain minus sign, and a word for what has
+/// no bound.
+pub fn format_figure(value: f64) -> String {
     if !value.is_finite() {
         let sign = if value < 0.0 { "minus " } else { "" };
         return format!("{sign}infinite");
@@ -60,20 +61,20 @@ pub fn figure(value: f64) -> String {
 }
 
 /// Prints a result as JSON where that was asked for; says whether it went to standard output.
-pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
+pub fn write_json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     let Some(target) = &results.json else { return Ok(false) };
     let text = with_schema(json_text(result)?);
     if [Path::new("-"), Path::new("/dev/stdout")].contains(&target.as_path()) {
         write_out(&text);
         return Ok(true);
     }
-    projects::write(target, text.as_bytes())?;
+    projects::write_file(target, text.as_bytes())?;
     Ok(false)
 }
 
-/// [`json`] of a list, which stands under a key so that the result can state its schema.
+/// [`write_json`] of a list, which stands under a key so that the result can state its schema.
 pub fn json_list<T: Serialize>(results: &Results, key: &'static str, list: &[T]) -> Result<bool> {
-    json(results, &Listed { key, list })
+    write_json(results, &Listed { key, list })
 }
 
 /// A list under a key.
@@ -100,7 +101,7 @@ fn with_schema(text: String) -> String {
 }
 
 /// Prints what is suspicious in a project file.
-pub fn warnings(loaded: &Loaded, progress: Progress) {
+pub fn print_warnings(loaded: &Loaded, progress: Progress) {
     if progress == Progress::Shown {
         if has_unsaved_edits(&state_folder(), &loaded.path) {
             let path = loaded.path.display();
@@ -109,7 +110,7 @@ pub fn warnings(loaded: &Loaded, progress: Progress) {
             );
         }
         let lines = first_findings(&loaded.warnings, ToString::to_string);
-        lines.iter().for_each(|warning| tell(warning));
+        lines.iter().for_each(|warning| print_message(warning));
     }
 }
 
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn printed_figures_keep_their_digits_at_every_size() {
         let texts: Vec<String> =
-            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(figure).into();
+            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(format_figure).into();
         assert_eq!(texts, ["14.492", "-0.00012346", "0.0000", "151670", "2.5000e9", "infinite"]);
     }
 

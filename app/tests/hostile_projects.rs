@@ -42,7 +42,7 @@ fn refused(command: &mut Command) -> String {
     said
 }
 
-/// The reference rig with a recording of the platform's motion under a name.
+/// Returns the reference rig with a recording of the platform's motion under a name.
 fn with_road(name: &str) -> String {
     let kept: Vec<&str> = RIG.split("[verify.road]").collect();
     let rest = kept.get(1).map_or("", |rest| rest.find("\n[").map_or("", |at| &rest[at..]));
@@ -100,7 +100,7 @@ fn runs_that_no_machine_has_memory_for_are_refused_with_an_estimate() {
     }
 }
 
-/// The text with the first value of a key replaced.
+/// Returns the text with the first value of a key replaced.
 fn replaced(text: &str, key: &str, value: &str) -> String {
     let mut done = false;
     let line = |line: &str| match line.trim_start().starts_with(key) && !done {
@@ -113,7 +113,7 @@ fn replaced(text: &str, key: &str, value: &str) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// The text without a second value of a key in a section.
+/// Returns the text without a second value of a key in a section.
 fn without_second(text: &str, section: &str, key: &str) -> String {
     let (mut inside, mut count) = (false, 0);
     let keep = |line: &&str| {

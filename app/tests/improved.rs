@@ -18,7 +18,8 @@ fn counterpoise(folder: &Path, arguments: &[&str]) -> Output {
     run
 }
 
-/// The reference rig's whole project with the controller of the recordings, small enough for a quick test.
+/// Returns the reference rig's whole project with the controller of the recordings, small enough for a quick
+/// test.
 fn project(folder: &Path) -> String {
     let rig = fs::read_to_string(format!("{EXAMPLES}reference-rig/project.toml")).unwrap();
     fs::copy(format!("{EXAMPLES}reference-rig/sandy-loam.parquet"), folder.join("sandy-loam.parquet"))

@@ -27,7 +27,8 @@ fn rig() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/appendix-5/integral.toml")
 }
 
-/// Files below a folder by their path in it; what was left half-written under a name of its own is not among them.
+/// Returns files below a folder by their path in it; what was left half-written under a name of its own is not
+/// among them.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let (mut open, mut found) = (vec![folder.to_owned()], BTreeMap::new());
     while let Some(place) = open.pop() {
@@ -57,7 +58,7 @@ fn traced(arguments: &[&str], output: &Path, kill_at: Option<usize>) -> usize {
     fs::read_to_string(&log).unwrap_or_default().lines().count()
 }
 
-/// Places at which to kill, spread evenly.
+/// Returns places at which to kill, spread evenly.
 fn places(calls: usize) -> Vec<usize> {
     let wanted = std::env::var("KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(12_usize);
     let count = wanted.min(calls).max(1);

@@ -17,7 +17,7 @@ fn page(name: &str) -> PathBuf {
     path
 }
 
-/// What stands after the first screen.
+/// Returns what stands after the first screen.
 fn evidence(page: &str) -> &str {
     &page[page.find("<section").unwrap()..]
 }

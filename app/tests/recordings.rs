@@ -12,7 +12,7 @@ fn counterpoise(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_counterpoise")).args(arguments).output().unwrap()
 }
 
-/// A fresh folder with a project that has some text more.
+/// Returns a fresh folder with a project that has some text more.
 fn project(name: &str, more: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&folder);
@@ -21,7 +21,7 @@ fn project(name: &str, more: &str) -> PathBuf {
     folder
 }
 
-/// The replay of a file, as JSON.
+/// Returns the replay of a file, as JSON.
 fn replayed(project: &Path, file: &Path) -> serde_json::Value {
     let run = counterpoise(&["replay", project.to_str().unwrap(), file.to_str().unwrap(), "--json"]);
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -60,7 +60,7 @@ fn windows_are_recordings_of_their_own() {
     );
 }
 
-/// The rows of the recording as CSV, every `step`-th, with a clock of its own for the motor's rate.
+/// Returns the rows of the recording as CSV, every `step`-th, with a clock of its own for the motor's rate.
 fn rows(step: usize) -> Vec<Vec<String>> {
     let text = fs::read_to_string(data("run.csv")).unwrap();
     let rows = text.lines().skip(1).step_by(step);
@@ -189,7 +189,7 @@ fn an_experiment_separates_what_a_diagnosis_leaves() {
     let refused = planned(&["--angle", "0.1", "--rate", "0.2", "--current", "0.001"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(
-        refused.status.code() == Some(2) && said.contains("no demand of the menu keeps the limits"),
+        refused.status.code() == Some(2) && said.contains("no demand in the menu keeps the limits"),
         "{said}"
     );
 }

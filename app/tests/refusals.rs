@@ -79,7 +79,7 @@ const LINES: [Line; 2] = [
     ),
 ];
 
-/// The file with the body of a table in the place of another, on the undamped structure.
+/// Returns the file with the body of a table in the place of another, on the undamped structure.
 fn with_weight(header: &str, body: &str) -> String {
     let text = RIG.replacen("damping = 277.0 ", "damping = 0.0 ", 1);
     let from = text.find(header).unwrap_or_else(|| panic!("{header}")) + header.len();
@@ -94,7 +94,7 @@ fn with_lines(lines: &[(&str, &str)]) -> String {
     })
 }
 
-/// What is wrong with the answer to a file; empty where it is refused in all these words.
+/// Returns what is wrong with the answer to a file; empty if it is refused in all these words.
 fn judged(name: &str, text: &str, words: &[&str]) -> String {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&file, text).unwrap();

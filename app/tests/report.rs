@@ -6,7 +6,7 @@ use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::{World, design};
 use counterpoise_project::Project;
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html, of_design};
+use counterpoise_report::{Origin, html_page, of_design};
 
 /// The folder of the example.
 struct Example;
@@ -33,7 +33,7 @@ fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
         effects: &[],
         first_design: None,
     };
-    let page = html(&of_design(&designed, &DesignResult::from(&designed), &run));
+    let page = html_page(&of_design(&designed, &DesignResult::from(&designed), &run));
     std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/report.html"), &page).unwrap();
     for part in [
         "Requirements",

@@ -1,7 +1,7 @@
 //! The manual's page of JSON results: the keys of stored example results, and that the program still gives these keys.
 //!
 //! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test all results_page` runs the commands, stores their shortened results in
-//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` anew.
+//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "support/schema.rs"]
@@ -100,7 +100,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Whether the page and the stored results are written anew.
+/// Returns whether the page and the stored results are written again.
 fn writes() -> bool {
     std::env::var_os("WRITE_MANUAL").is_some()
 }
@@ -109,7 +109,7 @@ fn stored(name: &str) -> PathBuf {
     root().join("app/tests/data/results").join(format!("{name}.json"))
 }
 
-/// The reference rig with a campaign of eight mechanisms.
+/// Returns the reference rig with a campaign of eight mechanisms.
 fn small_campaign() -> String {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join("rig");
     fs::create_dir_all(&folder).unwrap();
@@ -159,7 +159,7 @@ fn run(example: &Example, rig: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(result).unwrap()).unwrap()
 }
 
-/// The result with its lists cut to three elements, and without paths of this machine.
+/// Returns the result with its lists cut to three elements, and without paths of this machine.
 fn shortened(value: Value) -> Value {
     match value {
         Value::Array(all) => Value::Array(all.into_iter().take(3).map(shortened).collect()),
@@ -240,14 +240,14 @@ fn section(example: &Example) -> String {
     )
 }
 
-/// The stored results by their names.
+/// Returns the stored results by their names.
 fn all_stored() -> Vec<(&'static str, Value)> {
     let read =
         |example: &Example| serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
     EXAMPLES.iter().map(|example| (example.name, read(example))).collect()
 }
 
-/// The published schema, as its file holds it.
+/// Returns the published schema, as its file holds it.
 fn schema_text() -> String {
     let made = schema::published(&all_stored(), &|key| NAMES.contains(&key));
     serde_json::to_string_pretty(&made).unwrap() + "\n"

@@ -16,17 +16,21 @@ use support::{CAMPAIGN, folder_with};
 #[test]
 fn every_single_bit_error_of_a_shard_is_refused() {
     let folder = folder_with("shard_bits", CAMPAIGN);
-    let loaded = projects::load(&folder, Purpose::Sweep).unwrap();
+    let loaded = projects::load_project(&folder, Purpose::Sweep).unwrap();
     let world = Surroundings::of(&loaded, Progress::Quiet);
     let designed = pipeline::design(&loaded.project, &world).unwrap();
-    let campaign =
-        pipeline::campaign(&loaded.project, &designed.stages.modelled, &designed.stages.verified, &world)
-            .unwrap();
+    let campaign = pipeline::prepare_campaign(
+        &loaded.project,
+        &designed.stages.modelled,
+        &designed.stages.verified,
+        &world,
+    )
+    .unwrap();
     let samples: Vec<_> = (0..campaign.len()).map(|k| campaign.run(k).unwrap()).collect();
-    let path = shards::path(&folder, 0, 1);
-    shards::write(&path, &campaign, "a campaign", &samples).unwrap();
-    assert_eq!(shards::read(&path, &campaign, "a campaign").unwrap(), samples);
-    assert!(shards::read(&path, &campaign, "another").is_err());
+    let path = shards::shard_path(&folder, 0, 1);
+    shards::write_shard(&path, &campaign, "a campaign", &samples).unwrap();
+    assert_eq!(shards::read_shard(&path, &campaign, "a campaign").unwrap(), samples);
+    assert!(shards::read_shard(&path, &campaign, "another").is_err());
     // The decoder may panic on a damaged file; that is caught, and need not be printed.
     std::panic::set_hook(Box::new(|_| {}));
     let sound = fs::read(&path).unwrap();
@@ -35,13 +39,13 @@ fn every_single_bit_error_of_a_shard_is_refused() {
         let mut damaged = sound.clone();
         damaged[bit / 8] ^= 1 << (bit % 8);
         fs::write(&path, &damaged).unwrap();
-        if shards::read(&path, &campaign, "a campaign").is_ok() {
+        if shards::read_shard(&path, &campaign, "a campaign").is_ok() {
             accepted.push(bit);
         }
     }
     for length in 0..sound.len() {
         fs::write(&path, &sound[..length]).unwrap();
-        if shards::read(&path, &campaign, "a campaign").is_ok() {
+        if shards::read_shard(&path, &campaign, "a campaign").is_ok() {
             accepted.push(length);
         }
     }

@@ -33,7 +33,7 @@ low = 0.5
 high = 2.0
 "#;
 
-/// A fresh folder with the project in it.
+/// Returns a fresh folder with the project in it.
 fn folder(name: &str) -> PathBuf {
     support::folder_with(name, CAMPAIGN)
 }
@@ -49,7 +49,7 @@ fn samples(folder: &Path) -> Vec<u8> {
     fs::read(folder.join("out/samples.parquet")).unwrap()
 }
 
-/// The bytes of an undisturbed run on one thread.
+/// Returns the bytes of an undisturbed run on one thread.
 fn reference(name: &str) -> Vec<u8> {
     let folder = folder(name);
     let done = sweep(&folder, "1", &[]).output().unwrap();

@@ -9,7 +9,7 @@ use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, Win
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time};
+use super::drawing::{Curve, drawing, panel, time_axis};
 use super::identified::with_amplifier;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
@@ -46,7 +46,7 @@ fn heaving(bench: &Bench<'_>, initial: Initial) -> Scenario {
     Scenario { platform, initial, ..Scenario::still(INTERVAL_S) }
 }
 
-/// Volts that hold one kg m at one m/s^2, and what the drive makes of a control.
+/// Returns volts that hold one kg m at one m/s^2, and what the drive makes of a control.
 fn scale(bench: &Bench<'_>, parameters: &Parameters, gravity_m_s2: f64) -> Scale {
     let nominal_g = bench.parameters().gravity_m_s2;
     let points = if parameters.amplifier.map.is_empty() {
@@ -98,7 +98,8 @@ fn estimation(
     Ok(Estimation::Squares(Box::new(squares)))
 }
 
-/// RMS hub rate, mrad/s, over the last part of each interval, the out-of-balance stepping between intervals.
+/// Returns the RMS hub rate, mrad/s, over the last part of each interval, the out-of-balance stepping between
+/// intervals.
 fn intervals(bench: &Bench<'_>, base: &Parameters, telling: Telling) -> Result<Vec<f64>, PipelineError> {
     let moment = nominal_moment(base);
     let mut controller = bench.observed.runner();
@@ -138,7 +139,7 @@ fn words(values: &[f64]) -> String {
     values.iter().map(|v| format!("{v:.2}")).collect::<Vec<_>>().join(" / ")
 }
 
-/// Row C24: the estimate updates the heave feedforward.
+/// Returns row C24: the estimate updates the heave feedforward.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -206,7 +207,7 @@ fn adaptation_criteria(name: &str, adapted: f64, truth: f64, unadapted: f64) -> 
     ]
 }
 
-/// The four ways to tell the controller, interval by interval.
+/// Returns the four ways to tell the controller, interval by interval.
 fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Panel {
     let over = |values: &[f64]| values.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
     let curves = vec![
@@ -225,7 +226,7 @@ fn why(lowest: &[f64]) -> String {
     )
 }
 
-/// Row F1: the out-of-balance where gravity gives no offset.
+/// Returns row F1: the out-of-balance where gravity gives no offset.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -278,10 +279,10 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
     })
 }
 
-/// The estimates over time, with the truth of each.
+/// Returns the estimates over time, with the truth of each.
 fn estimates(curves: Vec<Curve>, moment: f64) -> Drawing {
     let panel = panel(Axis::linear("estimate", "kg m"), curves);
     let truths = [0.37, 0.75, 1.0, 1.48].map(|share| share * moment);
     let panel = truths.into_iter().fold(panel, |panel, truth| panel.with_level(truth, "the truth"));
-    drawing("The out-of-balance estimated without gravity", time(), vec![panel])
+    drawing("The out-of-balance estimated without gravity", time_axis(), vec![panel])
 }

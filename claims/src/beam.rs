@@ -57,7 +57,8 @@ fn stations(beam: &Beam) -> Vec<f64> {
     beam.sections.first().map(|section| section.from_m).into_iter().chain(ends).collect()
 }
 
-/// One smooth cone over the same length with the same bore, from the first diameter to the last; `None` if the beam is not of tubes.
+/// Returns one smooth cone over the same length with the same bore, from the first diameter to the last; `None` if the beam is not
+/// of tubes.
 fn cone(beam: &Beam) -> Option<Beam> {
     let (first, last) = (beam.sections.first()?, beam.sections.last()?);
     let (
@@ -94,7 +95,7 @@ fn tried(beam: &Beam, integration: Integration) -> Result<Tried, PipelineError> 
     Ok(Tried { at_sections, cone, power_law, range: range(beam, integration)? })
 }
 
-/// Mode 1 of three elements over all places of the two inner nodes.
+/// Returns mode 1 of three elements over all places of the two inner nodes.
 fn range(beam: &Beam, integration: Integration) -> Result<[f64; 3], PipelineError> {
     let fine = frequencies(beam, Mesh::Equal(FINE), Integration::Quadrature)?[0];
     let ends = stations(beam);
@@ -116,7 +117,7 @@ fn percent(values: &[f64]) -> String {
     values.iter().map(|v| format!("{v:+.1}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Every column with its own deviations and the printed ones, drawn mode by mode.
+/// Returns every column with its own deviations and the printed ones, drawn mode by mode.
 fn picture(
     beam: &Beam,
     name: &str,
@@ -162,7 +163,7 @@ fn no_beam(id: &'static str, title: &'static str, says: &'static str) -> Claim {
     Claim::not_measured([id, title, "table 6-1", says], "the project has no beam")
 }
 
-/// Row C1: uniform elements.
+/// Returns row C1: uniform elements.
 ///
 /// # Errors
 /// Those of the finite elements.
@@ -215,7 +216,7 @@ pub fn uniform_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// Row C2: tapered elements.
+/// Returns row C2: tapered elements.
 ///
 /// # Errors
 /// Those of the finite elements.

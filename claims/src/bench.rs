@@ -11,7 +11,7 @@ use counterpoise_verify::{
     Arrangement, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
-use super::drawing::{Curve, drawing, factor, hub, hub_from, hub_panel, panel, time};
+use super::drawing::{Curve, drawing, factor_axis, hub_from, hub_panel, hub_rates, panel, time_axis};
 use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
 use counterpoise_pipeline::{PipelineError, Stages, World, run_stages, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -79,7 +79,7 @@ pub fn over_factor(
     let first = panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
     let first = says.iter().fold(first, |panel, (level, text)| panel.with_level(*level, *text));
     let panels = vec![first, panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
-    drawing(format!("Overshoot and residual over {what}"), factor(what), panels)
+    drawing(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
 }
 
 impl<'a> Bench<'a> {
@@ -96,17 +96,18 @@ impl<'a> Bench<'a> {
         Ok(Self { project, world, designed, procedure, friction, observing_project, observed })
     }
 
-    /// The mechanism's parameters.
+    /// Returns the mechanism's parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.designed.modelled.parameters
     }
 
-    /// The controller as exported.
+    /// Returns the controller as exported.
     pub fn controller(&self) -> &Controller {
         self.designed.verified.controller()
     }
 
-    /// The controller that a design would export if its observer were identified on another mechanism.
+    /// Returns the controller that a design would export if its observer were identified on another
+    /// mechanism.
     ///
     /// # Errors
     /// Those of the identification and of the design.
@@ -116,12 +117,12 @@ impl<'a> Bench<'a> {
         Ok(synthesise(&project, &made.modelled, &made.reduced)?.sampled.controller)
     }
 
-    /// A figure of the verification, NaN where it was not measured.
+    /// Returns a figure of the verification, NaN if it was not measured.
     pub fn value(&self, figure: Figure) -> f64 {
         self.designed.verified.verification().value(figure).unwrap_or(f64::NAN)
     }
 
-    /// The design of a project that differs.
+    /// Returns the design of a project that differs.
     ///
     /// # Errors
     /// Those of the pipeline.
@@ -131,7 +132,7 @@ impl<'a> Bench<'a> {
         run_stages(&project, self.world)
     }
 
-    /// Figures of a controller on a mechanism.
+    /// Returns figures of a controller on a mechanism.
     ///
     /// # Errors
     /// Those of the verification.
@@ -178,7 +179,8 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Members of a family, the step and the platform in motion drawn over each other, and its figures over the factor.
+    /// Returns members of a family, the step and the platform in motion drawn over each other, and its figures over the
+    /// factor.
     ///
     /// # Errors
     /// Those of the simulator.
@@ -187,7 +189,7 @@ impl<'a> Bench<'a> {
         let (mut steps, mut motions) = (Vec::new(), Vec::new());
         for member in members {
             let run = |experiment| self.history(&member.parameters, member.controller, experiment);
-            let step = hub(&run(Experiment::Step)?);
+            let step = hub_rates(&run(Experiment::Step)?);
             steps.push(Curve::line(
                 member.name.clone(),
                 step.into_iter().filter(|at| at.0 <= DRAWN_S).collect(),
@@ -198,18 +200,18 @@ impl<'a> Bench<'a> {
         Ok(vec![
             drawing(
                 format!("Step of the demand, {name}"),
-                time(),
+                time_axis(),
                 vec![hub_panel(steps).with_level(height, "demand")],
             ),
             drawing(
                 format!("Heave and pitch with all feedforwards, {name}"),
-                time(),
+                time_axis(),
                 vec![hub_panel(motions)],
             ),
         ])
     }
 
-    /// A time history of a controller on a mechanism.
+    /// Returns a time history of a controller on a mechanism.
     ///
     /// # Errors
     /// Those of the simulator.
@@ -224,7 +226,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// The largest difference in dB between two systems of one output over a band, over the given input.
+/// Returns the largest difference in dB between two systems of one output over a band, over the given input.
 ///
 /// # Errors
 /// A response that does not exist.
@@ -234,14 +236,14 @@ pub fn largest_db(
     input: usize,
     band_hz: [f64; 2],
 ) -> Result<f64, PipelineError> {
-    let rates = rates(band_hz);
+    let rates = rate_grid(band_hz);
     let (x, y) = (Response::of(a)?.at_all(&rates)?, Response::of(b)?.at_all(&rates)?);
     let difference = |k: usize| 20.0 * (x[k][(0, input)].norm() / y[k][(0, input)].norm()).log10();
     Ok((0..rates.len()).map(|k| difference(k).abs()).fold(0.0, f64::max))
 }
 
-/// Two hundred rates in rad/s over a band in Hz.
-pub fn rates([low, high]: [f64; 2]) -> Vec<f64> {
+/// Returns two hundred rates in rad/s over a band in Hz.
+pub fn rate_grid([low, high]: [f64; 2]) -> Vec<f64> {
     let ratio: f64 = (high / low).ln() / 199.0;
     (0..200).map(|k| std::f64::consts::TAU * low * (ratio * f64::from(k)).exp()).collect()
 }

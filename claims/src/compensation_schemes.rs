@@ -7,7 +7,7 @@ use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time};
+use super::drawing::{Curve, drawing, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 
@@ -67,7 +67,7 @@ impl SampledController for With {
     }
 }
 
-/// Row C32: schemes against friction that need no model of it.
+/// Returns row C32: schemes against friction that need no model of it.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -119,7 +119,7 @@ pub fn schemes_of_the_appendix(bench: &Bench<'_>) -> Result<Claim, PipelineError
         why: String::new(),
         drawings: vec![drawing(
             "Hub rate by each scheme",
-            time(),
+            time_axis(),
             vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })
@@ -140,7 +140,7 @@ fn with(bench: &Bench<'_>, scheme: Scheme) -> With {
     }
 }
 
-/// The hub rate while the platform heaves and pitches.
+/// Returns the hub rate while the platform heaves and pitches.
 fn moved(bench: &Bench<'_>, controller: &mut dyn SampledController) -> Result<Vec<f64>, PipelineError> {
     let sine = |s: &Sine| Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz);
     let platform = PlatformMotion {
@@ -161,7 +161,7 @@ fn judged(bench: &Bench<'_>, hub: &[f64]) -> f64 {
     rms(&hub[first(bench).min(hub.len())..])
 }
 
-/// Hub rate in mrad/s over time, of two seconds after the start.
+/// Returns the hub rate in mrad/s over time, of two seconds after the start.
 fn curve(bench: &Bench<'_>, name: &str, hub: &[f64]) -> Curve {
     let period_s = bench.parameters().interface.sample_period_s;
     let (from, count) = (first(bench), (2.0 / period_s).round() as usize);

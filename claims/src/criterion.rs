@@ -1,6 +1,6 @@
 //! A number of the thesis beside the one that was measured: how near they must be, and why.
 
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 
 /// What must hold for a row to hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,9 +71,9 @@ impl Criterion {
     /// Returns the accepted range as a reader expects it, for example `at most 1` or `0.9 to 1.1`.
     pub fn range(&self) -> String {
         match self.accepted {
-            (low, high) if low.is_infinite() => format!("at most {}", short(high)),
-            (low, high) if high.is_infinite() => format!("at least {}", short(low)),
-            (low, high) => format!("{} to {}", short(low), short(high)),
+            (low, high) if low.is_infinite() => format!("at most {}", short_number(high)),
+            (low, high) if high.is_infinite() => format!("at least {}", short_number(low)),
+            (low, high) => format!("{} to {}", short_number(low), short_number(high)),
         }
     }
 }

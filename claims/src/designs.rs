@@ -6,8 +6,10 @@ use counterpoise_models::plant::Plant;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
 
-use super::bench::{largest_db, rates};
-use super::drawing::{Curve, drawing, frequency, gain_db, hub, hub_from, hub_panel, panel, time};
+use super::bench::{largest_db, rate_grid};
+use super::drawing::{
+    Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, panel, time_axis,
+};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -16,7 +18,7 @@ use counterpoise_project::resolve::model::StructureChoice;
 /// Control band, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 10.0];
 
-/// Row C9: designed on either model, run on the finer one, linear and nonlinear.
+/// Returns row C9: designed on either model, run on the finer one, linear and nonlinear.
 ///
 /// # Errors
 /// Those of the pipeline.
@@ -83,7 +85,7 @@ fn designs_on_two_models_figures(
     fine: &Plant,
     (linear, other): (&[StateSpace; 2], &Controller),
 ) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates([0.1, 100.0]);
+    let drawn = rate_grid([0.1, 100.0]);
     let names = ["designed on two inertias", "designed on finite elements"];
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
@@ -94,7 +96,7 @@ fn designs_on_two_models_figures(
         panels.push(panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ[1], "compared to here"));
     }
     let controllers =
-        drawing("The three controllers by both designs (V s/rad, V s²/m, V s/rad)", frequency(), panels);
+        drawing("The three controllers by both designs (V s/rad, V s²/m, V s/rad)", frequency_axis(), panels);
     let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
     let mut run = |controller: &Controller, experiment| {
         counterpoise_verify::nonlinear::history(&mut simulator, controller, &bench.procedure, experiment)
@@ -102,8 +104,10 @@ fn designs_on_two_models_figures(
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
     let steps = [run(bench.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
     let motions = [run(bench.controller(), moving)?, run(other, moving)?];
-    let step =
-        hub_panel(vec![Curve::line(names[0], hub(&steps[0])), Curve::reference(names[1], hub(&steps[1]))]);
+    let step = hub_panel(vec![
+        Curve::line(names[0], hub_rates(&steps[0])),
+        Curve::reference(names[1], hub_rates(&steps[1])),
+    ]);
     let from = bench.procedure.settle_s;
     let motion = hub_panel(vec![
         Curve::line(names[0], hub_from(&motions[0], from)),
@@ -111,8 +115,8 @@ fn designs_on_two_models_figures(
     ]);
     Ok(vec![
         controllers,
-        drawing("Step on the nonlinear finite-element plant", time(), vec![step]),
-        drawing("Heave and pitch on the nonlinear finite-element plant", time(), vec![motion]),
+        drawing("Step on the nonlinear finite-element plant", time_axis(), vec![step]),
+        drawing("Heave and pitch on the nonlinear finite-element plant", time_axis(), vec![motion]),
     ])
 }
 

@@ -2,7 +2,7 @@
 
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
-use counterpoise_report::summary::capitalised;
+use counterpoise_report::wording::capitalised;
 use counterpoise_verify::History;
 
 use counterpoise_pipeline::PipelineError;
@@ -71,17 +71,17 @@ fn dress(style: Style, at: &mut usize) -> (Colour, Dash) {
 }
 
 /// Returns the axis of time in seconds.
-pub fn time() -> Axis {
+pub fn time_axis() -> Axis {
     Axis::linear("time", "s")
 }
 
 /// Returns the axis of frequency in Hz.
-pub fn frequency() -> Axis {
+pub fn frequency_axis() -> Axis {
     Axis::logarithmic("frequency", "Hz")
 }
 
 /// Returns the axis of a parameter's factor.
-pub fn factor(quantity: &str) -> Axis {
+pub fn factor_axis(quantity: &str) -> Axis {
     Axis::logarithmic(quantity, "times the normal")
 }
 
@@ -112,22 +112,22 @@ impl Curve {
     }
 }
 
-/// Two columns as points, the second times `scale`.
+/// Returns two columns as points, the second times `scale`.
 pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
     x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
 }
 
-/// Hub rate in mrad/s over time.
-pub fn hub(history: &History) -> Vec<(f64, f64)> {
+/// Returns the hub rate in mrad/s over time.
+pub fn hub_rates(history: &History) -> Vec<(f64, f64)> {
     points_of(&history.time_s, &history.hub_rate_rad_s, 1e3)
 }
 
-/// Hub rate in mrad/s over time, from a time on.
+/// Returns the hub rate in mrad/s over time, from a time on.
 pub fn hub_from(history: &History, time_s: f64) -> Vec<(f64, f64)> {
-    hub(history).split_off(history.index_at(time_s))
+    hub_rates(history).split_off(history.index_at(time_s))
 }
 
-/// A panel of hub rates in mrad/s.
+/// Returns a panel of hub rates in mrad/s.
 pub fn hub_panel(curves: Vec<Curve>) -> Panel {
     panel(Axis::linear("hub rate", "mrad/s"), curves)
 }

@@ -3,10 +3,10 @@
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::{Friction, FrictionLaw};
 
+use crate::tolerance::LEAST_STEP_ERROR;
+use crate::tolerance::STEP_TOLERANCE;
 use counterpoise_pipeline::PipelineError;
 
-/// Relative and absolute tolerance of a step, on states divided by their own size.
-const TOLERANCE: f64 = 1e-5;
 /// Least and most factor of a step's length, and what is left of the length that the error would allow.
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
@@ -85,13 +85,13 @@ impl Sliding {
                 self.model.project(&mut state);
                 x[1] = state[0] / self.size[1];
             }
-            let wanted = SAFETY * error.max(1e-10).powf(-1.0 / ORDER);
+            let wanted = SAFETY * error.max(LEAST_STEP_ERROR).powf(-1.0 / ORDER);
             step *= wanted.clamp(SHRINK, GROW);
         }
         count
     }
 
-    /// The state after a step, and its error over the tolerance.
+    /// Returns the state after a step, and its error over the tolerance.
     fn tried(&self, time: f64, x: [f64; 2], step: f64) -> ([f64; 2], f64) {
         let mut k = [[0.0; 2]; 7];
         k[0] = self.slope(time, x);
@@ -105,7 +105,7 @@ impl Sliding {
         }
         let off = |i: usize| {
             let sum: f64 = ERROR.iter().zip(&k).map(|(e, slope)| e * slope[i]).sum();
-            (step * sum / (TOLERANCE * (1.0 + x[i].abs().max(at[i].abs())))).powi(2)
+            (step * sum / (STEP_TOLERANCE * (1.0 + x[i].abs().max(at[i].abs())))).powi(2)
         };
         (at, (0.5 * (off(0) + off(1))).sqrt())
     }

@@ -8,7 +8,7 @@ use counterpoise_verify::{Arrangement, Experiment, Source};
 use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_pipeline::export::compare;
+use counterpoise_pipeline::export::run_targets;
 use counterpoise_plot::{Axis, Figure as Drawing};
 
 /// The closed loop is the same where smaller numbers cost no more of its error than this, dB.
@@ -16,7 +16,7 @@ const SAME_DB: f64 = 0.1;
 /// The experiment that is drawn.
 const DRAWN: Experiment = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
 
-/// Row C25: what is exported is what was verified.
+/// Returns row C25: what is exported is what was verified.
 ///
 /// # Errors
 /// Those of the verification.
@@ -27,7 +27,7 @@ pub fn exported_controller(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let phase = |margins: &Margins| margins.phase_margin().map_or(f64::NAN, |phase| phase.deg);
     let (lag_before, lag_after) = (phase(&design), phase(exported));
     let made = &bench.designed;
-    let ran = compare(&made.modelled, &made.verified, &made.procedure)?;
+    let ran = run_targets(&made.modelled, &made.verified, &made.procedure)?;
     let words: Vec<String> = ran.figures.iter().map(in_words).collect();
     let most_db = ran.figures.iter().map(cost_db).fold(0.0, f64::max);
     let files = made.files.len();
@@ -83,7 +83,7 @@ fn name(numbers: Numbers) -> &'static str {
     }
 }
 
-/// The most that smaller numbers cost in any experiment, dB.
+/// Returns the most that smaller numbers cost in any experiment, dB.
 fn cost_db(one: &TargetFigures) -> f64 {
     one.experiments.iter().filter_map(|experiment| experiment.cost_db).fold(0.0, f64::max)
 }
@@ -97,7 +97,8 @@ fn in_words(one: &TargetFigures) -> String {
     )
 }
 
-/// The control by each kind of numbers in the loop that it closes itself, and how far it is from double.
+/// Returns the control by each kind of numbers in the loop that it closes itself, and how far it is from
+/// double.
 fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
     let record = |one: &TargetFigures| -> Option<Record> {
         let at = one.experiments.iter().position(|experiment| experiment.experiment == DRAWN)?;

@@ -6,12 +6,12 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
-use super::drawing::{Curve, drawing, factor, panel, points_of, time};
+use super::drawing::{Curve, drawing, factor_axis, panel, points_of, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
 
-/// The tip's rate predicted from the hub's: the beam on its spring,
+/// Returns the tip's rate predicted from the hub's: the beam on its spring,
 ///
 /// ```text
 ///     J_b dw/dt = D_h (w_h - w) + K_h integral (w_h - w)
@@ -43,7 +43,7 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| x - y).collect()
 }
 
-/// Row F2: the tip.
+/// Returns row F2: the tip.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -98,7 +98,7 @@ pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// The tip with and without control, and what hub and prediction say of it.
+/// Returns the tip with and without control, and what hub and prediction say of it.
 fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], first: usize) -> Vec<Drawing> {
     let at_s = &held.time_s[first..];
     let tip = &held.tip_rate_rad_s[first..];
@@ -112,16 +112,16 @@ fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], fir
     };
     let errors = vec![off("tip less hub", &held.hub_rate_rad_s), off("tip less its prediction", predicted)];
     vec![
-        drawing("The tip's rate", time(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
+        drawing("The tip's rate", time_axis(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
         drawing(
             "The tip's rate predicted from the hub's",
-            time(),
+            time_axis(),
             vec![panel(Axis::linear("difference", "mrad/s"), errors)],
         ),
     ]
 }
 
-/// Row F4: inertia and out-of-balance apart.
+/// Returns row F4: inertia and out-of-balance apart.
 ///
 /// # Errors
 /// Those of the verification.
@@ -186,7 +186,7 @@ fn inertia_and_imbalance_apart_figure(rows: &[Vec<(f64, f64)>]) -> Drawing {
         panel(Axis::linear("overshoot", "%"), of(&|cell| cell.0)),
         panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.1)),
     ];
-    drawing("Inertia and out-of-balance varied apart", factor("hub inertia"), panels)
+    drawing("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
 }
 
 fn spread(values: impl Iterator<Item = f64>) -> f64 {

@@ -90,7 +90,7 @@ fn recorded(truth: &Parameters) -> Result<(Recording, Loop), PipelineError> {
     Ok((run.readings.recording("triangle", sample_period_s), control))
 }
 
-/// The mechanism with the presliding stiffness that replays a recording best.
+/// Returns the mechanism with the presliding stiffness that replays a recording best.
 fn with_fitted_stiffness(
     start: &Parameters,
     recording: &Recording,

@@ -6,7 +6,7 @@ use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnected, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, frequency, panel};
+use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::explicit_solver::Sliding;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
@@ -68,7 +68,7 @@ const DYNAMIC: [(&str, Make); 3] = [
 /// brush of bristles is none of the compared laws: a real machine differs from its model in structure.
 const BRUSH: (usize, f64) = (12, 2.0);
 
-/// The law of the machine that the laws are compared with.
+/// Returns the law of the machine that the laws are compared with.
 fn brush(s: Shared) -> FrictionLaw {
     FrictionLaw::Bristle {
         coulomb_nm: s.coulomb_nm,
@@ -77,7 +77,7 @@ fn brush(s: Shared) -> FrictionLaw {
     }
 }
 
-/// The mechanism balanced, with its motor disconnected.
+/// Returns the mechanism balanced, with its motor disconnected.
 fn free(bench: &Bench<'_>) -> Result<Parameters, PipelineError> {
     let mut parameters = bench.parameters().clone();
     if let Some(lumped) = &mut parameters.lumped {
@@ -87,7 +87,7 @@ fn free(bench: &Bench<'_>) -> Result<Parameters, PipelineError> {
     Ok(disconnected(&parameters)?)
 }
 
-/// What the pivot's law shares with the others; `None` if it is not Dahl's.
+/// Returns what the pivot's law shares with the others; `None` if it is not Dahl's.
 fn shared(parameters: &Parameters) -> Option<Shared> {
     let inertia_kg_m2 = parameters.lumped.as_ref().map(|l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)?;
     match parameters.pivot_friction.law {
@@ -125,7 +125,8 @@ impl counterpoise_controller::SampledController for Idle {
     }
 }
 
-/// RMS over the frequencies of the difference between two responses, in dB of the larger change of gain or phase.
+/// Returns the RMS over the frequencies of the difference between two responses, in dB of the larger change of
+/// gain or phase.
 fn apart_db(a: &[C64], b: &[C64]) -> f64 {
     let one = |(x, y): (&C64, &C64)| (20.0 * (1.0 + (x / y - 1.0).norm()).log10()).powi(2);
     (a.iter().zip(b).map(one).sum::<f64>() / a.len() as f64).sqrt()
@@ -148,7 +149,7 @@ fn no_dahl(named: [&'static str; 4]) -> Claim {
     Claim::not_measured(named, why)
 }
 
-/// Row C15: the laws' frequency maps.
+/// Returns row C15: the laws' frequency maps.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -222,7 +223,7 @@ fn friction_laws_over_amplitude_criteria(rows: &[(&'static str, Vec<f64>)], larg
 /// A law and its map.
 type Mapped = (&'static str, Map);
 
-/// The rig's map and every law's.
+/// Returns the rig's map and every law's.
 fn friction_laws_over_amplitude_maps(
     free: &Parameters,
     shared: Shared,
@@ -251,12 +252,13 @@ fn friction_laws_over_amplitude_figures(rows: &[(&'static str, Vec<f64>)], maps:
             panel(Axis::linear("hub over platform", "dB"), of(&|h| 20.0 * h.norm().log10())),
             panel(Axis::degrees("phase"), of(&|h| h.arg().to_degrees())),
         ];
-        all.push(drawing(format!("Platform to hub at amplitude {share}"), frequency(), panels));
+        all.push(drawing(format!("Platform to hub at amplitude {share}"), frequency_axis(), panels));
     }
     all
 }
 
-/// Row C16: what a law costs. Work is counted, not timed: evaluations of the nonlinear parts, at one tolerance.
+/// Returns row C16: what a law costs. Work is counted, not timed: evaluations of the nonlinear parts, at one
+/// tolerance.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -374,7 +376,7 @@ fn work(bench: &Bench<'_>, parameters: &Parameters) -> Result<usize, PipelineErr
     Ok(run.effort.iterations + run.effort.rejected)
 }
 
-/// Row F3: LuGre and the reset integrator fitted to the map of the rig.
+/// Returns row F3: LuGre and the reset integrator fitted to the map of the rig.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -454,7 +456,7 @@ fn fitted_criteria(a: &Fitted, b: &Fitted, dahl: f64) -> Vec<Criterion> {
     ]
 }
 
-/// Distance from the rig's map over amplitude, before and after the fit.
+/// Returns the distance from the rig's map over amplitude, before and after the fit.
 fn fitted_friction_laws_figure(truth: &Map, maps: [Mapped; 4]) -> Drawing {
     let one = |(k, (name, map)): (usize, Mapped)| {
         let points = SHARES.iter().copied().zip(distances(&map, truth)).collect();
@@ -473,7 +475,7 @@ struct Fitted {
     at: [f64; 2],
 }
 
-/// Each of two factors up and down, the step's square root taken when nothing is better.
+/// Returns each of two factors up and down, the step's square root taken when nothing is better.
 fn fitted(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<Fitted, PipelineError> {
     const FIRST_STEP: f64 = 4.0;
     const LAST_STEP: f64 = 1.1;

@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_plot::Axis;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, panel, time};
+use super::drawing::{Curve, drawing, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 
@@ -47,7 +47,7 @@ impl SampledController for Misaligned {
     }
 }
 
-/// Hub rate under pitch and roll.
+/// Returns the hub rate under pitch and roll.
 fn moved(bench: &Bench<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>, PipelineError> {
     let p = bench.parameters();
     let pitch = &bench.procedure.pitch;
@@ -63,7 +63,7 @@ fn moved(bench: &Bench<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>,
     Ok(run.truth.hub_rate_rad_s)
 }
 
-/// What a misaligned run has more than the aligned one at the roll's frequency, over the roll rate.
+/// Returns what a misaligned run has more than the aligned one at the roll's frequency, over the roll rate.
 fn coupled(bench: &Bench<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
     let period_s = bench.parameters().interface.sample_period_s;
     let first = (DURATION_S.1 / period_s).round() as usize;
@@ -74,7 +74,7 @@ fn coupled(bench: &Bench<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
     2.0 * sum.norm() / (count as f64 * ROLL_RAD_S)
 }
 
-/// The linear loop's complementary sensitivity at the roll's frequency.
+/// Returns the linear loop's complementary sensitivity at the roll's frequency.
 fn complementary(bench: &Bench<'_>) -> f64 {
     let curves = &bench.designed.verified.verification().evidence.curves;
     let far = |k: &usize| (curves.frequency_hz[*k] / ROLL_HZ).ln().abs();
@@ -85,7 +85,7 @@ fn complementary(bench: &Bench<'_>) -> f64 {
     })
 }
 
-/// Row C34: misaligned gyroscopes.
+/// Returns row C34: misaligned gyroscopes.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -118,7 +118,7 @@ pub fn misaligned_gyroscopes(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         why: String::new(),
         drawings: vec![drawing(
             "Hub rate under pitch and roll",
-            time(),
+            time_axis(),
             vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })

@@ -38,14 +38,14 @@ const STATES: [f64; 2] = [0.005, 0.5];
 /// The triangle: rad/s, s, and how long it is recorded, s.
 const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
 
-/// A PI controller that holds a machine's weight.
+/// Returns a PI controller that holds a machine's weight.
 fn holding(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
     let bias_v = Plant::lumped(machine)?.equilibrium(&Default::default()).control_v;
     let sample_period_s = machine.interface.sample_period_s;
     Ok(ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 })
 }
 
-/// A triangle wave recorded on a machine in closed loop, with noise and converters.
+/// Returns a triangle wave recorded on a machine in closed loop, with noise and converters.
 fn recorded(
     machine: &Parameters,
     controller: &mut dyn SampledController,
@@ -63,7 +63,7 @@ fn recorded(
     Ok(run.readings.recording("triangle", sample_period_s))
 }
 
-/// The machine that the project does not know.
+/// Returns the machine that the project does not know.
 fn concealed(nominal: &Parameters) -> Parameters {
     let mut machine = nominal.clone();
     if let Some(lumped) = &mut machine.lumped {
@@ -76,7 +76,7 @@ fn concealed(nominal: &Parameters) -> Parameters {
     machine
 }
 
-/// First moment, inertia, Coulomb and viscous friction of a machine, all at the output.
+/// Returns the first moment, inertia, Coulomb and viscous friction of a machine, all at the output.
 fn four(p: &Parameters) -> [f64; 4] {
     let n = p.gearbox.ratio;
     let lumped = p.lumped.as_ref();
@@ -88,7 +88,7 @@ fn four(p: &Parameters) -> [f64; 4] {
     ]
 }
 
-/// Row C19: the picture of control against rate.
+/// Returns row C19: the picture of control against rate.
 ///
 /// # Errors
 /// Those of the simulator and of the identification.
@@ -154,7 +154,7 @@ fn lobes(found: &Identified) -> Drawing {
 /// Most points of a loop that are drawn.
 const DRAWN: usize = 1500;
 
-/// The mechanism with the thesis' amplifier at a share of its out-of-balance.
+/// Returns the mechanism with the thesis' amplifier at a share of its out-of-balance.
 pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
     let mut machine = nominal.clone();
     machine.amplifier.map =
@@ -163,7 +163,7 @@ pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
     machine
 }
 
-/// Row C20: the amplifier's gain curve.
+/// Returns row C20: the amplifier's gain curve.
 ///
 /// # Errors
 /// Those of the simulator and of the identification.

@@ -6,8 +6,8 @@ use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
-use super::bench::{Member, largest_db, rates};
-use super::drawing::{Curve, drawing, frequency, gain_db, hub_from, hub_panel, panel, time};
+use super::bench::{Member, largest_db, rate_grid};
+use super::drawing::{Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, run_stages};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -35,7 +35,7 @@ fn normal_member<'a>(bench: &'a Bench<'_>) -> Member<'a> {
     Member { name: "normal".to_owned(), parameters: bench.parameters().clone(), controller: &bench.observed }
 }
 
-/// Row C13: other masses, the same controller.
+/// Returns row C13: other masses, the same controller.
 ///
 /// # Errors
 /// Those of the verification.
@@ -125,8 +125,8 @@ fn imbalance_criteria(
 /// By how much the thesis' compensated error grows at more and at less out-of-balance.
 const GROWS: [f64; 2] = [5.0, 4.0];
 
-/// The compensated error of a configuration, as predicted: the heave feedforward of the normal out-of-balance leaves the part of the heave
-/// torque that has changed to the feedback, which adds to what is left in the normal configuration.
+/// Returns the compensated error of a configuration, as predicted: the heave feedforward of the normal out-of-balance leaves the part of
+/// the heave torque that has changed to the feedback, which adds to what is left in the normal configuration.
 fn predicted_growth(share: f64, heave_by_feedback: f64, normal: f64) -> f64 {
     (1.0 + ((share - 1.0) * heave_by_feedback / normal).powi(2)).sqrt()
 }
@@ -139,7 +139,8 @@ struct Redesigned {
     criteria: Vec<Criterion>,
 }
 
-/// The step, and heave and pitch by feedback alone and with both feedforwards, in every configuration.
+/// Returns the step, and heave and pitch by feedback alone and with both feedforwards, in every
+/// configuration.
 fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Drawing>, PipelineError> {
     let mut panels = Vec::new();
     for arrangement in [Arrangement::Feedback, Arrangement::Compensated] {
@@ -151,7 +152,7 @@ fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<
         }
         panels.push(hub_panel(curves));
     }
-    let heave = drawing("Heave and pitch in each configuration", time(), panels)
+    let heave = drawing("Heave and pitch in each configuration", time_axis(), panels)
         .with_caption("Above by feedback alone, below with the feedforwards of the normal configuration.");
     let mut all = bench.family_drawings("each configuration", members)?;
     all.truncate(1);
@@ -159,7 +160,7 @@ fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<
     Ok(all)
 }
 
-/// Row C14: a design for each out-of-balance.
+/// Returns row C14: a design for each out-of-balance.
 ///
 /// # Errors
 /// Those of the pipeline.
@@ -193,7 +194,7 @@ pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineErro
     })
 }
 
-/// A design for another mechanism, beside the normal one.
+/// Returns a design for another mechanism, beside the normal one.
 fn redesigned(
     bench: &Bench<'_>,
     (name, parameters): (&str, &Parameters),
@@ -250,9 +251,9 @@ fn redesigned(
     Ok(Redesigned { words, factor, controller: controller.clone(), criteria })
 }
 
-/// The three paths of each design over frequency.
+/// Returns the three paths of each design over frequency.
 fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> {
-    let drawn = rates([0.1, 50.0]);
+    let drawn = rate_grid([0.1, 50.0]);
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
         let mut curves = Vec::new();
@@ -262,7 +263,7 @@ fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> 
         }
         panels.push(panel(Axis::linear(name, "dB"), curves));
     }
-    Ok(drawing("Redesigned for each out-of-balance", frequency(), panels)
+    Ok(drawing("Redesigned for each out-of-balance", frequency_axis(), panels)
         .with_caption("Curves that cannot be told apart lie on each other."))
 }
 
@@ -270,7 +271,7 @@ fn linear(c: &Controller) -> Result<StateSpace, PipelineError> {
     Ok(c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)?)
 }
 
-/// Largest change in dB of the paths from hub gyro, accelerometer and platform gyro.
+/// Returns the largest change in dB of the paths from hub gyro, accelerometer and platform gyro.
 fn three_changes(a: &Controller, b: &Controller) -> Result<[f64; 3], PipelineError> {
     let (x, y) = (linear(a)?, linear(b)?);
     Ok([largest_db(&x, &y, 1, BAND_HZ)?, largest_db(&x, &y, 3, BAND_HZ)?, largest_db(&x, &y, 2, BAND_HZ)?])
@@ -279,7 +280,7 @@ fn three_changes(a: &Controller, b: &Controller) -> Result<[f64; 3], PipelineErr
 /// Angles of the hub at which the holding control is compared with its law, degrees.
 const ELEVATIONS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 
-/// Row C31: the weight over elevation.
+/// Returns row C31: the weight over elevation.
 ///
 /// # Errors
 /// A plant that does not exist.

@@ -35,6 +35,7 @@ pub mod page;
 pub mod rejection;
 pub mod structure;
 pub mod test_procedures;
+mod tolerance;
 pub mod weights;
 
 pub use bench::Bench;
@@ -157,8 +158,8 @@ const ROWS: [(&str, Row); 38] = [
     ("F4", extensions::inertia_and_imbalance_apart),
 ];
 
-/// The names of all rows, in order.
-pub fn ids() -> impl Iterator<Item = &'static str> {
+/// Returns the names of all rows, in order.
+pub fn claim_ids() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|row| row.0)
 }
 
@@ -166,7 +167,7 @@ pub fn ids() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// Those of the pipeline: a project that is not a whole design.
-pub fn claims(
+pub fn measure_claims(
     project: &Project,
     world: &dyn World,
     wanted: &dyn Fn(&str) -> bool,

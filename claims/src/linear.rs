@@ -6,7 +6,7 @@ use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
-use super::drawing::{Curve, drawing, frequency, hub, hub_panel, panel, points_of, time};
+use super::drawing::{Curve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -18,7 +18,7 @@ fn found<'a>(bench: &'a Bench<'_>) -> &'a Verification {
     bench.designed.verified.verification()
 }
 
-/// Row C5: margins and step.
+/// Returns row C5: margins and step.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -82,13 +82,14 @@ fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     let phase = crossings.phase_margin().into_iter().fold(phase.with_level(-180.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
-    let mut all = vec![drawing("Loop broken at the plant's input", frequency(), vec![gain, phase])];
+    let mut all = vec![drawing("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
     if let Some(step) = found(bench).history(Model::Linear, Experiment::Step) {
         let demand = points_of(&step.time_s, &step.demand_rad_s, 1e3);
         let height = 1e3 * bench.procedure.step.rate_rad_s;
-        let panel = hub_panel(vec![Curve::line("hub rate", hub(step)), Curve::reference("demand", demand)])
-            .with_level(1.13 * height, "overshoot of the thesis, 13 %");
-        all.push(drawing("Step of the demand, linear plant", time(), vec![panel]));
+        let panel =
+            hub_panel(vec![Curve::line("hub rate", hub_rates(step)), Curve::reference("demand", demand)])
+                .with_level(1.13 * height, "overshoot of the thesis, 13 %");
+        all.push(drawing("Step of the demand, linear plant", time_axis(), vec![panel]));
     }
     all
 }
@@ -112,7 +113,7 @@ fn peak(bench: &Bench<'_>, source: Source, arrangement: Arrangement) -> f64 {
     bench.value(Figure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
 }
 
-/// Row C6: pitch.
+/// Returns row C6: pitch.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -168,7 +169,7 @@ fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Crit
     ]
 }
 
-/// What else the factor of 13 might mean, each measured.
+/// Returns what else the factor of 13 might mean, each measured.
 fn pitch_rejection_why(bench: &Bench<'_>, by_feedforward: f64) -> String {
     let feedback = peak(bench, Source::Pitch, Arrangement::Feedback);
     let platform = bench.procedure.pitch.amplitude.abs() / feedback;
@@ -209,17 +210,20 @@ fn factors(bench: &Bench<'_>) -> Vec<(f64, f64)> {
 const ARRANGED: [(Arrangement, &str); 2] =
     [(Arrangement::Feedback, "feedback"), (Arrangement::Compensated, "feedback + feedforward")];
 
-/// Time histories of a disturbance on the linear plant, with and without control.
+/// Returns the time histories of a disturbance on the linear plant, with and without control.
 fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
     let run = |arrangement| found(bench).history(Model::Linear, Experiment::Disturbance(source, arrangement));
     let controlled: Vec<Curve> = ARRANGED
         .iter()
-        .filter_map(|(arrangement, name)| run(*arrangement).map(|history| Curve::line(*name, hub(history))))
+        .filter_map(|(arrangement, name)| {
+            run(*arrangement).map(|history| Curve::line(*name, hub_rates(history)))
+        })
         .collect();
-    let free = run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub(history)));
+    let free =
+        run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub_rates(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
-    drawing(format!("Hub rate under {name}, linear plant"), time(), panels)
+    drawing(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
         .with_caption("The lower panel leaves out the mechanism without control.")
 }
 
@@ -230,11 +234,11 @@ fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
         .with_instant(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
         motions(bench, Source::Pitch, "pitch"),
-        drawing("By how much feedback reduces the hub rate under pitch", frequency(), vec![factor]),
+        drawing("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
     ]
 }
 
-/// Row C7: heave.
+/// Returns row C7: heave.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -273,5 +277,5 @@ fn heave_over_frequency(bench: &Bench<'_>) -> Drawing {
     };
     let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
         .with_instant(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
-    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency(), vec![panel])
+    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
 }

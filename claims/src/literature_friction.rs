@@ -10,6 +10,7 @@ use counterpoise_plot::{Axis, Figure as Drawing};
 
 use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::LEAST_LENGTH;
 use counterpoise_pipeline::PipelineError;
 
 /// Pitch rates of the platform, rad/s, and the frequencies of the map, Hz: those of the row on the laws that the thesis compares.
@@ -70,7 +71,7 @@ struct BlimanSorine {
 }
 
 impl BlimanSorine {
-    /// The law of a Coulomb level, a stiffness at rest, and a peak over the Coulomb level.
+    /// Returns the law of a Coulomb level, a stiffness at rest, and a peak over the Coulomb level.
     fn new(coulomb_nm: f64, stiffness_nm_rad: f64, peak: f64) -> Self {
         // the peak rises with the slow element's level: bisection
         let (mut low, mut high) = (0.0, 10.0 * coulomb_nm);
@@ -91,7 +92,8 @@ impl BlimanSorine {
     }
 }
 
-/// Largest torque of a first displacement: f1 (1 - e^(-n x)) - f2 (1 - e^(-x)), x over the slow element's length.
+/// Returns the largest torque of a first displacement: f1 (1 - e^(-n x)) - f2 (1 - e^(-x)), x over the slow
+/// element's length.
 fn peak_of(fast_nm: f64, slow_nm: f64) -> f64 {
     if slow_nm <= 0.0 {
         return fast_nm;
@@ -122,7 +124,7 @@ impl SevenParameters {
     const NAMES: [&'static str; 7] =
         ["stiffness", "Coulomb", "viscous", "static", "Stribeck rate", "memory", "rise of static friction"];
 
-    /// The same parameters with one of them times a factor.
+    /// Returns the same parameters with one of them times a factor.
     fn changed(mut self, which: usize, factor: f64) -> Self {
         let all = [
             &mut self.stiffness_nm_rad,
@@ -227,7 +229,7 @@ impl Hub {
     }
 }
 
-/// RMS distance of two maps at one of the amplitudes, dB of the larger change of gain or phase.
+/// Returns the RMS distance of two maps at one of the amplitudes, dB of the larger change of gain or phase.
 fn apart_db(a: &[C64], b: &[C64], amplitude: usize) -> f64 {
     let count = FREQUENCIES_HZ.len();
     let of = amplitude * count..(amplitude + 1) * count;
@@ -260,7 +262,7 @@ fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The vector without what lies along an orthonormal basis, removed twice against rounding.
+/// Returns the vector without what lies along an orthonormal basis, removed twice against rounding.
 fn without(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Vec<f64> {
     for along in basis.iter().chain(basis) {
         let part: f64 = v.iter().zip(along).map(|(a, b)| a * b).sum();
@@ -269,10 +271,10 @@ fn without(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Vec<f64> {
     v
 }
 
-/// The vector with length 1; `None` if nothing of it is left.
+/// Returns the vector with length 1; `None` if nothing of it is left.
 fn unit(v: Vec<f64>) -> Option<Vec<f64>> {
     let length = norm(&v);
-    (length > 1e-12).then(|| v.into_iter().map(|x| x / length).collect())
+    (length > LEAST_LENGTH).then(|| v.into_iter().map(|x| x / length).collect())
 }
 
 /// What was measured of the laws.
@@ -289,7 +291,7 @@ struct Measured {
     of_seven: Vec<f64>,
 }
 
-/// Largest torque while the platform turns slowly over many lengths of the law.
+/// Returns the largest torque while the platform turns slowly over many lengths of the law.
 fn slow_peak(law: &mut dyn Law, length_rad: f64) -> f64 {
     (0..20_000).map(|_| law.torque(1e-3 * length_rad)).fold(0.0, f64::max)
 }
@@ -416,7 +418,7 @@ fn figures(found: &Measured) -> Vec<Drawing> {
     ]
 }
 
-/// Row C33: the laws that the thesis names and leaves aside.
+/// Returns row C33: the laws that the thesis names and leaves aside.
 ///
 /// # Errors
 /// None beyond the bench's.

@@ -8,7 +8,7 @@ use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_verify::linear::Curve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
 
-use super::drawing::{Curve, drawing, frequency, panel};
+use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 
@@ -16,7 +16,7 @@ use counterpoise_pipeline::PipelineError;
 const NICHOLS_DB: f64 = 40.0;
 const NYQUIST: f64 = 3.0;
 
-/// Row C28: the loop on Nyquist and Nichols charts.
+/// Returns row C28: the loop on Nyquist and Nichols charts.
 ///
 /// # Errors
 /// None beyond the bench's.
@@ -111,7 +111,7 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
 const MEASURED_HZ: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 8.0];
 const DEMAND_RAD_S: f64 = 0.1;
 
-/// Row C29: the open loop measured with the controller inside.
+/// Returns row C29: the open loop measured with the controller inside.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -160,7 +160,7 @@ pub fn open_loop_analyser(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         criteria: open_loop_criteria(db, deg),
         why: String::new(),
-        drawings: vec![drawing("Open loop measured in closed loop", frequency(), panels)],
+        drawings: vec![drawing("Open loop measured in closed loop", frequency_axis(), panels)],
     })
 }
 

@@ -6,12 +6,12 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
 use super::bench::{Behaviour, Member, over_factor};
-use super::drawing::{Curve, drawing, hub, hub_from, hub_panel, time};
+use super::drawing::{Curve, drawing, hub_from, hub_panel, hub_rates, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::Figure as Drawing;
 
-/// The mechanism with a parameter changed by a factor.
+/// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn changed(bench: &Bench<'_>, varied: Varied, factor: f64) -> Result<Parameters, PipelineError> {
     let mut parameters = bench.parameters().clone();
     varied.scale(&mut parameters, factor)?;
@@ -23,7 +23,7 @@ fn family(bench: &Bench<'_>, varied: Varied, factors: &[f64]) -> Result<Vec<Beha
     factors.iter().map(|&factor| bench.behaviour(&changed(bench, varied, factor)?, &bench.observed)).collect()
 }
 
-/// The mechanisms of a family with the observed controller.
+/// Returns the mechanisms of a family with the observed controller.
 fn members<'a>(
     bench: &'a Bench<'_>,
     varied: Varied,
@@ -44,7 +44,7 @@ fn overshoots(rates: &[Behaviour]) -> String {
     rates.iter().map(|b| format!("{:.1}", b.overshoot_percent)).collect::<Vec<_>>().join(" / ")
 }
 
-/// Row C8: the observer makes the nonlinear plant like the linear one.
+/// Returns row C8: the observer makes the nonlinear plant like the linear one.
 ///
 /// # Errors
 /// Those of the verification.
@@ -104,7 +104,7 @@ pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// The linear plant, and the nonlinear one with and without observer.
+/// Returns the linear plant, and the nonlinear one with and without observer.
 fn friction_observer_figures(bench: &Bench<'_>) -> Result<Vec<Drawing>, PipelineError> {
     let linear = |experiment| bench.designed.verified.verification().history(Model::Linear, experiment);
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
@@ -112,22 +112,27 @@ fn friction_observer_figures(bench: &Bench<'_>) -> Result<Vec<Drawing>, Pipeline
     let from = bench.procedure.settle_s;
     let short = |points: Vec<(f64, f64)>| points.into_iter().filter(|point| point.0 <= 0.8).collect();
     let mut steps = vec![
-        Curve::line("nonlinear, with observer", short(hub(&run(&bench.observed, Experiment::Step)?))),
-        Curve::line("nonlinear, without observer", short(hub(&run(bench.controller(), Experiment::Step)?))),
+        Curve::line("nonlinear, with observer", short(hub_rates(&run(&bench.observed, Experiment::Step)?))),
+        Curve::line(
+            "nonlinear, without observer",
+            short(hub_rates(&run(bench.controller(), Experiment::Step)?)),
+        ),
     ];
-    steps.extend(linear(Experiment::Step).map(|history| Curve::reference("linear", short(hub(history)))));
+    steps.extend(
+        linear(Experiment::Step).map(|history| Curve::reference("linear", short(hub_rates(history)))),
+    );
     let mut motions = vec![
         Curve::line("nonlinear, with observer", hub_from(&run(&bench.observed, moving)?, from)),
         Curve::line("nonlinear, without observer", hub_from(&run(bench.controller(), moving)?, from)),
     ];
     motions.extend(linear(moving).map(|history| Curve::reference("linear", hub_from(history, from))));
     Ok(vec![
-        drawing("Step of the demand", time(), vec![hub_panel(steps)]),
-        drawing("Heave and pitch, both feedforwards", time(), vec![hub_panel(motions)]),
+        drawing("Step of the demand", time_axis(), vec![hub_panel(steps)]),
+        drawing("Heave and pitch, both feedforwards", time_axis(), vec![hub_panel(motions)]),
     ])
 }
 
-/// Row C10: inertia.
+/// Returns row C10: inertia.
 ///
 /// # Errors
 /// Those of the verification.
@@ -221,7 +226,7 @@ fn inertia_criteria(found: &[Behaviour], (doubled, share): (&Behaviour, f64)) ->
     ]
 }
 
-/// The figures over the factor, and the family's time histories.
+/// Returns the figures over the factor, and the family's time histories.
 fn with_family(
     bench: &Bench<'_>,
     (varied, name): (Varied, &str),
@@ -233,7 +238,8 @@ fn with_family(
     Ok(all)
 }
 
-/// The factors of the beam's inertia, in steps of 2 % from 1 and no farther than 0.5 and 2, between which the loop stays stable.
+/// Returns the factors of the beam's inertia, in steps of 2 % from 1 and no farther than 0.5 and 2, between which the loop stays
+/// stable.
 fn beam_inertia_range(bench: &Bench<'_>) -> Result<(f64, f64), PipelineError> {
     let radius = [Figure::Loop(LoopFigure::PoleRadius)];
     let stable = |factor: f64| -> Result<bool, PipelineError> {
@@ -250,7 +256,7 @@ fn beam_inertia_range(bench: &Bench<'_>) -> Result<(f64, f64), PipelineError> {
     Ok((low, high))
 }
 
-/// Row C11: friction.
+/// Returns row C11: friction.
 ///
 /// # Errors
 /// Those of the verification.
@@ -324,7 +330,7 @@ fn other_friction_figures(
     Ok(drawings)
 }
 
-/// Row C12: backlash.
+/// Returns row C12: backlash.
 ///
 /// # Errors
 /// Those of the verification.

@@ -3,12 +3,12 @@
 use crate::{Agreement, Claim, Criterion, Finding};
 
 use counterpoise_plot::Figure;
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_report::verification::Context;
 use counterpoise_report::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 
-/// The report: the verdicts are the first screen. `again` is the command that measures one row again.
-pub fn report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> String) -> Report {
+/// Returns the report: the verdicts are the first screen. `again` is the command that measures one row again.
+pub fn claims_report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> String) -> Report {
     let mut sections: Vec<Section> = rows.iter().map(|row| section(row, &again(row.id))).collect();
     sections.extend(context.more);
     Report {
@@ -16,7 +16,7 @@ pub fn report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> String) 
         subtitle: context.subtitle,
         headline: headline(rows),
         tiles: rows.iter().map(tile).collect(),
-        verdicts: table(rows),
+        verdicts: claims_table(rows),
         glance: Vec::new(),
         sections,
         provenance: context.provenance,
@@ -65,8 +65,8 @@ fn tile(claim: &Claim) -> Tile {
     Tile { label: claim.id.to_owned(), value: word.to_owned(), unit: String::new(), note, tone }
 }
 
-/// One row a claim.
-pub fn table(rows: &[Claim]) -> Table {
+/// Returns one row a claim.
+pub fn claims_table(rows: &[Claim]) -> Table {
     let columns = [
         Column::Text(""),
         Column::Text("thesis"),
@@ -90,12 +90,12 @@ fn row(claim: &Claim) -> Vec<Cell> {
     ]
 }
 
-/// A reference that is broken only after a comma.
+/// Returns a reference that is broken only after a comma.
 fn whole(source: &str) -> String {
     source.replace('-', "\u{2011}").replace(' ', "\u{A0}").replace(",\u{A0}", ", ")
 }
 
-/// A row as a page of its own: what is said, what was measured, why it differs, and its figures.
+/// Returns a row as a page of its own: what is said, what was measured, why it differs, and its figures.
 fn section(claim: &Claim, command: &str) -> Section {
     let (_, word, why) = outcome(&claim.finding());
     let mut section = Section::new(&format!("{} {}: {word}", claim.id, claim.title))
@@ -113,7 +113,7 @@ fn section(claim: &Claim, command: &str) -> Section {
         .showing(claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }))
 }
 
-/// Every criterion with what the thesis says, the range that agrees with it, and what was measured.
+/// Returns every criterion with what the thesis says, the range that agrees with it, and what was measured.
 fn criteria(all: &[Criterion]) -> Table {
     let columns = [
         Column::Text("quantity"),
@@ -129,9 +129,9 @@ fn criteria(all: &[Criterion]) -> Table {
 }
 
 fn criterion(one: &Criterion) -> Vec<Cell> {
-    let explained = one
-        .explained
-        .map_or(String::new(), |(low, high)| format!("; explained from {} to {}", short(low), short(high)));
+    let explained = one.explained.map_or(String::new(), |(low, high)| {
+        format!("; explained from {} to {}", short_number(low), short_number(high))
+    });
     let (tone, word) = match one.agreement() {
         Agreement::Agrees => (Tone::Good, "agrees"),
         Agreement::Explained => (Tone::Neutral, "explained"),
@@ -150,13 +150,13 @@ fn criterion(one: &Criterion) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{Curve, drawing, factor, panel};
+    use crate::drawing::{Curve, drawing, factor_axis, panel};
     use counterpoise_plot::{Axis, Mark};
 
     fn claim(criterion: Criterion, why: &str) -> Claim {
         let points = vec![(0.5, 1.0), (1.0, 2.0)];
         let panel = panel(Axis::linear("overshoot", "%"), vec![Curve::points("measured", points)]);
-        let figure = drawing("Overshoot", factor("inertia"), vec![panel.with_level(13.0, "thesis")]);
+        let figure = drawing("Overshoot", factor_axis("inertia"), vec![panel.with_level(13.0, "thesis")]);
         Claim {
             id: "C1",
             title: "elements",
@@ -173,7 +173,8 @@ mod tests {
     fn every_row_is_on_the_first_screen_in_the_table_and_on_a_page_with_its_figure_and_command() {
         let of = |measured| Criterion::at_most("overshoot", "13 %", measured, 13.0, "the thesis' own figure");
         let rows = [claim(of(10.0), ""), claim(of(14.0).explained_by(13.0, 15.0), "of a reason")];
-        let page = report(&rows, Context::default(), &|id| format!("counterpoise claims RIG --only {id}"));
+        let page =
+            claims_report(&rows, Context::default(), &|id| format!("counterpoise claims RIG --only {id}"));
         assert_eq!((page.tiles.len(), page.verdicts.rows.len(), page.sections.len()), (2, 2, 2));
         assert_eq!(page.tiles[1].value, "differs");
         assert_eq!(claim(of(20.0), "of a reason").finding(), Finding::Fails);

@@ -8,7 +8,7 @@ use counterpoise_verify::robust::{Varied, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
 
-use super::drawing::{Curve, drawing, factor, frequency, panel, time};
+use super::drawing::{Curve, drawing, factor_axis, frequency_axis, panel, time_axis};
 use super::imbalance::configured;
 use super::nonlinear::changed;
 use super::{Bench, Claim, Criterion};
@@ -35,7 +35,7 @@ impl Run {
         1e3 * rms(&self.history.hub_rate_rad_s[self.history.index_at(from_s)..])
     }
 
-    /// Mean of the ratio over the band, dB.
+    /// Returns the mean of the ratio over the band, dB.
     fn ratio_db(&self) -> f64 {
         let Some(spectra) = &self.spectra else { return f64::NAN };
         let both = spectra.frequency_hz.iter().zip(spectra.ratio_db());
@@ -45,7 +45,7 @@ impl Run {
     }
 }
 
-/// Row C22: out of balance with feedforward is as good as balanced.
+/// Returns row C22: out of balance with feedforward is as good as balanced.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -105,7 +105,7 @@ fn source_of(bench: &Bench<'_>) -> Source {
     if bench.procedure.road.is_some() { Source::Road } else { Source::Both }
 }
 
-/// Both plants without feedforward, with that of pitch, and with both.
+/// Returns both plants without feedforward, with that of pitch, and with both.
 fn runs(bench: &Bench<'_>, balanced: &Parameters) -> Result<Vec<Run>, PipelineError> {
     let pitch_only = without_heave(&bench.observed)?;
     let arranged = [
@@ -136,17 +136,17 @@ fn balanced_against_compensated_figures(runs: &[Run]) -> Vec<Drawing> {
             panel(Axis::linear("coherence", ""), curves(&those, &|spectra| spectra.coherence.clone())),
         ];
         all.push(
-            drawing(format!("DRR from pitch rate to hub rate, {plant}"), frequency(), panels)
+            drawing(format!("DRR from pitch rate to hub rate, {plant}"), frequency_axis(), panels)
                 .with_caption("From time histories on the nonlinear plant, by averaged spectra. Where the coherence is low, heave and friction move the hub."),
         );
         let slow = |history: &History| {
-            let points = super::drawing::hub(history);
+            let points = super::drawing::hub_rates(history);
             points.into_iter().filter(|point| (5.0..10.0).contains(&point.0)).collect()
         };
         let rates = those.iter().map(|run| Curve::line(run.control, slow(&run.history))).collect();
         all.push(drawing(
             format!("Hub rate on the road, {plant}"),
-            time(),
+            time_axis(),
             vec![super::drawing::hub_panel(rates)],
         ));
     }
@@ -163,7 +163,7 @@ fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<Curve> {
     runs.iter().filter_map(one).collect()
 }
 
-/// The controller without the path that sees the accelerometer.
+/// Returns the controller without the path that sees the accelerometer.
 fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
     let heave = counterpoise_controller::Signal::PlatformAcceleration;
     let kept = controller
@@ -171,7 +171,7 @@ fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
     Ok(kept.map_err(counterpoise_verify::Error::from)?)
 }
 
-/// Row C23: rejection at small amplitude.
+/// Returns row C23: rejection at small amplitude.
 ///
 /// # Errors
 /// Those of the verification.
@@ -209,7 +209,7 @@ pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         why: String::new(),
         drawings: vec![
             drawn("friction added at the pivot", Axis::linear("added", "N m"), (&torques, friction)),
-            drawn("backlash", factor("backlash"), (&[1.0, 2.0, 5.0], backlash)),
+            drawn("backlash", factor_axis("backlash"), (&[1.0, 2.0, 5.0], backlash)),
             drawn(
                 "the dumb-bells' inertia",
                 Axis::linear("hub inertia", "times the normal"),
@@ -219,7 +219,7 @@ pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineErr
     })
 }
 
-/// Largest change from the first value.
+/// Returns the largest change from the first value.
 fn spread(found: &[f64]) -> f64 {
     found.iter().map(|db| (db - found[0]).abs()).fold(0.0, f64::max)
 }
@@ -271,7 +271,8 @@ fn added_inertia(bench: &Bench<'_>) -> Vec<f64> {
     std::iter::once(1.0).chain(added.map(|inertia| 1.0 + inertia / hub)).collect()
 }
 
-/// RMS hub rate over RMS pitch rate, dB, with the observed controller and a third of the procedure's pitch.
+/// Returns the RMS hub rate over RMS pitch rate, dB, with the observed controller and a third of the
+/// procedure's pitch.
 fn ratios_db(
     bench: &Bench<'_>,
     varied: Varied,

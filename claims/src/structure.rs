@@ -6,9 +6,10 @@ use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned};
 use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
 
-use super::bench::{largest_db, rates};
-use super::drawing::{Curve, drawing, frequency, gain_db, panel, phase_deg};
+use super::bench::{largest_db, rate_grid};
+use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::UNSEEN_STATE;
 use counterpoise_pipeline::{PipelineError, model};
 use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
@@ -24,19 +25,17 @@ const ORDER: usize = 11;
 const KEPT_MODES: usize = 3;
 /// The inputs in words.
 const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
-/// A state counts as unseen below this share of the system's size.
-const UNSEEN: f64 = 1e-11;
 /// The largest error that keeps the response.
 const KEEPS: f64 = 0.05;
 
-/// The plant by finite elements, the project's other choices kept.
+/// Returns the plant by finite elements, the project's other choices kept.
 fn beam_plant(bench: &Bench, modes: usize) -> Result<LinearPlant, PipelineError> {
     let mut project = bench.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, modes);
     Ok(model(&project)?.linear)
 }
 
-/// A plant with another structure, linear.
+/// Returns a plant with another structure, linear.
 fn with_body(bench: &Bench, body: Body) -> Result<StateSpace, PipelineError> {
     let plant = Plant::with_body(&bench.project.plant, body)?;
     let choice = &bench.project.model;
@@ -87,7 +86,7 @@ fn condense(fe: &FeModel, masters: &[usize]) -> Result<FeModel, PipelineError> {
     })
 }
 
-/// The rate between the poles that stay and those that go, rad/s.
+/// Returns the rate between the poles that stay and those that go, rad/s.
 fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
     let mut sizes: Vec<f64> = poles(system)?.iter().map(|pole| pole.norm()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -95,14 +94,14 @@ fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
     Ok(below.zip(above).map_or(f64::INFINITY, |(a, b)| (a * b).sqrt()))
 }
 
-/// Row C3: order 21 to order 11.
+/// Returns row C3: order 21 to order 11.
 ///
 /// # Errors
 /// Those of the reduction.
 pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let full = beam_plant(bench, MODES)?.system;
     let rate = cut(&full)?;
-    let seen = minimal(&full, UNSEEN)?;
+    let seen = minimal(&full, UNSEEN_STATE)?;
     let all = [
         ("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
         ("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
@@ -149,9 +148,9 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// Each input's response by every reduction, beside the whole plant's.
+/// Returns each input's response by every reduction, beside the whole plant's.
 fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates(DRAWN_HZ);
+    let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut curves =
@@ -163,16 +162,16 @@ fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawi
             panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ[1], "judged to here");
         drawings.push(drawing(
             format!("Reduced to order {ORDER}: hub rate for {name}"),
-            frequency(),
+            frequency_axis(),
             vec![panel],
         ));
     }
     Ok(drawings)
 }
 
-/// Largest |a - b| over the band relative to the largest |a| there.
+/// Returns the largest |a - b| over the band relative to the largest |a| there.
 fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, PipelineError> {
-    let rates = rates(REDUCED_HZ);
+    let rates = rate_grid(REDUCED_HZ);
     let of = |system| counterpoise_lti::Response::of(system)?.at_all(&rates);
     let (x, y) = (of(a)?, of(b)?);
     let largest = x.iter().map(|m| m[(0, input)].norm()).fold(f64::MIN_POSITIVE, f64::max);
@@ -180,7 +179,8 @@ fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, P
     Ok(error / largest)
 }
 
-/// Row C4: lumped against finite elements. Half the first mode with the hub locked parts low from high.
+/// Returns row C4: lumped against finite elements. Half the first mode with the hub locked parts low from
+/// high.
 ///
 /// # Errors
 /// Those of the models.
@@ -277,13 +277,13 @@ fn heave_explained(
     Ok((why, others, as_fe))
 }
 
-/// Gain and phase of both plants for each input, with what else was tried in heave.
+/// Returns the gain and phase of both plants for each input, with what else was tried in heave.
 fn compared(
     beam: &StateSpace,
     lumped: &StateSpace,
     (low_hz, others): (f64, &[Shared]),
 ) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates(DRAWN_HZ);
+    let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut gains = vec![Curve::line("finite elements", gain_db(beam, input, &drawn)?)];
@@ -299,7 +299,7 @@ fn compared(
                 .with_instant(low_hz, "half the first mode, hub locked"),
             panel(Axis::degrees("phase"), phases).with_instant(low_hz, ""),
         ];
-        drawings.push(drawing(format!("Hub rate for {name}, both plants"), frequency(), panels));
+        drawings.push(drawing(format!("Hub rate for {name}, both plants"), frequency_axis(), panels));
     }
     Ok(drawings)
 }
@@ -307,7 +307,7 @@ fn compared(
 /// Nodes whose deflection and rotation are kept by the condensation: one of four.
 const KEPT_OF: usize = 4;
 
-/// Row C30: Guyan's condensation of the beam.
+/// Returns row C30: Guyan's condensation of the beam.
 ///
 /// # Errors
 /// Those of the finite elements and of the condensation.

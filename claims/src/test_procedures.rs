@@ -8,7 +8,7 @@ use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, frequency, panel, time};
+use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
 use super::imbalance::configured;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
@@ -20,7 +20,7 @@ const DEMAND_RAD_S: f64 = 0.1;
 const CONTROL_V: f64 = 1.5;
 const AMPLITUDES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 
-/// Largest less smallest.
+/// Returns the largest less smallest.
 fn spread(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
 }
@@ -35,7 +35,8 @@ const MAPPED_HZ: [f64; 7] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0];
 /// (Hz, dB) at each of the amplitudes.
 type Map = Vec<Vec<(f64, f64)>>;
 
-/// The frequency response analyser at every amplitude and frequency; `of` makes a figure in dB of a response.
+/// Returns the frequency response analyser at every amplitude and frequency; `of` makes a figure in dB of a
+/// response.
 fn map(
     bench: &Bench<'_>,
     controller: &Controller,
@@ -52,14 +53,14 @@ fn map(
     AMPLITUDES.iter().map(|&share| MAPPED_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()
 }
 
-/// The largest spread over the amplitudes at any frequency, dB.
+/// Returns the largest spread over the amplitudes at any frequency, dB.
 fn largest_spread(map: &Map) -> f64 {
     (0..MAPPED_HZ.len())
         .map(|k| spread(&map.iter().map(|row| row[k].1).collect::<Vec<_>>()))
         .fold(0.0, f64::max)
 }
 
-/// The values at the frequency of the tone.
+/// Returns the values at the frequency of the tone.
 fn at_tone(map: &Map) -> Vec<f64> {
     let near =
         |row: &Vec<(f64, f64)>| row.iter().find(|point| point.0 == TONE_HZ).map_or(f64::NAN, |point| point.1);
@@ -69,10 +70,10 @@ fn at_tone(map: &Map) -> Vec<f64> {
 fn mapped(title: &str, quantity: &str, (map, full, unit): (&Map, f64, &str)) -> Drawing {
     let named = AMPLITUDES.iter().map(|share| format!("{:.3} {unit}", share * full));
     let curves = named.zip(map).map(|(name, row)| Curve::points(name, row.clone())).collect();
-    drawing(title, frequency(), vec![panel(Axis::linear(quantity, "dB"), curves)])
+    drawing(title, frequency_axis(), vec![panel(Axis::linear(quantity, "dB"), curves)])
 }
 
-/// Row C18: the plant's response to the control depends on amplitude.
+/// Returns row C18: the plant's response to the control depends on amplitude.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -107,7 +108,7 @@ pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// Row C21: the observer makes the closed loop linear in amplitude.
+/// Returns row C21: the observer makes the closed loop linear in amplitude.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -168,8 +169,8 @@ struct Compared {
     loops: Vec<(String, Triangle)>,
 }
 
-/// Row C17: where friction shows in the triangle test. On the rig as it is, and on one whose friction is half and half as the thesis found
-/// on its own.
+/// Returns row C17: where friction shows in the triangle test. On the rig as it is, and on one whose friction is half and half as the
+/// thesis found on its own.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -248,7 +249,7 @@ fn ratio(share: f64) -> String {
     format!("{:.0}:{:.0}", 100.0 * share, 100.0 - 100.0 * share)
 }
 
-/// Every split beside a mechanism.
+/// Returns every split beside a mechanism.
 fn compared(
     bench: &Bench<'_>,
     (name, mechanism): (&str, &Parameters),
@@ -281,7 +282,7 @@ fn lobes(loops: &[(String, Triangle)]) -> Drawing {
     drawing("Triangle: control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
 }
 
-/// How far each split's control is from the rig's.
+/// Returns how far each split's control is from the rig's.
 fn apart(loops: &[(String, Triangle)]) -> Drawing {
     let Some((_, rig)) = loops.first() else { return lobes(loops) };
     let one = |(name, run): &(String, Triangle)| {
@@ -294,7 +295,7 @@ fn apart(loops: &[(String, Triangle)]) -> Drawing {
     };
     let panel = panel(Axis::linear("change of the control", "mV"), loops[1..].iter().map(one).collect());
     let title = format!("Triangle: what another split changes, against {}", loops[0].0);
-    drawing(title, time(), vec![panel])
+    drawing(title, time_axis(), vec![panel])
 }
 
 /// Every so many samples of a loop are drawn.
@@ -324,7 +325,7 @@ fn split(parameters: &Parameters, motor_nm: f64, pivot_nm: f64) -> Parameters {
     out
 }
 
-/// The control of the recording's controller, or the design's, while the demand is a triangle.
+/// Returns the control of the recording's controller, or the design's, while the demand is a triangle.
 fn triangle(bench: &Bench<'_>, parameters: &Parameters) -> Result<Triangle, PipelineError> {
     let demand_rad_s = Signal::Triangle { amplitude: DEMAND_RAD_S, period_s: 4.0 };
     let scenario = Scenario { demand_rad_s, ..Scenario::still(8.0) };

@@ -5,8 +5,10 @@ use counterpoise_lti::{StateSpace, feedback, margins, series, step};
 use counterpoise_synth::{Alternative, Method, Weight, alternative, attempt};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
-use super::bench::rates;
-use super::drawing::{Curve, drawing, frequency, gain_db, hub, hub_panel, panel, points_of, time};
+use super::bench::rate_grid;
+use super::drawing::{
+    Curve, drawing, frequency_axis, gain_db, hub_panel, hub_rates, panel, points_of, time_axis,
+};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, Stages};
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -31,7 +33,7 @@ struct Lagging {
     designed: Stages,
 }
 
-/// Row C26: with and without integral action.
+/// Returns row C26: with and without integral action.
 ///
 /// # Errors
 /// Those of the pipeline.
@@ -111,7 +113,7 @@ fn text(f: &Figures) -> String {
     )
 }
 
-/// Designs without integral action over the gain; the family ends where there is no design.
+/// Designs without integral action over the gain; the family ends if there is no design.
 fn lagging(bench: &Bench<'_>) -> Vec<Lagging> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
@@ -128,7 +130,7 @@ fn integral_action_figures(
 ) -> Vec<Drawing> {
     let response = |designed: &Stages| {
         let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;
-        Some(hub(history))
+        Some(hub_rates(history))
     };
     let mut steps: Vec<Curve> =
         response(integral).map(|points| Curve::line("with integral action", points)).into_iter().collect();
@@ -153,9 +155,10 @@ fn integral_action_figures(
     let ms = panel(Axis::linear("Ms", ""), vec![Curve::points("without integral action", over(2))])
         .with_level(own[2], "");
     let mut all = vec![
-        drawing("Step by both kinds of design, linear plant", time(), vec![hub_panel(steps)]).with_caption(
-            "Drawn through: the design with integral action, and the high gain that leaves as little.",
-        ),
+        drawing("Step by both kinds of design, linear plant", time_axis(), vec![hub_panel(steps)])
+            .with_caption(
+                "Drawn through: the design with integral action, and the high gain that leaves as little.",
+            ),
         drawing(
             "What a small steady-state error costs without integral action",
             Axis::logarithmic("steady-state error", "%"),
@@ -170,11 +173,11 @@ fn first_second(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.into_iter().filter(|point| point.0 <= 1.0).collect()
 }
 
-/// Both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
+/// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
 fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
     let curve = |designed: &Stages, name: &str, experiment| {
         let history = designed.verified.verification().history(Model::Linear, experiment)?;
-        Some(Curve::line(name, hub(history)))
+        Some(Curve::line(name, hub_rates(history)))
     };
     let panel = |arrangement| {
         let experiment = Experiment::Disturbance(Source::Both, arrangement);
@@ -185,11 +188,11 @@ fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
         hub_panel(curves.into_iter().flatten().collect())
     };
     let panels = vec![panel(Arrangement::Feedback), panel(Arrangement::Compensated)];
-    drawing("Heave and pitch by both kinds of design, linear plant", time(), panels)
+    drawing("Heave and pitch by both kinds of design, linear plant", time_axis(), panels)
         .with_caption("Above by feedback alone, below with both feedforwards.")
 }
 
-/// The thesis' form of the feedback weights with another error weight.
+/// Returns the thesis' form of the feedback weights with another error weight.
 fn with_error(bench: &Bench<'_>, error: Weight) -> Result<Stages, PipelineError> {
     bench.redesign(|project| {
         project.verify.iter_mut().for_each(|verify| verify.road = None);
@@ -210,7 +213,7 @@ fn figures(designed: &Stages) -> Figures {
     wanted.map(|figure| designed.verified.verification().value(figure).unwrap_or(f64::NAN))
 }
 
-/// Row C27: three methods on one plant and one pair of weights.
+/// Returns row C27: three methods on one plant and one pair of weights.
 ///
 /// # Errors
 /// Those of the design and the margins.
@@ -255,7 +258,7 @@ pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 /// A method's name, controller and loop.
 type Named = (&'static str, StateSpace, StateSpace);
 
-/// The loop of a continuous design on the design plant.
+/// Returns the loop of a continuous design on the design plant.
 fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
     let plant = &bench.designed.synthesised.design.plant;
     let seen = plant.measured()?.select(&[0], &[plant.control]);
@@ -291,7 +294,7 @@ fn judged_loop(name: &str, broken: &StateSpace) -> Result<(String, [Criterion; 3
 }
 
 fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError> {
-    let drawn = rates([0.05, 100.0]);
+    let drawn = rate_grid([0.05, 100.0]);
     let (mut controllers, mut gains, mut steps) = (Vec::new(), Vec::new(), Vec::new());
     for (name, controller, broken) in loops {
         controllers.push(Curve::line(*name, gain_db(controller, 0, &drawn)?));
@@ -307,7 +310,7 @@ fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError>
     ];
     let step = panel(Axis::linear("measured rate over demand", ""), steps).with_level(1.0, "");
     Ok(vec![
-        drawing("Three methods, one plant, one pair of weights", frequency(), panels),
-        drawing("Step by the three methods, continuous design plant", time(), vec![step]),
+        drawing("Three methods, one plant, one pair of weights", frequency_axis(), panels),
+        drawing("Step by the three methods, continuous design plant", time_axis(), vec![step]),
     ])
 }

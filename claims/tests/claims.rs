@@ -1,7 +1,7 @@
 //! The thesis' claims on the reference rig: every row is there, and what it is known to find stays found.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_claims::{Claim, Finding, claims};
+use counterpoise_claims::{Claim, Finding, measure_claims};
 use counterpoise_pipeline::World;
 use counterpoise_plot::Content;
 use counterpoise_project::Project;
@@ -54,7 +54,7 @@ fn fails_if_any_figure_is_elsewhere(row: &Claim) {
 fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
     let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
     let project = Project::parse(&text, "project.toml").unwrap().project;
-    let rows = claims(&project, &Example, &|_| true, &|_, _| {}).unwrap();
+    let rows = measure_claims(&project, &Example, &|_| true, &|_, _| {}).unwrap();
     for row in &rows {
         println!("{:4} {:?}\n     {}\n     {}", row.id, row.finding(), row.says, row.measured);
         assert!(!row.measured.contains("NaN"), "{}: {}", row.id, row.measured);

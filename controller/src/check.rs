@@ -17,7 +17,7 @@ use crate::{
 const RESERVED: [&str; 9] = ["real", "states", "readings", "guard", "core", "taken", "total", "c", "in_"];
 
 /// All checks.
-pub fn parts(parts: &Parts) -> Result<(), Error> {
+pub fn check_parts(parts: &Parts) -> Result<(), Error> {
     numbers(parts)?;
     names(parts)?;
     corrections(parts)?;
@@ -219,19 +219,6 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
             soft(sign_rate_rad_s)
         }
     }
-}
-
-/// Returns the control limit in volts of a linear drive.
-pub fn equivalent_limit_v(parts: &Parts) -> f64 {
-    let mut from = [0.0, 0.0];
-    for to in &parts.drive_curve {
-        if to[1] >= parts.limit_v {
-            let slope = (to[0] - from[0]) / (to[1] - from[1]);
-            return from[0] + slope * (parts.limit_v - from[1]);
-        }
-        from = *to;
-    }
-    from[0] + parts.limit_v - from[1]
 }
 
 /// Checks that the entries of a column rise.

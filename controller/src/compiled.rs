@@ -65,7 +65,7 @@ impl<N: Number> Compiled<N> {
         Self { operations, terms, states, inputs, memory, output: program.output.map(place) }
     }
 
-    /// Places of memory that the program needs.
+    /// Returns places of memory that the program needs.
     pub fn memory(&self) -> usize {
         self.memory
     }

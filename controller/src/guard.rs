@@ -140,7 +140,7 @@ impl<N: Number> Guard<N> {
         }
     }
 
-    /// Whether an out-of-balance may be set; notes a refusal.
+    /// Returns whether an out-of-balance may be set; notes a refusal.
     pub fn admits(&mut self, out_of_balance: &N) -> bool {
         let value = out_of_balance.to_f64();
         let most = N::from_f64(MOST_STATES).to_f64();
@@ -242,7 +242,7 @@ pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[Kept<N>]) -> Plausible {
     plausible(&total)
 }
 
-/// Whether a sum of magnitudes is a plausible size of states.
+/// Returns whether a sum of magnitudes is a plausible size of states.
 pub(crate) fn plausible<N: Number>(total: &N) -> Plausible {
     if total.to_f64() <= N::from_f64(MOST_STATES).to_f64() { Plausible::Yes } else { Plausible::No }
 }

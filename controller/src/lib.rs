@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
 //! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], `compiled`,
-//! [`number`], [`guard`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
+//! [`number`], [`guard`], [`runner`], `linear`, [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Readings, SampledController, Scaling, Signal};
@@ -52,6 +52,7 @@ pub mod words;
 
 mod check;
 mod compiled;
+mod linear;
 mod lower;
 mod required;
 

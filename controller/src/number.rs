@@ -13,11 +13,11 @@ pub trait Number: Clone + std::fmt::Debug {
     fn to_f64(&self) -> f64;
     /// Returns the sum, rounded.
     fn plus(&self, other: &Self) -> Self;
-    /// Product, rounded.
+    /// Returns the product, rounded.
     fn times(&self, other: &Self) -> Self;
     /// Quotient, rounded.
     fn over(&self, other: &Self) -> Self;
-    /// Magnitude, exact.
+    /// Returns the magnitude, exact.
     fn magnitude(&self) -> Self;
     /// Returns the number if it lies between the limits, `high` if it is above, and `low` otherwise: also if it is not a
     /// number.

@@ -18,7 +18,7 @@ pub struct Path {
     pub name: String,
     /// The signals u, one an input of `system`.
     pub inputs: Vec<Signal>,
-    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal`]).
+    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal_form`]).
     pub system: StateSpace,
     /// Gain a state on what the limiter cut off; zeros if the path does not wind up.
     pub anti_windup: Vec<f64>,
@@ -95,7 +95,7 @@ pub struct Parts {
     pub sample_period_s: f64,
     /// Corrections of readings, at most one a reading; usually none.
     pub corrections: Vec<Correction>,
-    /// Projection of heave and surge across the beam; `None` where the heave reading is taken as it is.
+    /// Projection of heave and surge across the beam; `None` if the heave reading is taken as it is.
     pub projection: Option<Projection>,
     /// Reference prefilter from demand to demand, discrete, one input and one output.
     pub prefilter: Option<StateSpace>,
@@ -128,6 +128,19 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// Returns the control limit in volts of a linear drive: the limit, seen through the drive's curve.
+    pub(crate) fn equivalent_limit_v(&self) -> f64 {
+        let mut from = [0.0, 0.0];
+        for to in &self.drive_curve {
+            if to[1] >= self.limit_v {
+                let slope = (to[0] - from[0]) / (to[1] - from[1]);
+                return from[0] + slope * (self.limit_v - from[1]);
+            }
+            from = *to;
+        }
+        from[0] + self.limit_v - from[1]
+    }
+
     /// No paths and no observers yet: control 0 within +/- `limit_v`, out-of-balance 0 within +/- 1e6 kg m.
     pub fn new(sample_period_s: f64, limit_v: f64) -> Self {
         Self {

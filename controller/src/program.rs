@@ -184,7 +184,7 @@ impl Operation {
 }
 
 impl Program {
-    /// All operations in order.
+    /// Returns all operations in order.
     pub fn operations(&self) -> impl Iterator<Item = &Operation> {
         self.sections.iter().flat_map(|section| section.operations.iter())
     }

@@ -33,7 +33,7 @@ pub struct Realisation {
 ///
 /// # Errors
 /// [`Error::Realisation`] if the Schur form fails.
-pub fn modal(system: &StateSpace) -> Result<Realisation, Error> {
+pub fn modal_form(system: &StateSpace) -> Result<Realisation, Error> {
     let balanced = balance(&system.A).map_err(failed)?;
     let T = &balanced.scale;
     let n = system.order();
@@ -142,7 +142,7 @@ fn diagonal_blocks(T: &Mat) -> Vec<DiagonalBlock> {
     blocks
 }
 
-/// Sizes of the blocks when everything between the first and the last of a cluster is taken together.
+/// Returns sizes of the blocks when everything between the first and the last of a cluster is taken together.
 fn merge(blocks: &[DiagonalBlock], labels: &[usize]) -> Vec<usize> {
     let last = |label: usize| labels.iter().rposition(|l| *l == label).unwrap_or(0);
     let mut merged = Vec::new();
@@ -233,7 +233,7 @@ fn power_of_two(value: f64) -> f64 {
 }
 
 /// Returns the number of coefficients of a realisation that are neither 0 nor 1 nor -1: what a step multiplies.
-pub fn coefficients(system: &StateSpace) -> usize {
+pub fn count_coefficients(system: &StateSpace) -> usize {
     let matrices = [&system.A, &system.B, &system.C, &system.D];
     let all = matrices.iter().flat_map(|matrix| matrix.as_slice());
     all.filter(|entry| **entry != 0.0 && entry.abs() != 1.0).count()

@@ -15,6 +15,18 @@ pub struct Runner<N = f64> {
     kept: Vec<Kept<N>>,
 }
 
+impl Controller {
+    /// Returns the controller at its start, in double: the reference.
+    pub fn runner(&self) -> Runner {
+        Runner::new(self)
+    }
+
+    /// Returns the controller at its start, in the numbers N.
+    pub fn runner_in<N: Number>(&self) -> Runner<N> {
+        Runner::new(self)
+    }
+}
+
 impl<N: Number> Runner<N> {
     /// Returns the controller at its start.
     pub fn new(controller: &Controller) -> Self {

@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat, Mat, svd};
 use counterpoise_lti::{StateSpace, Timebase, frequency_response, gramian_factors, poles};
 
 use crate::Error;
-use crate::realise::{coefficients, modal};
+use crate::realise::{count_coefficients, modal_form};
 use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.
@@ -42,20 +42,20 @@ const DECADES: f64 = 5.0;
 /// Returns a discrete system in the form asked for.
 ///
 /// # Errors
-/// As [`modal`]; [`Error::Lti`] if the Gramians of the stable part fail.
-pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
+/// As [`modal_form`]; [`Error::Lti`] if the Gramians of the stable part fail.
+pub fn realise_form(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     match form {
-        Form::Modal => Ok(modal(system)?.system),
+        Form::Modal => Ok(modal_form(system)?.system),
         Form::Balanced => balanced(system),
         Form::LeastSensitive => {
-            let (modal, balanced) = (modal(system)?.system, balanced(system)?);
+            let (modal, balanced) = (modal_form(system)?.system, balanced(system)?);
             let is_worth = predicted(&balanced)? * WORTH < predicted(&modal)?;
             Ok(if is_worth { balanced } else { modal })
         }
     }
 }
 
-/// The predicted error of [`Candidate`] alone, without the rounded response.
+/// Returns the predicted error of [`Candidate`] alone, without the rounded response.
 fn predicted(system: &StateSpace) -> Result<f64, Error> {
     let rates = rates(system.timebase);
     Ok(Sizes::of(&frequency_response(system, &rates)?).worst(&deviations(system, &rates)?))
@@ -73,7 +73,7 @@ impl Sizes {
         Self { median: median(&all), all }
     }
 
-    /// The largest of errors relative to the response or, where that is larger, to its median.
+    /// Returns the largest of errors relative to the response or, where that is larger, to its median.
     fn worst(&self, errors: &[f64]) -> f64 {
         let relative = errors.iter().zip(&self.all).map(|(error, size)| error / size.max(self.median));
         relative.filter(|value| value.is_finite()).fold(0.0, f64::max)
@@ -83,9 +83,12 @@ impl Sizes {
 /// Returns the modal and the balanced form of a discrete system, with their sensitivities.
 ///
 /// # Errors
-/// As [`realise`].
-pub fn candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
-    [Form::Modal, Form::Balanced].into_iter().map(|form| candidate(&realise(system, form)?, form)).collect()
+/// As [`realise_form`].
+pub fn form_candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
+    [Form::Modal, Form::Balanced]
+        .into_iter()
+        .map(|form| form_candidate(&realise_form(system, form)?, form))
+        .collect()
 }
 
 /// Returns the one that [`Form::LeastSensitive`] takes.
@@ -102,7 +105,7 @@ pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
 ///
 /// # Errors
 /// [`Error::Lti`] if a response cannot be computed.
-pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
+pub fn form_candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;
     let sizes = Sizes::of(&response);
@@ -111,13 +114,14 @@ pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     Ok(Candidate {
         form,
         system: system.clone(),
-        coefficients: coefficients(system),
+        coefficients: count_coefficients(system),
         predicted: sizes.worst(&deviations(system, &rates)?),
         measured: sizes.worst(&off),
     })
 }
 
-/// RMS error of the response at each rate when every coefficient is off by an independent, uniform relative error
+/// Returns the RMS error of the response at each rate when every coefficient is off by an independent, uniform
+/// relative error
 ///
 /// ```text
 ///     dG = g dA f + g dB + dC f + dD,     f = inv(z I - A) B,  g = C inv(z I - A)
@@ -176,7 +180,7 @@ fn median(values: &[f64]) -> f64 {
 
 /// Returns the stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
 fn balanced(system: &StateSpace) -> Result<StateSpace, Error> {
-    let realised = modal(system)?;
+    let realised = modal_form(system)?;
     let (mut marginal, mut stable, mut first) = (Vec::new(), Vec::new(), 0);
     for size in &realised.blocks {
         let places = first..first + size;
@@ -266,7 +270,7 @@ mod tests {
     fn every_form_has_the_same_response_and_an_exact_integrator() {
         let given = mixed();
         for form in [Form::Modal, Form::Balanced, Form::LeastSensitive] {
-            let found = realise(&given, form).unwrap();
+            let found = realise_form(&given, form).unwrap();
             assert!(difference(&given, &found) < 1e-10, "{form:?}");
             assert!(found.A.as_slice().contains(&1.0), "{form:?}");
         }
@@ -274,7 +278,7 @@ mod tests {
 
     #[test]
     fn the_balanced_part_has_equal_diagonal_gramians() {
-        let given = states(&modal(&mixed()).unwrap().system, &[0, 1, 2]);
+        let given = states(&modal_form(&mixed()).unwrap().system, &[0, 1, 2]);
         let stable = StateSpace { A: given.A.scale(0.9), ..given };
         let found = balance_stable(&stable).unwrap();
         let P = counterpoise_lti::ctrb_gramian(&found).unwrap();
@@ -286,7 +290,7 @@ mod tests {
 
     #[test]
     fn the_predicted_sensitivity_is_what_rounding_does() {
-        for candidate in candidates(&mixed()).unwrap() {
+        for candidate in form_candidates(&mixed()).unwrap() {
             let ratio = candidate.measured / candidate.predicted;
             assert!((0.1..6.0).contains(&ratio), "{:?} {ratio}", candidate.form);
         }
@@ -300,8 +304,8 @@ mod tests {
         let B = Mat::from_rows(&[&[1.0], &[0.0], &[0.0]]);
         let C = Mat::from_rows(&[&[1e-6, 1e-6, 1e-6]]);
         let given = StateSpace::new(A, B, C, Mat::zeros(1, 1), PERIOD).unwrap();
-        let as_it_is = candidate(&given, Form::Modal).unwrap();
-        let all = candidates(&given).unwrap();
+        let as_it_is = form_candidate(&given, Form::Modal).unwrap();
+        let all = form_candidates(&given).unwrap();
         let chosen = least_sensitive(&all).unwrap();
         assert!(
             as_it_is.predicted > 100.0 * chosen.predicted,

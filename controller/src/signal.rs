@@ -81,7 +81,7 @@ impl Signal {
         }
     }
 
-    /// Name with unit, as target code carries it.
+    /// Returns the name with unit, as target code carries it.
     pub fn name(self) -> &'static str {
         match self {
             Signal::Demand => "filtered_demand_rad_s",
@@ -111,7 +111,7 @@ impl Readings {
         ]
     }
 
-    /// Readings from values in the order of [`READING_NAMES`].
+    /// Returns readings from values in the order of [`READING_NAMES`].
     pub fn from_array(values: [f64; READINGS]) -> Self {
         let [demand, hub, platform, accel, motor, position, surge] = values;
         Self {

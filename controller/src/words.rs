@@ -204,7 +204,7 @@ const HEADERS: [&str; 31] = [
 /// Devices that Windows has under these names in every folder, whatever the ending.
 const DEVICES: [&str; 8] = ["con", "prn", "aux", "nul", "com1", "com2", "lpt1", "lpt2"];
 
-/// Whether a name is a word of a target language, or a name that its tools have taken.
+/// Returns whether a name is a word of a target language, or a name that its tools have taken.
 pub fn is_word(name: &str) -> bool {
     [&C[..], &CPP, &RUST, &CRATES, &MACROS, &HEADERS, &DEVICES].iter().any(|words| words.contains(&name))
 }

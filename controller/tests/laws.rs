@@ -25,7 +25,7 @@ fn observing(law: ObserverLaw, level: Vec<[f64; 2]>, period_s: f64) -> Controlle
     Controller::new(parts).unwrap()
 }
 
-/// The torque after so many samples at a constant rate.
+/// Returns the torque after so many samples at a constant rate.
 fn torque(controller: &Controller, rate: f64, samples: usize) -> f64 {
     let mut runner = controller.runner();
     (0..samples).map(|_| runner.step_array(&[0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0])).last().unwrap()
@@ -180,7 +180,7 @@ fn used(controller: &Controller, states: &[f64]) -> f64 {
     states[groups.iter().find(|group| group.name == "out_of_balance_kg_m").unwrap().first]
 }
 
-/// Readings of a machine of 90 kg m whose control holds the imbalance, friction and a constant.
+/// Returns readings of a machine of 90 kg m whose control holds the imbalance, friction and a constant.
 fn machine(k: usize, gravity: f64, constant: f64) -> [f64; 7] {
     let t = k as f64 * 1e-3;
     let (rate, accel) = (0.1 * (3.0 * t).sin() + 0.05, 2.0 * (7.0 * t).sin());

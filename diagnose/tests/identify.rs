@@ -162,23 +162,22 @@ fn a_mechanism_at_rest_is_refused_with_what_would_help() {
     assert!(error.to_string().contains("triangle"), "{error}");
 }
 
-fn practice(machine: &str, experiment: &str) -> Option<Recording> {
+/// Returns a practice recording, made by an independent simulator.
+fn practice(machine: &str, experiment: &str) -> Recording {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/practice");
-    let path = format!("{base}/{machine}/{experiment}.parquet");
-    let Ok(bytes) = std::fs::read(&path) else {
-        panic!("{path} is absent");
-    };
-    Some(Mapping::default().apply(&Table::read(&bytes, experiment).unwrap()).unwrap())
+    let bytes = std::fs::read(format!("{base}/{machine}/{experiment}.parquet")).unwrap();
+    Mapping::default().apply(&Table::read(&bytes, experiment).unwrap()).unwrap()
 }
 
-fn practices(machine: &str) -> Option<Vec<Recording>> {
+/// Returns the practice recordings of a machine.
+fn practices(machine: &str) -> Vec<Recording> {
     ["triangle", "steps", "road", "multisine"].iter().map(|e| practice(machine, e)).collect()
 }
 
 #[test]
 fn practice_machines_have_their_out_of_balance() {
     for (machine, moment) in [("p08", 151.67), ("p01", 151.67), ("p04", 186.0)] {
-        let Some(recordings) = practices(machine) else { return };
+        let recordings = practices(machine);
         for set in [&recordings[..1], &recordings[..]] {
             let found = identify(&reference::rig(), &[set]).unwrap();
             let expected = [moment, 345.7, 130.0, 140.0];
@@ -194,7 +193,7 @@ fn practice_machines_have_their_out_of_balance() {
 
 #[test]
 fn the_practice_machines_gain_curve_is_recovered() {
-    let (Some(balanced), Some(normal)) = (practices("p03"), practices("p08")) else { return };
+    let (balanced, normal) = (practices("p03"), practices("p08"));
     let one = identify(&reference::rig(), &[&balanced]).unwrap();
     assert!(worst_point(&one) < 0.10);
     let triangle = identify(&reference::rig(), &[&balanced[..1], &normal[..1]]).unwrap();

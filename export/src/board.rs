@@ -59,7 +59,7 @@ pub const LINK: [&str; 8] = [
 ];
 
 /// Arguments of [`EMULATOR`] for a core, up to the firmware's path.
-pub fn emulate(core: &Core) -> [&'static str; 13] {
+pub fn emulator_command(core: &Core) -> [&'static str; 13] {
     [
         "-M",
         core.machine,
@@ -77,8 +77,8 @@ pub fn emulate(core: &Core) -> [&'static str; 13] {
     ]
 }
 
-/// The program that counts for the code of a name: `startup.c`, `mps2.ld` and `count.c`.
-pub fn counter(name: &str, numbers: Numbers) -> Vec<File> {
+/// Returns the program that counts for the code of a name: `startup.c`, `mps2.ld` and `count.c`.
+pub fn counting_code(name: &str, numbers: Numbers) -> Vec<File> {
     let fixed = if numbers == Numbers::Fixed { "#define AXIS_FIXED\n" } else { "" };
     let count = format!("{fixed}{}", include_str!("../target/count.c"));
     let named = count.replace("axis", name);

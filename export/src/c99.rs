@@ -9,7 +9,7 @@ use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
 use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
 
-/// The controller as C99 source
+/// Returns the controller as C99 source
 ///
 /// | file | what it is |
 /// |---|---|
@@ -116,7 +116,7 @@ fn needed(controller: &Controller) -> usize {
     2 * step.multiplications() + step.additions() + 2 * states + guard_instructions(controller)
 }
 
-/// The line of the header that begins with a word.
+/// Returns the line of the header that begins with a word.
 pub(crate) fn line_with(provenance: &[String], word: &str) -> String {
     provenance.iter().find(|line| line.starts_with(word)).cloned().unwrap_or_default()
 }

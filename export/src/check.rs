@@ -28,7 +28,7 @@ pub enum Checked {
 }
 
 /// Compares the text of a file with the one that the project gives now. Only the ends of lines may differ.
-pub fn check(found: &str, expected: &File) -> Checked {
+pub fn check_file(found: &str, expected: &File) -> Checked {
     let own = |text: &str| text.lines().find_map(hash);
     match (own(found), own(&expected.text)) {
         (None, Some(_)) => return Checked::NotGenerated,
@@ -51,7 +51,7 @@ pub fn check(found: &str, expected: &File) -> Checked {
     Checked::Same
 }
 
-/// The hash in a header's line.
+/// Returns the hash in a header's line.
 fn hash(line: &str) -> Option<String> {
     line.split_once("project-hash:").map(|(_, hash)| hash.trim().to_owned())
 }
@@ -66,8 +66,8 @@ mod tests {
 
     #[test]
     fn the_same_text_is_the_same_whatever_ends_its_lines() {
-        assert_eq!(check(&file().text, &file()), Checked::Same);
-        assert_eq!(check(&file().text.replace('\n', "\r\n"), &file()), Checked::Same);
+        assert_eq!(check_file(&file().text, &file()), Checked::Same);
+        assert_eq!(check_file(&file().text.replace('\n', "\r\n"), &file()), Checked::Same);
     }
 
     #[test]
@@ -78,15 +78,18 @@ mod tests {
             found: Some("int x = 4;".into()),
             expected: Some("int x = 3;".into()),
         };
-        assert_eq!(check(&edited, &file()), expected);
-        assert!(matches!(check(&(file().text + "more"), &file()), Checked::Differs { expected: None, .. }));
+        assert_eq!(check_file(&edited, &file()), expected);
+        assert!(matches!(
+            check_file(&(file().text + "more"), &file()),
+            Checked::Differs { expected: None, .. }
+        ));
     }
 
     #[test]
     fn another_project_and_another_file_are_told_apart() {
         let other = file().text.replace("ab12", "cd34");
         let expected = Checked::OtherProject { found: "cd34".into(), expected: "ab12".into() };
-        assert_eq!(check(&other, &file()), expected);
-        assert_eq!(check("int main(void) { return 0; }", &file()), Checked::NotGenerated);
+        assert_eq!(check_file(&other, &file()), expected);
+        assert_eq!(check_file("int main(void) { return 0; }", &file()), Checked::NotGenerated);
     }
 }

@@ -22,7 +22,7 @@ pub(crate) fn comment_text(text: &str) -> String {
     harmless.trim_end().to_owned()
 }
 
-/// Whether a character may stand in a comment as it is.
+/// Returns whether a character may stand in a comment as it is.
 fn is_harmless(c: char) -> bool {
     let letter =
         c.is_alphabetic() && matches!(u32::from(c), 0x00c0..=0x024f | 0x0370..=0x03ff | 0x0400..=0x04ff);

@@ -38,7 +38,8 @@ impl Default for Converters {
 const FACTOR_BITS: i32 = 30;
 
 impl Converters {
-    /// Those of a mechanism: its sensors' scales and its controller's converters. A sensor that is not fitted has 1 V a unit.
+    /// Returns those of a mechanism: its sensors' scales and its controller's converters. A sensor that is not fitted has 1 V
+    /// a unit.
     pub fn of(parameters: &Parameters) -> Self {
         let s = &parameters.sensors;
         let optional = |sensor: &Option<Sensor>| sensor.as_ref().map_or(1.0, |sensor| sensor.scale_v_unit);
@@ -58,7 +59,7 @@ impl Converters {
         }
     }
 
-    /// Units of each reading per count.
+    /// Returns units of each reading per count.
     pub fn units_per_count(&self) -> [f64; READINGS] {
         let volts = 2.0 * CONVERTER_RANGE_V / f64::from(self.input_bits).exp2();
         self.volts_per_unit.map(|scale| volts / scale)
@@ -69,12 +70,12 @@ impl Converters {
         f64::from(self.output_bits).exp2() / (2.0 * CONVERTER_RANGE_V)
     }
 
-    /// The largest count of the output converter.
+    /// Returns the largest count of the output converter.
     fn most_count(&self) -> i64 {
         (1_i64 << (self.output_bits.clamp(1, 32) - 1)) - 1
     }
 
-    /// What the block in floating point needs, with numbers as the code writes them.
+    /// Returns what the block in floating point needs, with numbers as the code writes them.
     pub(crate) fn block(&self, controller: &Controller, literal: &dyn Fn(f64) -> String) -> Value {
         let fields = reading_fields(controller);
         let rows = fields.iter().zip(self.units_per_count());
@@ -91,7 +92,7 @@ impl Converters {
         }
     }
 
-    /// The same in integers: each factor with the bits by which its product is shifted down.
+    /// Returns the same in integers: each factor with the bits by which its product is shifted down.
     pub(crate) fn fixed_block(&self, fixed: &Fixed) -> Value {
         let fields = reading_fields(&fixed.controller);
         let rows = fields.iter().zip(self.units_per_count()).zip(&fixed.step.inputs);
@@ -112,7 +113,8 @@ impl Converters {
     }
 }
 
-/// A factor as a whole number of [`FACTOR_BITS`] bits and the shift that its product is moved down by: `value = factor 2^-shift`.
+/// Returns a factor as a whole number of [`FACTOR_BITS`] bits and the shift that its product is moved down by: `value = factor
+/// 2^-shift`.
 pub(crate) fn factor(value: f64) -> (i64, i32) {
     let shift = (FACTOR_BITS - value.abs().log2().ceil() as i32).clamp(0, 2 * FACTOR_BITS);
     ((value * f64::from(shift).exp2()).round().clamp(-FULL_FACTOR, FULL_FACTOR) as i64, shift)
@@ -120,7 +122,7 @@ pub(crate) fn factor(value: f64) -> (i64, i32) {
 
 const FULL_FACTOR: f64 = crate::fixed::FULL as f64;
 
-/// The name of a reading in capitals, without its unit.
+/// Returns the name of a reading in capitals, without its unit.
 fn macro_name(field: &str) -> String {
     let short = ["_rad_s", "_m_s2", "_rad"].iter().find_map(|unit| field.strip_suffix(unit));
     short.unwrap_or(field).to_uppercase()

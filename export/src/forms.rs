@@ -1,10 +1,11 @@
 //! The same controller with its paths in other forms: what each form costs, and what small numbers do to it.
 
-use counterpoise_controller::sensitivity::{Form, realise};
+use counterpoise_controller::sensitivity::{Form, realise_form};
 use counterpoise_controller::{Controller, Path};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, poles};
 
+use crate::tolerance::ANTI_WINDUP_SHARE;
 use crate::{Adjustable, Measured, Ranges};
 
 /// A form that every path of a controller is brought to.
@@ -48,7 +49,8 @@ pub struct FormFigures {
     pub single: Measured,
 }
 
-/// The controller in every form, for the readings and settings of runs; a form that a path cannot have is left out.
+/// Returns the controller in every form, for the readings and settings of runs; a form that a path cannot have is
+/// left out.
 ///
 /// Where a run leaves all range the figures are infinite.
 pub fn by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
@@ -76,30 +78,28 @@ pub fn in_form(controller: &Controller, form: PathForm) -> Option<Controller> {
         .filter(|other| other.parts().paths.len() == controller.parts().paths.len())
 }
 
-/// How much smaller the anti-windup is made beside the inputs while a form is found: the form is that of the path alone.
-const BESIDE: f64 = 1e-6;
-
-/// A path in a form. The anti-windup is a further input of the system, so it comes along.
+/// Returns a path in a form. The anti-windup is a further input of the system, so it comes along.
 fn brought(path: &Path, form: PathForm) -> Option<Path> {
     if form == PathForm::InUse || path.system.order() == 0 {
         return Some(path.clone());
     }
     let (system, inputs) = (&path.system, path.system.inputs());
-    let B = system.B.hstack(&Mat::col(&path.anti_windup).scale(BESIDE));
+    let B = system.B.hstack(&Mat::col(&path.anti_windup).scale(ANTI_WINDUP_SHARE));
     let D = system.D.hstack(&Mat::zeros(system.outputs(), 1));
     let both = StateSpace { B, D, ..system.clone() };
     let realised = match form {
-        PathForm::Modal => realise(&both, Form::Modal).ok()?,
-        PathForm::Balanced => realise(&both, Form::Balanced).ok()?,
+        PathForm::Modal => realise_form(&both, Form::Modal).ok()?,
+        PathForm::Balanced => realise_form(&both, Form::Balanced).ok()?,
         PathForm::Companion | PathForm::InUse => companion(&both)?,
     };
     let order = realised.order();
-    let anti_windup = (0..order).map(|i| realised.B[(i, inputs)] / BESIDE).collect();
+    let anti_windup = (0..order).map(|i| realised.B[(i, inputs)] / ANTI_WINDUP_SHARE).collect();
     let system = StateSpace { B: realised.B.block(0, 0, order, inputs), D: system.D.clone(), ..realised };
     Some(Path { system, anti_windup, ..path.clone() })
 }
 
-/// The observable companion form of a system with one output: with a the characteristic polynomial and h the Markov parameters
+/// Returns the observable companion form of a system with one output: with a the characteristic polynomial and h the Markov
+/// parameters
 ///
 /// ```text
 ///     A = [-a_1 1 0 ...; -a_2 0 1 ...; ...; -a_n 0 ... 0],   C = [1 0 ... 0],   b_i = h_i + a_1 h_(i-1) + ... + a_(i-1) h_1

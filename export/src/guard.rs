@@ -19,7 +19,7 @@ const A_READING: usize = 45;
 /// Instructions that looking after a state needs, about.
 const A_STATE: usize = 15;
 
-/// Bytes of memory that the guard of a controller takes.
+/// Returns bytes of memory that the guard of a controller takes.
 pub(crate) fn guard_bytes(controller: &Controller, number_bytes: usize) -> usize {
     let readings = controller.parts().reading_count();
     (readings + GUARD_NUMBERS) * number_bytes + 4 * (readings + GUARD_WORDS)
@@ -30,7 +30,7 @@ pub(crate) fn guard_instructions(controller: &Controller) -> usize {
     controller.parts().reading_count() * A_READING + controller.programs().state_count() * A_STATE
 }
 
-/// What every template needs of the guard: the flags as hexadecimal literals, and counts.
+/// Returns what every template needs of the guard: the flags as hexadecimal literals, and counts.
 pub(crate) fn flags(controller: &Controller) -> Value {
     let settings = GuardSettings::of(controller.parts());
     let bit = |mask: u32| format!("0x{mask:X}");
@@ -41,7 +41,7 @@ pub(crate) fn flags(controller: &Controller) -> Value {
     }
 }
 
-/// What templates in floating point need besides.
+/// Returns what templates in floating point need besides.
 pub(crate) fn guard(controller: &Controller, precision: Precision, dialect: Dialect) -> Value {
     let settings = GuardSettings::of(controller.parts());
     let text = |value: f64| literal(value, precision, dialect);
@@ -64,7 +64,7 @@ fn group(group: &StateGroup) -> Value {
     context! { name => group.name.as_str(), length => group.length }
 }
 
-/// A state with its limits. Only single states have any.
+/// Returns a state with its limits. Only single states have any.
 fn limited(group: &StateGroup, text: &dyn Fn(f64) -> String) -> Option<Value> {
     let limits = group.limits?;
     Some(context! { name => group.name.as_str(), low => text(limits.low), high => text(limits.high) })

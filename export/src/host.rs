@@ -37,14 +37,15 @@ pub const RUST_LIBRARY: [&str; 4] = ["--edition=2021", "-O", "--crate-type=lib",
 /// Its flags for the program that replays, up to the source.
 pub const RUST_PROGRAM: [&str; 6] = ["--edition=2021", "-O", "-L.", "-Dwarnings", "-o", "replay"];
 
-/// The program that replays readings through C code of a name: `replay.c`.
+/// Returns the program that replays readings through C code of a name: `replay.c`.
 pub fn c_replay(name: &str, numbers: Numbers) -> File {
     let fixed = if numbers == Numbers::Fixed { "#define AXIS_FIXED\n" } else { "" };
     let text = format!("{fixed}{}", include_str!("../target/replay.c"));
     File { name: "replay.c".into(), text: text.replace("axis", name).replace("AXIS", &name.to_uppercase()) }
 }
 
-/// The program that replays readings through the Rust crate compiled as [`RUST_CRATE`]: `replay.rs`, for a controller that takes so many readings.
+/// Returns the program that replays readings through the Rust crate compiled as [`RUST_CRATE`]: `replay.rs`, for a controller that takes so many
+/// readings.
 pub fn rust_replay(readings: usize) -> File {
     let not_taken = |line: &&str| READING_NAMES[readings..].iter().any(|name| line.contains(name));
     let lines = include_str!("../target/replay.rs").lines().filter(|line| !not_taken(line));
@@ -58,9 +59,9 @@ pub fn including_file(name: &str, included: &str) -> File {
     File { name: name.to_owned(), text: format!("#include \"{included}\"\n") }
 }
 
-/// Samples as bytes for the replaying programs: every record begins with a sample of no numbers. In fixed point the readings
-/// are integers in their formats.
-pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
+/// Returns samples as bytes for the replaying programs: every record begins with a sample of no numbers. In fixed point the
+/// readings are integers in their formats.
+pub fn encode_requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
     let number = |value: f64, i: usize| match fixed {
         None => value,
         Some(fixed) => fixed.step.inputs.get(i).map_or(0.0, |bits| to_integer(value, *bits) as f64),

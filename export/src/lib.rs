@@ -7,8 +7,8 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`forms`], [`fixed`], [`targets`](mod@targets), [`signal_names`], [`board`], [`host`],
-//! [`fmi`], [`vectors`], [`check`](mod@check), [`error`].
+//! [`rounding`], [`forms`], [`fixed`], [`targets`], [`signal_names`], [`board`], [`host`],
+//! [`fmi`], [`vectors`], [`check`], [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
@@ -45,19 +45,20 @@ pub mod vectors;
 mod comment;
 mod guard;
 mod print;
+mod tolerance;
 
 pub use c99::c99;
-pub use check::{Checked, check};
+pub use check::{Checked, check_file};
 pub use converters::Converters;
 pub use error::Error;
-pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan};
+pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
 pub use forms::{FormFigures, PathForm, by_form};
 pub use provenance::Provenance;
 pub use ranges::{Adjustable, Measured, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;
-pub use targets::{Numbers, Record, TargetFigures, Targets, fixed_form, targets};
+pub use targets::{Numbers, Record, TargetFigures, Targets, compare_targets, fixed_form};
 
 use counterpoise_controller::program::Operation;
 use counterpoise_controller::words::is_word;

@@ -34,7 +34,7 @@ pub(crate) struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// All statements, each section under its comment, and the returned output.
+    /// Returns all statements, each section under its comment, and the returned output.
     pub fn body(&self) -> String {
         let mut text = String::new();
         for (i, section) in self.program.sections.iter().enumerate() {
@@ -55,7 +55,7 @@ impl Printer<'_> {
         text
     }
 
-    /// A slot as an expression.
+    /// Returns a slot as an expression.
     pub fn slot(&self, slot: Slot) -> String {
         match slot {
             Slot::Input(i) => format!("{}{}", self.input_prefix, name(&self.program.inputs, i)),
@@ -116,7 +116,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The summands from left to right: a - c b is a + (-c) b, to the last bit.
+    /// Returns the summands from left to right: a - c b is a + (-c) b, to the last bit.
     fn sum(&self, constant: Option<f64>, terms: &[Term]) -> Vec<String> {
         let mut pieces: Vec<String> = constant.map(|c| self.literal(c)).into_iter().collect();
         for term in terms {
@@ -139,7 +139,7 @@ impl Printer<'_> {
         if pieces.is_empty() { vec![self.literal(0.0)] } else { pieces }
     }
 
-    /// A number as a literal that reads back as exactly this number of the target's precision.
+    /// Returns a number as a literal that reads back as exactly this number of the target's precision.
     pub fn literal(&self, value: f64) -> String {
         literal(value, self.precision, self.dialect)
     }
@@ -151,7 +151,7 @@ pub(crate) fn limit(of: &str, low: &str, high: &str) -> Vec<String> {
     vec![format!("({of} >= {low}) ? (({of} <= {high})"), format!("? {of} : {high})"), format!(": {low}")]
 }
 
-/// What a group of states holds, with its unit, for the reader of target code.
+/// Returns what a group of states holds, with its unit, for the reader of target code.
 pub(crate) fn meaning(group: &StateGroup) -> String {
     let name = group.name.as_str();
     let of = |ending: &str| name.strip_suffix(ending);
@@ -179,7 +179,7 @@ pub(crate) fn meaning(group: &StateGroup) -> String {
     comment_text(&meaning)
 }
 
-/// A number as a literal: the shortest decimal that reads back as exactly this number.
+/// Returns a number as a literal: the shortest decimal that reads back as exactly this number.
 pub(crate) fn literal(value: f64, precision: Precision, dialect: Dialect) -> String {
     let digits = match precision {
         Precision::Double => format!("{value:?}"),
@@ -191,7 +191,7 @@ pub(crate) fn literal(value: f64, precision: Precision, dialect: Dialect) -> Str
     }
 }
 
-/// A state as an expression.
+/// Returns a state as an expression.
 pub(crate) fn state(programs: &Programs, state: usize, dialect: Dialect) -> String {
     let owner = if dialect == Dialect::C { "c->" } else { "self." };
     match programs.locate(state) {

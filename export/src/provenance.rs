@@ -25,14 +25,14 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// The lines of the header, with what the source says of its verification.
+    /// Returns the lines of the header, with what the source says of its verification.
     pub(crate) fn header(&self, source: Source) -> Vec<String> {
         let mut lines = self.lines();
         lines.push(source.line());
         lines.iter().flat_map(|line| wrapped(line)).map(|line| comment_text(&line)).collect()
     }
 
-    /// The lines that the provenance itself makes.
+    /// Returns the lines that the provenance itself makes.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![
             format!("generator: {}", self.generator),
@@ -50,7 +50,8 @@ impl Provenance {
 /// Longest line of a header's text.
 const WIDTH: usize = 110;
 
-/// The words of a line over several, the following ones indented. A word longer than a line stays whole.
+/// Returns the words of a line over several, the following ones indented. A word longer than a line stays
+/// whole.
 fn wrapped(line: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in line.split(' ') {

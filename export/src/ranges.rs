@@ -52,7 +52,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// The sample before which the out-of-balance is set.
+    /// Returns the sample before which the out-of-balance is set.
     pub fn set_at(&self) -> Option<(usize, f64)> {
         self.set_kg_m.map(|value| (self.readings.len() / 2, value))
     }
@@ -74,9 +74,10 @@ impl Run {
 }
 
 impl Ranges {
-    /// The ranges that occur when the controller gets these readings, times `margin`: each history with the design's
-    /// out-of-balance, and its beginning with every other one at which gains have a corner (the lowest, the highest, the
-    /// points of a schedule) set half way. Gains and bias get the whole range that can be set, by interval arithmetic.
+    /// Returns the ranges that occur when the controller gets these readings, times `margin`: each history with the
+    /// design's out-of-balance, and its beginning with every other one at which gains have a corner (the lowest, the
+    /// highest, the points of a schedule) set half way. Gains and bias get the whole range that can be set, by interval
+    /// arithmetic.
     ///
     /// The readings are those of closed-loop runs: open loop, an integrator would wander out of any range.
     pub fn from_readings(controller: &Controller, histories: &[Vec<[f64; READINGS]>], margin: f64) -> Self {
@@ -95,13 +96,13 @@ impl Ranges {
         ranges
     }
 
-    /// Largest magnitude of a slot of the step.
+    /// Returns the largest magnitude of a slot of the step.
     pub fn of(&self, slot: Slot) -> f64 {
         self.largest.get(self.place(slot)).copied().unwrap_or(0.0)
     }
 
-    /// How far a controller is from the reference from which the ranges come, given the readings and settings of its runs; `start` makes
-    /// it anew for each run.
+    /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
+    /// `start` creates the controller for each run.
     pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
         self.runs.iter().fold(Measured::default(), |most, run| {
             let mut found = Measured::default();
@@ -121,7 +122,7 @@ impl Ranges {
         })
     }
 
-    /// The runs.
+    /// Returns the runs from which the ranges are taken.
     pub(crate) fn runs(&self) -> &[Run] {
         &self.runs
     }
@@ -134,7 +135,7 @@ impl Ranges {
         }
     }
 
-    /// Name of a slot, for a reader.
+    /// Returns the name of a slot, for a reader.
     pub(crate) fn name(controller: &Controller, program: &Program, slot: Slot) -> String {
         let named = |names: &[String], i: usize| names.get(i).cloned().unwrap_or_default();
         match slot {
@@ -149,7 +150,7 @@ impl Ranges {
     }
 }
 
-/// Every history as it is, and its beginning with each setting.
+/// Returns every history as it is, and its beginning with each setting.
 fn runs(controller: &Controller, histories: &[Vec<[f64; READINGS]>]) -> Vec<Run> {
     let mut all = Vec::new();
     for history in histories {
@@ -181,7 +182,7 @@ fn watch(largest: &mut [f64], controller: &Controller, run: &Run) -> Vec<f64> {
     control_v
 }
 
-/// The larger of two; infinite where one is no number, as what grew out of all range is.
+/// Returns the larger of two; infinite if one is no number, as what grew out of all range is.
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

@@ -13,9 +13,8 @@ pub use single::single_precision;
 
 use crate::Ranges;
 use crate::ranges::{Run, larger, settings};
+use crate::tolerance::SECOND_ORDER;
 
-/// Allowance for products of errors, which a first-order bound leaves out.
-const SECOND_ORDER: f64 = 1.01;
 /// Multiple of the root of the sum of squares in the likely bound.
 pub const CONFIDENCE: f64 = 6.0;
 /// 2 exp(-CONFIDENCE^2 / 2): how probable it is that a sample leaves the likely bound.
@@ -70,16 +69,16 @@ pub(crate) struct Rounded {
 
 /// What an arithmetic must tell for its deviation to be predicted.
 pub(crate) trait Arithmetic {
-    /// Largest error of each operation of a step, then of each reading, whatever the readings.
+    /// Returns the largest error of each operation of a step, then of each reading, whatever the readings.
     fn worst(&self) -> Vec<f64>;
-    /// What rounded coefficients and readings do to the control of each sample of a run, V.
+    /// Returns what rounded coefficients and readings do to the control of each sample of a run, V.
     fn coefficients(&self, run: &Run) -> Vec<f64>;
-    /// What an operation rounds, given what it reads and writes.
+    /// Returns what an operation rounds, given what it reads and writes.
     fn rounded(&self, which: (Line, usize), operation: &Operation, values: (&[f64], f64)) -> Rounded;
 }
 
-/// The deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse responses of
-/// the step around rest,
+/// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse
+/// responses of the step around rest,
 ///
 /// ```text
 ///     |du[k]| <= sum over operations o and past samples j of |h_o(j)| e_o[k-j]
@@ -117,8 +116,8 @@ fn along(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> (f
     (likely, (squares / track.squares_v2.len().max(1) as f64).sqrt())
 }
 
-/// What an operation adds to a state, where it does: the state lies on the grid of its numbers already, so that what is
-/// rounded is the summand, the same way whenever the summand is the same.
+/// Returns what an operation adds to a state, where it does: the state lies on the grid of its numbers already, so that
+/// what is rounded is the summand, the same way whenever the summand is the same.
 pub(crate) fn added(operation: &Operation, read: &[f64]) -> Option<(usize, f64)> {
     let Operation::Sum { constant, terms, .. } = operation else { return None };
     let (first, rest) = terms.split_first()?;
@@ -128,18 +127,18 @@ pub(crate) fn added(operation: &Operation, read: &[f64]) -> Option<(usize, f64)>
         .then(|| (state, constant.unwrap_or(0.0) + each.sum::<f64>()))
 }
 
-/// What rounding to multiples of `grid` adds to a value.
+/// Returns what rounding to multiples of `grid` adds to a value.
 pub(crate) fn to_grid(value: f64, grid: f64) -> f64 {
     (value / grid).round() * grid - value
 }
 
-/// Whether a state is one that a setting of the out-of-balance computes and a restart keeps.
+/// Returns whether a state is one that a setting of the out-of-balance computes and a restart keeps.
 pub(crate) fn is_kept(controller: &Controller, slot: Slot) -> bool {
     let Slot::State(i) = slot else { return false };
     controller.programs().locate(i).is_some_and(|(group, _)| group.on_restart == OnRestart::Keep)
 }
 
-/// Error of each operation that comes from operands which a setting left wrong by `error`.
+/// Returns the error of each operation that comes from operands which a setting left wrong by `error`.
 pub(crate) fn left_wrong(controller: &Controller, ranges: &Ranges, error: &dyn Fn(&Slot) -> f64) -> Vec<f64> {
     let size = |slot: &Slot| ranges.of(*slot);
     let of = |operation: &Operation| match operation {

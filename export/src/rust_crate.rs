@@ -9,8 +9,8 @@ use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
 use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
 
-/// The controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`, `src/lib.rs` and
-/// `tests/vectors.rs`, the same arithmetic and the same vectors as [`crate::c99()`].
+/// Returns the controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`,
+/// `src/lib.rs` and `tests/vectors.rs`, the same arithmetic and the same vectors as [`crate::c99()`].
 ///
 /// # Errors
 /// As [`crate::c99()`].

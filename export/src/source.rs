@@ -19,7 +19,7 @@ impl<'a> From<&'a VerifiedController> for Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// The controller.
+    /// Returns the controller.
     pub fn controller(&self) -> &'a Controller {
         match self {
             Source::Verified(verified) => verified.controller(),
@@ -27,7 +27,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The line of the header that says whether the controller was verified.
+    /// Returns the line of the header that says whether the controller was verified.
     pub(crate) fn line(&self) -> String {
         match self {
             Source::Verified(verified) => {

@@ -6,7 +6,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, Measured, Ranges, plan, single_precision,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, Measured, Ranges, plan_fixed_point,
+    single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -75,7 +76,7 @@ pub struct Targets {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn targets(
+pub fn compare_targets(
     verified: &VerifiedController,
     plant: &Plant,
     procedure: &Procedure,
@@ -85,7 +86,7 @@ pub fn targets(
     let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
     bench.record(controller)?;
     let (known, samples) = bench.ranges(controller);
-    let fixed = plan(controller, &known, allowed_v, samples);
+    let fixed = plan_fixed_point(controller, &known, allowed_v, samples);
     let exact = Deviation::none(samples);
     let single = single_precision(controller, &known, samples);
     let in_single = || Box::new(controller.runner_in::<f32>()) as Box<dyn Adjustable>;
@@ -100,7 +101,8 @@ pub fn targets(
     Ok(Targets { figures, fixed })
 }
 
-/// The fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see [`targets`].
+/// Returns the fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see
+/// [`compare_targets`].
 ///
 /// # Errors
 /// Those of the simulator.
@@ -114,7 +116,7 @@ pub fn fixed_form(
     let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
     bench.record(controller)?;
     let (known, samples) = bench.ranges(controller);
-    Ok(plan(controller, &known, allowed_v, samples))
+    Ok(plan_fixed_point(controller, &known, allowed_v, samples))
 }
 
 /// What all runs share.
@@ -133,7 +135,7 @@ struct Run {
 }
 
 impl Bench<'_> {
-    /// The experiments with the whole controller.
+    /// Returns the experiments with the whole controller.
     fn experiments(&self) -> Vec<Experiment> {
         let whole = |experiment: &Experiment| match experiment {
             Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
@@ -161,14 +163,14 @@ impl Bench<'_> {
         Ok(Run { experiment, seen: recorder.seen, error_rms_rad_s: error_rms(&history) })
     }
 
-    /// The ranges of the recorded runs, and the length of the longest.
+    /// Returns the ranges of the recorded runs, and the length of the longest.
     fn ranges(&self, controller: &Controller) -> (Ranges, usize) {
         let readings: Vec<_> = self.runs.iter().map(|run| run.seen.readings.clone()).collect();
         let samples = readings.iter().map(Vec::len).max().unwrap_or(0);
         (Ranges::from_readings(controller, &readings, RANGE_MARGIN), samples)
     }
 
-    /// The figures of the runs in double.
+    /// Returns the figures of the runs in double.
     fn recorded_figures(&self, judged: (Numbers, Deviation, Measured)) -> TargetFigures {
         let experiments = self.runs.iter().map(|run| run.compared(run.error_rms_rad_s)).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
@@ -191,7 +193,7 @@ impl Bench<'_> {
 }
 
 impl Run {
-    /// The run's error against that in double.
+    /// Returns the run's error against that in double.
     fn compared(&self, in_double: f64) -> ExperimentFigures {
         let error_rms_rad_s = self.error_rms_rad_s;
         let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());

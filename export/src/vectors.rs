@@ -23,7 +23,7 @@ pub const LARGEST: [f64; READINGS] = [0.8, 0.8, 0.5, 8.0, 100.0, 0.4, 6.0];
 
 /// Vectors for a controller in the numbers N: irregular readings that fill [`LARGEST`], a stretch of large demand that
 /// reaches the limiter, and two changes of the out-of-balance. The same for every call.
-pub fn vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector> {
+pub fn self_test_vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector> {
     let mut runner = controller.runner_in::<N>();
     let mut source = Source(0x2545_F491_4F6C_DD1D);
     let (low, high) = controller.parts().out_of_balance_range_kg_m;
@@ -47,15 +47,15 @@ pub fn vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector
         .collect()
 }
 
-/// The vectors that travel with code of a precision.
+/// Returns the vectors that travel with code of a precision.
 pub(crate) fn shipped(controller: &Controller, precision: Precision) -> Vec<Vector> {
     match precision {
-        Precision::Double => vectors::<f64>(controller, SHIPPED_SAMPLES),
-        Precision::Single => vectors::<f32>(controller, SHIPPED_SAMPLES),
+        Precision::Double => self_test_vectors::<f64>(controller, SHIPPED_SAMPLES),
+        Precision::Single => self_test_vectors::<f32>(controller, SHIPPED_SAMPLES),
     }
 }
 
-/// The nearest single-precision number, so that every target reads the same readings.
+/// Returns the nearest single-precision number, so that every target reads the same readings.
 fn single(value: f64) -> f64 {
     f64::from(value as f32)
 }
@@ -64,7 +64,7 @@ fn single(value: f64) -> f64 {
 struct Source(u64);
 
 impl Source {
-    /// A number between -1 and 1.
+    /// Returns a number between -1 and 1.
     fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

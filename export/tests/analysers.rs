@@ -11,21 +11,21 @@ use std::process::Command;
 use counterpoise_controller::READINGS;
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan};
+use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
 use support::{Random, complete, folder, is_there, provenance, run, typical, write};
 
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
 
-/// A folder for each kind of generated C.
+/// Returns a folder for each kind of generated C.
 fn generated(test: &str) -> Vec<PathBuf> {
     let controller = typical();
     let mut random = Random(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
-    let fixed = plan(&controller, &known, 1e-2, 2000).unwrap();
+    let fixed = plan_fixed_point(&controller, &known, 1e-2, 2000).unwrap();
     let kinds = [
         ("double", c99(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap()),
         ("complete", c99(Unverified(&complete()), &provenance(), &Options::single("axis")).unwrap()),
@@ -82,7 +82,7 @@ fn misra_deviations_are_the_ones_listed() {
     }
 }
 
-/// The units of controller and plant, each in a folder; the plant has every law that its C knows.
+/// Returns the units of controller and plant, each in a folder; the plant has every law that its C knows.
 fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
     let plant = Plant::lumped(&reference::rig()).unwrap();
     let asked = PlantUnit { plant: &plant, name: "rig" };

@@ -8,7 +8,9 @@ use std::process::Command;
 
 use counterpoise_controller::{Controller, Estimator, Learning, Parts, READINGS, Scaling, Signal};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Deviation, FixedRunner, Measured, Ranges, fixed_c99, plan, single_precision};
+use counterpoise_export::{
+    Deviation, FixedRunner, Measured, Ranges, fixed_c99, plan_fixed_point, single_precision,
+};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use support::{Random, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write};
@@ -60,7 +62,8 @@ fn kinds() -> Vec<(&'static str, Controller)> {
     ]
 }
 
-/// A platform that heaves and pitches under a hub that is held, with noise; the rate error drives the control slowly.
+/// Returns a platform that heaves and pitches under a hub that is held, with noise; the rate error drives the control
+/// slowly.
 fn motion(seed: u64) -> Vec<[f64; READINGS]> {
     let mut random = Random(seed);
     let mut noise = |size: f64| size * random.signed();
@@ -101,7 +104,8 @@ fn every_estimator_keeps_the_prediction_along_its_run() {
         assert!((moved.state(0).unwrap() - 120.0).abs() > 1.0, "{name} has learnt nothing");
         let found = known.measure(&|| Box::new(controller.runner_in::<f32>()));
         holds(&format!("{name}, single"), found, &single_precision(&controller, &known, SAMPLES));
-        let fixed = plan(&controller, &known, 5e-3, SAMPLES).unwrap_or_else(|why| panic!("{name}: {why}"));
+        let fixed = plan_fixed_point(&controller, &known, 5e-3, SAMPLES)
+            .unwrap_or_else(|why| panic!("{name}: {why}"));
         let found = known.measure(&|| Box::new(FixedRunner::new(&fixed)));
         holds(&format!("{name}, fixed"), found, &fixed.deviation);
     }
@@ -116,7 +120,7 @@ fn no_reading_brings_a_divisor_to_0() {
     let folder = folder("estimators_trapped");
     let plans: Vec<_> = kinds()
         .into_iter()
-        .map(|(_, controller)| plan(&controller, &ranges(&controller), 5e-3, SAMPLES).unwrap())
+        .map(|(_, controller)| plan_fixed_point(&controller, &ranges(&controller), 5e-3, SAMPLES).unwrap())
         .collect();
     let names: Vec<String> = (0..plans.len()).map(|i| format!("estimator_{i}")).collect();
     for (fixed, name) in plans.iter().zip(&names) {

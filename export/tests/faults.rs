@@ -9,7 +9,7 @@ use std::process::Command;
 use counterpoise_controller::guard::{ALONE, REFUSED, REPLACED, RESTARTED, UNCHANGED};
 use counterpoise_controller::{Controller, Parts, READINGS, SampledController, Sensors, Signal};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{FixedRunner, Options, Ranges, c99, fixed_c99, plan, rust_crate};
+use counterpoise_export::{FixedRunner, Options, Ranges, c99, fixed_c99, plan_fixed_point, rust_crate};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use support::{
@@ -39,7 +39,7 @@ fn faulty(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
     asked
 }
 
-/// The controllers that every block occurs in.
+/// Returns the controllers that every block occurs in.
 fn controllers() -> Vec<Controller> {
     [typical(), complete()].into_iter().chain((0..6).map(random_controller)).collect()
 }
@@ -98,7 +98,9 @@ fn fixed_point_answers_any_integer_as_its_reference_does() {
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
     let controller = typical();
-    let fixed = plan(&controller, &Ranges::from_readings(&controller, &[history], 4.0), 1e-2, 2000).unwrap();
+    let fixed =
+        plan_fixed_point(&controller, &Ranges::from_readings(&controller, &[history], 4.0), 1e-2, 2000)
+            .unwrap();
     let folder = folder("faulty_fixed");
     write(&folder, &fixed_c99(Unverified(&controller), &fixed, &provenance(), "axis").unwrap());
     std::fs::write(folder.join("server.c"), server_in(&["axis".into()], |_| "int32_t".into())).unwrap();

@@ -9,7 +9,7 @@ use std::process::Command;
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{
-    Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan, single_precision, vectors::LARGEST,
+    Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision, vectors::LARGEST,
 };
 use support::{
     Random, Request, STRICT, assert_answers, folder, is_there, projecting, provenance, random_controller,
@@ -20,7 +20,7 @@ const SAMPLES: usize = 2000;
 /// Samples of a run of a random controller.
 const FEW: usize = 250;
 
-/// Readings as of a loop at work: a slow and a fast part, well inside the converters.
+/// Returns readings as of a loop at work: a slow and a fast part, well inside the converters.
 fn history(seed: u64, size: f64) -> Vec<[f64; READINGS]> {
     let mut random = Random(seed);
     let mut slow = [0.0; READINGS];
@@ -40,7 +40,7 @@ fn ranges(controller: &Controller, size: f64, margin: f64) -> Ranges {
     Ranges::from_readings(controller, &histories, margin)
 }
 
-/// Largest and RMS deviation from the reference, and whether the limiter stayed out of it.
+/// Returns the largest and RMS deviation from the reference, and whether the limiter stayed out of it.
 fn measure(
     controller: &Controller,
     other: &mut dyn FnMut(&[f64; READINGS]) -> f64,
@@ -69,7 +69,7 @@ fn heave_and_surge_projected_in_fixed_point_keep_their_prediction() {
 }
 
 fn keeps_its_prediction(controller: &Controller) {
-    let fixed = plan(controller, &ranges(controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+    let fixed = plan_fixed_point(controller, &ranges(controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
     let mut runner = FixedRunner::new(&fixed);
     let (worst, rms, free) = measure(controller, &mut |readings| runner.step_array(readings), 0.05);
     let predicted = fixed.deviation;
@@ -117,7 +117,7 @@ impl Score {
     fn add(&mut self, seed: u64) {
         let controller = random_controller(seed);
         let known = Ranges::from_readings(&controller, &[few(3)], 4.0);
-        match plan(&controller, &known, 5e-3, FEW) {
+        match plan_fixed_point(&controller, &known, 5e-3, FEW) {
             Ok(fixed) => {
                 let found = known.measure(&|| Box::new(FixedRunner::new(&fixed)));
                 let predicted = fixed.deviation;
@@ -145,7 +145,7 @@ impl Score {
     }
 }
 
-/// A short run of small readings.
+/// Returns a short run of small readings.
 fn few(seed: u64) -> Vec<[f64; READINGS]> {
     history(seed, 0.02)[..FEW].to_vec()
 }
@@ -169,7 +169,8 @@ fn random_controllers_keep_their_prediction_or_are_refused() {
     assert!(single < 20.0 && fixed < 20.0);
 }
 
-/// Whether the controller by itself, with every out-of-balance at which a gain has a corner, forgets what was.
+/// Returns whether the controller by itself, with every out-of-balance at which a gain has a corner, forgets
+/// what was.
 fn is_stable(controller: &Controller) -> bool {
     let (low, high) = controller.parts().out_of_balance_range_kg_m;
     let settings = [low, 90.0, controller.parts().design_out_of_balance_kg_m, high];
@@ -188,9 +189,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn what_cannot_be_planned_says_why() {
     let controller = typical();
     let still = Ranges::from_readings(&controller, &[vec![[0.0; READINGS]; 10]], 4.0);
-    assert!(matches!(plan(&controller, &still, 1.0, 10), Err(FixedError::NeverMoved { .. })));
+    assert!(matches!(plan_fixed_point(&controller, &still, 1.0, 10), Err(FixedError::NeverMoved { .. })));
     let known = ranges(&controller, 0.05, 4.0);
-    let refused = plan(&controller, &known, 1e-12, SAMPLES);
+    let refused = plan_fixed_point(&controller, &known, 1e-12, SAMPLES);
     assert!(matches!(refused, Err(FixedError::TooCoarse { allowed_v: 1e-12, .. })));
 }
 
@@ -218,7 +219,7 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     let controllers: Vec<Controller> =
         [typical(), projecting()].into_iter().chain((0..40).map(random_controller)).collect();
     let known = |controller: &Controller| Ranges::from_readings(controller, &[few(3), few(4)], 4.0);
-    let planned = |controller: &Controller| plan(controller, &known(controller), 1.0, FEW);
+    let planned = |controller: &Controller| plan_fixed_point(controller, &known(controller), 1.0, FEW);
     let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
     assert!(plans.len() > 20, "{}", plans.len());
     let trap =
@@ -247,7 +248,7 @@ fn shipped_fixed_point_compiles_in_silence_and_passes() {
         }
         let folder = folder(&format!("fixed_{compiler}"));
         let controller = typical();
-        let fixed = plan(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+        let fixed = plan_fixed_point(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
         write(&folder, &fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "axis").unwrap());
         let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"];
         let said = run(Command::new(compiler).current_dir(&folder).args(STRICT).args(sources));

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READINGS};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan};
+use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::reference;
 use support::{Random, STRICT, folder, is_there, provenance, run, typical, write};
 
@@ -53,7 +53,7 @@ int main(void)
 }
 "#;
 
-/// The reference rig's own converters.
+/// Returns the reference rig's own converters.
 fn converters() -> Converters {
     Converters::of(&reference::rig())
 }
@@ -72,7 +72,7 @@ fn counts() -> Vec<[i32; COMMON_READINGS]> {
     (0..SAMPLES).map(|_| sample(random.readings())).collect()
 }
 
-/// What the generated block writes to the output converter.
+/// Returns what the generated block writes to the output converter.
 fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
     write(folder, files);
     std::fs::write(folder.join("board.c"), BOARD).unwrap();
@@ -94,7 +94,7 @@ fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
     String::from_utf8(output.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect()
 }
 
-/// What the controller asks for between the same converters.
+/// Returns what the controller asks for between the same converters.
 fn expected(controller: &Controller) -> Vec<i32> {
     let (per_count, per_volt) = (converters().units_per_count(), converters().counts_per_volt());
     let mut runner = controller.runner();
@@ -131,7 +131,7 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
         .map(|row| std::array::from_fn(|i| row.get(i).map_or(0.0, |n| per_count[i] * f64::from(*n))))
         .collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
-    let fixed = plan(&controller, &known, 2.5e-3, SAMPLES).unwrap();
+    let fixed = plan_fixed_point(&controller, &known, 2.5e-3, SAMPLES).unwrap();
     let kinds = [
         ("single", c99(Unverified(&controller), &origin(), &Options::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &origin(), "axis").unwrap()),

@@ -53,7 +53,7 @@ fn machine(name: &str, change: impl FnOnce(&mut Parameters)) -> Machine {
     Machine { name: name.to_owned(), plant: Plant::lumped(&parameters).unwrap(), control_v: 0.8 }
 }
 
-/// A drive through rest and both directions around the control that holds the machine.
+/// Returns a drive through rest and both directions around the control that holds the machine.
 fn controls(machine: &Machine) -> Vec<f64> {
     let held = machine.plant.equilibrium(&OperatingPoint::default()).control_v;
     let period_s = machine.plant.parameters().interface.sample_period_s;
@@ -78,7 +78,8 @@ fn platform(machine: &Machine) -> PlatformMotion {
     }
 }
 
-/// The simulator's run, its sample period cut into parts with the control held over them, and its tolerance by the cube of that.
+/// Returns the simulator's run, its sample period cut into parts with the control held over them, and its tolerance by the cube
+/// of that.
 fn simulated(machine: &Machine, parts: usize) -> Columns {
     let mut parameters = machine.plant.parameters().clone();
     let held = controls(machine).into_iter().flat_map(|control| std::iter::repeat_n(control, parts));
@@ -145,7 +146,7 @@ int main(void)
 }
 "#;
 
-/// The unit's own C, compiled with a driver.
+/// Returns the unit's own C, compiled with a driver.
 fn program(machine: &Machine, folder: &Path, refined: f64) -> PathBuf {
     let files = plant_unit(PlantUnit { plant: &machine.plant, name: "rig" }, &provenance()).unwrap();
     write(folder, &files);
@@ -200,7 +201,7 @@ fn in_c(machine: &Machine, folder: &Path, refined: f64) -> Columns {
     text.lines().map(row).collect()
 }
 
-/// Largest difference of a column, relative to its largest value, and which column it is.
+/// Returns the largest difference of a column, relative to its largest value, and which column it is.
 fn difference(a: &Columns, b: &Columns) -> (f64, usize) {
     assert_eq!(a.len(), b.len());
     let of = |column: usize| {
@@ -348,7 +349,7 @@ fn motor_amplifier_and_gear() {
     ]);
 }
 
-/// A free function with points evenly over a reach to either side, or over a turn.
+/// Returns a free function with points evenly over a reach to either side, or over a turn.
 fn free(
     place: LearnedPlace,
     quantity: LearnedQuantity,

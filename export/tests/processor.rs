@@ -11,7 +11,7 @@ use counterpoise_controller::{Controller, Number, READINGS};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::board::{CORES, Core};
 use counterpoise_export::{
-    File, Fixed, FixedRunner, Numbers, Options, Precision, Ranges, c99, fixed_c99, plan,
+    File, Fixed, FixedRunner, Numbers, Options, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use support::{
     Random, Request, Target, complete, equal_to_the_last_bit, folder, provenance, reference, requests,
@@ -27,7 +27,7 @@ fn known_ranges(controller: &Controller) -> Ranges {
 }
 
 fn fixed(controller: &Controller) -> Fixed {
-    plan(controller, &known_ranges(controller), 1e-2, 2000).unwrap()
+    plan_fixed_point(controller, &known_ranges(controller), 1e-2, 2000).unwrap()
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn rustc() -> Command {
     Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
 }
 
-/// A crate a controller, and a program that answers requests.
+/// Returns a crate a controller, and a program that answers requests.
 fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBuf {
     let folder = folder(test);
     let (mut modules, mut starts, mut arms) = (String::new(), String::new(), String::new());

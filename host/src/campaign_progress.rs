@@ -37,7 +37,7 @@ impl Pace {
         Ok(Self { lines: !terminal, ..Self::over(bar, count) })
     }
 
-    /// Of a campaign of `count` samples, shown to nobody.
+    /// Of a campaign of `count` samples, shown nowhere.
     pub fn silent(count: usize) -> Self {
         Self::over(ProgressBar::hidden(), count)
     }
@@ -67,7 +67,7 @@ impl Pace {
         if self.lines && left > 0 && state.told.elapsed().as_secs_f64() > LINE_EVERY {
             state.told = Instant::now();
             let done = state.kept + state.ran;
-            crate::terminal::tell(&format!(
+            crate::terminal::print_message(&format!(
                 "{done}/{} samples, {} gone, {to_go} to go",
                 self.count,
                 span(gone)
@@ -83,7 +83,7 @@ impl Pace {
     }
 }
 
-/// What [`LARGE`] samples take where `ran` samples took `seconds` on `threads` threads.
+/// Returns what [`LARGE`] samples take where `ran` samples took `seconds` on `threads` threads.
 fn projection(ran: usize, seconds: f64, threads: usize) -> Option<String> {
     if ran == 0 {
         return None;
@@ -94,7 +94,7 @@ fn projection(ran: usize, seconds: f64, threads: usize) -> Option<String> {
     Some(format!("{samples} run in {took} on {threads}: at this pace {LARGE} would take {large}"))
 }
 
-/// A time in the unit that a person would use.
+/// Returns a time in the unit that a person would use.
 fn span(seconds: f64) -> String {
     const MINUTE: f64 = 60.0;
     const HOUR: f64 = 3600.0;

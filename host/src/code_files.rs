@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use counterpoise_export::File;
-use counterpoise_export::fmi::pack;
+use counterpoise_export::fmi::pack_unit;
 
 use crate::files;
 
@@ -16,7 +16,7 @@ pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
 ///
 /// # Errors
 /// The file that cannot be written, and why.
-pub fn write(
+pub fn write_code(
     folder: &Path,
     code: &[File],
     library: Library,
@@ -35,7 +35,7 @@ pub fn write(
             files::write(&scratch.path().join(&file.name), file.text.as_bytes())
                 .map_err(|error| format!("{} cannot be written: {error}", file.name))?;
         }
-        let unit = pack(&own, &name, library(scratch.path(), &name).as_deref());
+        let unit = pack_unit(&own, &name, library(scratch.path(), &name).as_deref());
         packed.push((folder.join(format!("{name}.fmu")), unit));
     }
     if !go_on() {

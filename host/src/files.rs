@@ -10,7 +10,8 @@ use counterpoise_project::{Attachments, Document, Setting};
 
 /// The disk under a project: what can make one wait. Tests put a slow one here.
 pub trait Disk: Send + Sync {
-    /// The bytes of a file. Devices, pipes and very large files are refused: a project file or a part of one is neither.
+    /// Returns the bytes of a file. Devices, pipes and very large files are refused: a project file or a part of one is
+    /// neither.
     ///
     /// # Errors
     /// Those of the file system.
@@ -18,7 +19,7 @@ pub trait Disk: Send + Sync {
         read_file(path)
     }
 
-    /// The bytes of a file that a project names: see [`read_reference`].
+    /// Returns the bytes of a file that a project names: see [`read_reference`].
     ///
     /// # Errors
     /// Those of the file system.
@@ -44,16 +45,16 @@ impl Disk for Native {}
 /// Name of the project file in a project's folder.
 pub const PROJECT_FILE: &str = "project.toml";
 
-/// The project file that a path means.
+/// Returns the project file that a path means.
 pub fn project_file(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() }
 }
 
-/// The text of a project file and the files that it names.
+/// Returns the text of a project file and the files that it names.
 ///
 /// # Errors
 /// The file cannot be read, or is not text, in words.
-pub fn read(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), String> {
+pub fn read_project(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), String> {
     let bytes = disk.read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     let name = path.display().to_string();
     let document = Document::from_bytes(&bytes, &name)
@@ -122,8 +123,8 @@ fn regular(found: &fs::Metadata) -> io::Result<()> {
     }
 }
 
-/// The files that a project names, from beside it; a missing one is told by the project's own errors.
-pub fn attachments(document: &Document, path: &Path) -> Attachments {
+/// Returns the files that a project names, from beside it; a missing one is told by the project's own errors.
+pub fn read_attachments(document: &Document, path: &Path) -> Attachments {
     named(&Native, document, path)
 }
 
@@ -151,7 +152,7 @@ fn named(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
 ///
 /// # Errors
 /// A folder that holds a project already, or cannot be made, in words.
-pub fn create(folder: &Path, document: &Document) -> Result<PathBuf, String> {
+pub fn create_project(folder: &Path, document: &Document) -> Result<PathBuf, String> {
     let path = folder.join(PROJECT_FILE);
     if path.exists() {
         return Err(format!("{} is there already; give another folder, or remove it", path.display()));
@@ -172,7 +173,7 @@ pub fn create(folder: &Path, document: &Document) -> Result<PathBuf, String> {
 /// Endings of files that can be recordings.
 pub const RECORDING_ENDINGS: [&str; 7] = ["csv", "parquet", "mat", "h5", "hdf5", "npy", "npz"];
 
-/// The recordings among files and folders; a folder's are sorted by name.
+/// Returns the recordings among files and folders; a folder's are sorted by name.
 pub fn recording_files(paths: &[PathBuf]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for path in paths {
@@ -189,7 +190,7 @@ pub fn recording_files(paths: &[PathBuf]) -> Vec<PathBuf> {
     found
 }
 
-/// Whether a path is a file whose ending says that it can be a recording.
+/// Returns whether a path is a file whose ending says that it can be a recording.
 pub fn is_recording(path: &Path) -> bool {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     path.is_file() && RECORDING_ENDINGS.contains(&ending.as_str())
@@ -290,7 +291,7 @@ pub fn write_set(files: &[(PathBuf, &[u8])]) -> Result<(), String> {
 }
 
 /// Holds the folder of a file for as long as the value lives, so that of two programs that write a set at once, the files of one stand there in
-/// the end. `None` where folders cannot be held: their files may then be mixed.
+/// the end. `None` if folders cannot be held: their files may then be mixed.
 fn held(path: &Path) -> Option<fs::File> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = fs::File::open(folder).ok()?;
@@ -321,7 +322,7 @@ impl World for Folder {
     }
 }
 
-/// Where the studio keeps its own files: journals and the lists of recent projects and folders.
+/// Returns where the studio keeps its own files: journals and the lists of recent projects and folders.
 pub fn state_folder() -> PathBuf {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     set("XDG_STATE_HOME")

@@ -14,12 +14,12 @@ pub struct Interrupted(pub String);
 
 /// From here on Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch). Where no handler can be set, the
 /// system ends the program, as it would have.
-pub fn install() {
+pub fn install_handler() {
     let handler = || {
         if !WATCHED.load(Ordering::SeqCst) || ASKED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        crate::terminal::tell("\nstopping (Ctrl-C again to stop at once)");
+        crate::terminal::print_message("\nstopping (Ctrl-C again to stop at once)");
     };
     let _ = ctrlc::set_handler(handler);
 }
@@ -29,7 +29,7 @@ pub fn install() {
 pub struct Watch(());
 
 /// Begins work that looks at [`is_stop_requested`] often enough to stop soon.
-pub fn watch() -> Watch {
+pub fn watch_interrupts() -> Watch {
     WATCHED.store(true, Ordering::SeqCst);
     Watch(())
 }

@@ -20,7 +20,7 @@ struct Said {
 }
 
 impl Progress {
-    /// The last words.
+    /// Returns the text of the last message.
     pub fn said(&self) -> String {
         self.0.lock().map(|said| said.text.clone()).unwrap_or_default()
     }

@@ -64,7 +64,7 @@ fn rendered(errors: &[Diagnostic], document: &Document) -> String {
 }
 
 /// Reads a project file, or the project.toml of a folder, with the files that it names.
-pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
+pub fn load_project(path: &Path, purpose: Purpose) -> Result<Loaded> {
     let path = project_file(path);
     let (document, attachments) = read_as_written(&path)?;
     load_document(path, document, &attachments, purpose)
@@ -75,7 +75,7 @@ pub fn project_file(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() }
 }
 
-/// Does what [`load`] does after reading: resolves a project file that stands, or would stand, at a path.
+/// Does what [`load_project`] does after reading: resolves a project file that stands, or would stand, at a path.
 ///
 /// # Errors
 /// [`BadProject`], and a design that does not exist where the purpose needs one.
@@ -115,12 +115,12 @@ pub fn read_as_written(path: &Path) -> Result<(Document, Attachments)> {
     let lossy = || Document::parse(&String::from_utf8_lossy(&bytes[..bytes.len().min(QUOTED)]), &name);
     let document =
         Document::from_bytes(&bytes, &name).map_err(|errors| BadProject { errors, document: lossy() })?;
-    let attachments = files::attachments(&document, path);
+    let attachments = files::read_attachments(&document, path);
     Ok((document.with_parts(&attachments), attachments))
 }
 
-/// The recordings among files and folders, in the order given; a folder's are sorted by name.
-pub fn recordings(paths: &[PathBuf]) -> Result<Vec<RecordingFile>> {
+/// Returns the recordings among files and folders, in the order given; a folder's are sorted by name.
+pub fn read_recordings(paths: &[PathBuf]) -> Result<Vec<RecordingFile>> {
     let mut found = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -155,7 +155,7 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// Writes the project with an improved mechanism; everything else of the file stays as it is.
 pub fn save_improved(loaded: &Loaded, plant: &Parameters, path: &Path) -> Result<()> {
-    write(path, improved_document(loaded, plant)?.text().as_bytes())
+    write_file(path, improved_document(loaded, plant)?.text().as_bytes())
 }
 
 /// Returns the project file with an improved mechanism; everything else of the file stays as it is.
@@ -165,7 +165,7 @@ pub fn improved_document(loaded: &Loaded, plant: &Parameters) -> Result<Document
 }
 
 /// Writes a file whole or not at all, as the studio does.
-pub fn write(path: &Path, content: &[u8]) -> Result<()> {
+pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
     files::write(path, content).with_context(|| format!("cannot write {}", path.display()))
 }
 
@@ -176,13 +176,13 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The surroundings of a project.
+    /// Returns the surroundings of a project.
     pub fn of(loaded: &Loaded, progress: Progress) -> Self {
         let folder = loaded.path.parent().unwrap_or(Path::new(".")).to_owned();
         Self { folder, stages: Stages::new(progress) }
     }
 
-    /// What each step took; printed, too, unless quiet.
+    /// Returns what each step took; printed, too, unless quiet.
     pub fn times(&self) -> Vec<StageTime> {
         self.stages.times()
     }

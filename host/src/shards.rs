@@ -17,7 +17,7 @@ use parquet::schema::parser::parse_message_type;
 use sha2::{Digest, Sha256};
 
 use crate::files;
-use crate::projects::write as write_file;
+use crate::projects::write_file;
 
 /// Key under which a file names its campaign.
 const CAMPAIGN: &str = "counterpoise.campaign";
@@ -25,13 +25,13 @@ const CAMPAIGN: &str = "counterpoise.campaign";
 /// Key under which a file keeps the SHA-256 of what it holds.
 const CHECKSUM: &str = "counterpoise.sha256";
 
-/// The file of a shard, counted from 0.
-pub fn path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
+/// Returns the file of a shard, counted from 0.
+pub fn shard_path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
     folder.join(format!("shard-{shard:06}-of-{shards:06}.parquet"))
 }
 
 /// Writes samples under the campaign's name. The same samples give the same bytes.
-pub fn write(path: &Path, campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<()> {
+pub fn write_shard(path: &Path, campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<()> {
     let told = || format!("cannot make {}", path.display());
     write_file(path, &bytes(campaign, name, samples).with_context(told)?)
 }
@@ -90,13 +90,13 @@ fn schema(campaign: &Campaign) -> String {
     format!("message campaign {{ required int64 sample; {} }}", columns.collect::<Vec<_>>().join(" "))
 }
 
-/// A key as one word.
+/// Returns a key as one word.
 fn word(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
 /// Reads samples, refusing a file of another campaign and one of which any bit was changed.
-pub fn read(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
+pub fn read_shard(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
     let damaged =
         || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
     let bytes = files::read_file(path).with_context(damaged)?;
@@ -146,7 +146,7 @@ fn decoded(path: &Path, bytes: &[u8], campaign: &Campaign, name: &str) -> Result
     Ok(samples)
 }
 
-/// The files of shards in a folder, sorted.
+/// Returns the files of shards in a folder, sorted.
 pub fn shard_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let told = || format!("cannot list {}", folder.display());
     let mut paths = Vec::new();

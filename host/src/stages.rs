@@ -41,12 +41,12 @@ impl Stages {
         if let Some(last) = state.1.last_mut() {
             last.milliseconds = milliseconds;
             if self.progress == Progress::Shown {
-                crate::terminal::tell(&format!("{:>12}  {milliseconds:8.1} ms", last.name));
+                crate::terminal::print_message(&format!("{:>12}  {milliseconds:8.1} ms", last.name));
             }
         }
     }
 
-    /// What each stage took.
+    /// Returns what each stage took.
     pub fn times(&self) -> Vec<StageTime> {
         self.state.lock().map(|state| state.1.clone()).unwrap_or_default()
     }

@@ -26,7 +26,7 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> String {
 }
 
 /// Returns what an error and its causes say, the error first; a cause that a line before it quotes is left out.
-pub fn causes(error: &anyhow::Error) -> Vec<String> {
+pub fn error_causes(error: &anyhow::Error) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for cause in error.chain().map(ToString::to_string) {
         if !lines.iter().any(|line| line.contains(&cause)) {
@@ -37,7 +37,7 @@ pub fn causes(error: &anyhow::Error) -> Vec<String> {
 }
 
 /// Writes lines to the standard error stream, harmless, each cut at [`LONGEST_LINE`]. Nobody can be told that this stream is lost.
-pub fn tell(text: &str) {
+pub fn print_message(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.split('\n').map(cut).collect();
     let _ = writeln!(std::io::stderr(), "{}", escape_controls(&lines.join("\n")));

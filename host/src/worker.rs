@@ -11,7 +11,7 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub struct Token(Arc<AtomicBool>);
 
 impl Token {
-    /// Whether the job should end.
+    /// Returns whether the job should end.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -36,7 +36,7 @@ pub struct Worker<I, O> {
 }
 
 impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
-    /// A worker; `wake` is called when an answer is there.
+    /// Returns a worker; `wake` is called when an answer is there.
     pub fn new(wake: Wake, mut work: impl FnMut(I, &Token) -> O + Send + 'static) -> Self {
         let state = State { asked: None, running: None, token: Token::default(), answer: None, ended: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), asked: Condvar::new() });
@@ -57,18 +57,18 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
         self.shared.asked.notify_one();
     }
 
-    /// The answer, where one has come.
+    /// Returns the answer, where one has come.
     pub fn take(&self) -> Option<(u64, O)> {
         self.shared.lock().answer.take()
     }
 
-    /// Whether something is asked for or running.
+    /// Returns whether something is asked for or running.
     pub fn is_busy(&self) -> bool {
         let state = self.shared.lock();
         state.asked.is_some() || state.running.is_some()
     }
 
-    /// Whether something is asked for, running, or answered and not yet taken.
+    /// Returns whether something is asked for, running, or answered and not yet taken.
     pub fn is_pending(&self) -> bool {
         let state = self.shared.lock();
         state.asked.is_some() || state.running.is_some() || state.answer.is_some()

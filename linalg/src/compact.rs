@@ -11,7 +11,7 @@ pub(crate) const SYSTEMS: usize = 18;
 /// Matrices with up to this many rows are brought to Hessenberg form here.
 pub(crate) const SIMILARITIES: usize = 64;
 
-/// `A^-1 B` by LU with partial pivoting; `None` where a pivot is zero.
+/// `A^-1 B` by LU with partial pivoting; `None` if a pivot is zero.
 pub(crate) fn solve(A: &Mat, B: &Mat) -> Option<Mat> {
     let (mut factors, mut X) = (A.clone(), B.clone());
     let rows = factor(&mut factors)?;

@@ -7,8 +7,8 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-use crate::scalar::SAFE_SQUARES;
 pub use crate::scalar::Scalar;
+use crate::tolerance::SAFE_SQUARES;
 
 /// A double-precision complex number.
 pub type C64 = num_complex::Complex<f64>;

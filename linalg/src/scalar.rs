@@ -97,9 +97,6 @@ impl Scalar for C64 {
     }
 }
 
-/// Between these a sum of squares has neither overflowed nor lost small entries.
-pub(crate) const SAFE_SQUARES: (f64, f64) = (1e-200, 1e300);
-
 vectorised! {
     /// Eight partial sums, so that the additions overlap.
     fn sum_of_squares<'a>(data: &'a [f64]) -> f64 {

@@ -270,3 +270,6 @@ pub const TRANSFER_REFINEMENTS: usize = 10;
 
 /// The states of a transfer matrix are settled if a refinement is below this share of them: they are then known to 32 digits.
 pub const TRANSFER_SETTLED: f64 = 1e-20;
+
+/// Between these a sum of squares has neither overflowed nor lost small entries.
+pub(crate) const SAFE_SQUARES: (f64, f64) = (1e-200, 1e300);

@@ -6,7 +6,7 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, frequency_resp
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
-/// A dense stable system of order n with one input and one output, the same in every run.
+/// Returns a dense stable system of order n with one input and one output, the same in every run.
 fn system(n: usize) -> StateSpace {
     let mut state = 1_u64;
     let mut next = || {

@@ -1,6 +1,6 @@
 //! A loop's response far from all its roots, where a state-space evaluation loses what cancels: from zeros, poles and gain.
 
-use crate::scan::Point;
+use crate::response::Point;
 use crate::tolerance::{ASYMPTOTE_AT_END, ASYMPTOTE_MARGIN, SCAN_PER_DECADE};
 use crate::zpk::Zpk;
 use crate::{C64, Error, StateSpace, Timebase};
@@ -13,7 +13,8 @@ pub(crate) struct Asymptotes {
 }
 
 impl Asymptotes {
-    /// The asymptotes of a loop whose zeros are known, and its response between two frequencies in rad/s.
+    /// Returns the asymptotes of a loop whose zeros are known, and its response between two frequencies in
+    /// rad/s.
     ///
     /// # Errors
     /// Returns [`Error::Matrix`] if poles cannot be computed.
@@ -21,13 +22,13 @@ impl Asymptotes {
         Ok(Self { roots: Zpk::with_zeros(g, zeros.to_vec())?, low, high })
     }
 
-    /// Whether the response at a frequency is computed here: below the grid, and above it in continuous time. Near half the
-    /// sampling rate nothing cancels.
+    /// Returns whether the response at a frequency is computed here: below the grid, and above it in continuous time. Near
+    /// half the sampling rate nothing cancels.
     pub(crate) fn is_beyond(&self, rate: f64) -> bool {
         rate < self.low || rate > self.high && self.roots.timebase == Timebase::Continuous
     }
 
-    /// The response at a frequency in rad/s.
+    /// Returns the response at a frequency in rad/s.
     pub(crate) fn at(&self, rate: f64) -> C64 {
         match self.roots.timebase {
             Timebase::Continuous => self.roots.at(C64::new(0.0, rate)),
@@ -42,7 +43,7 @@ impl Asymptotes {
         }
     }
 
-    /// Frequencies beyond the first and the last point at which the gain may still cross one.
+    /// Returns frequencies beyond the first and the last point at which the gain may still cross one.
     pub(crate) fn beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
         let mut rates = Vec::new();
         if let Some(crossing) =
@@ -66,7 +67,8 @@ impl Asymptotes {
         rates
     }
 
-    /// Frequencies beyond the last point up to where the gain has fallen to a level; none if it does not fall, or is below it.
+    /// Returns frequencies beyond the last point up to where the gain has fallen to a level; none if it does not fall, or is
+    /// below it.
     pub(crate) fn down_to(&self, level: f64, last: Point) -> Vec<f64> {
         let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
         let relative = Point { value: last.value / level, ..last };
@@ -76,7 +78,7 @@ impl Asymptotes {
         }
     }
 
-    /// The power of the frequency that the gain follows below the grid.
+    /// Returns the power of the frequency that the gain follows below the grid.
     fn slope_at_zero(&self) -> f64 {
         let count = |roots: &[C64]| roots.iter().filter(|root| self.is_at_origin(**root)).count() as f64;
         count(&self.roots.zeros) - count(&self.roots.poles)
@@ -90,7 +92,7 @@ impl Asymptotes {
     }
 }
 
-/// Where a gain that follows a power of the frequency from a point on is one; `None` if it never is.
+/// Returns where a gain that follows a power of the frequency from a point on is one; `None` if it never is.
 fn crossing(point: Point, slope: f64) -> Option<f64> {
     let gain = point.value.norm();
     if slope == 0.0 || gain == 0.0 {
@@ -99,7 +101,7 @@ fn crossing(point: Point, slope: f64) -> Option<f64> {
     Some(point.rate * gain.powf(-1.0 / slope)).filter(|rate| rate.is_normal())
 }
 
-/// A logarithmic grid between two frequencies, without its ends.
+/// Returns a logarithmic grid between two frequencies, without its ends.
 fn between(low: f64, high: f64) -> Vec<f64> {
     let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil().clamp(1.0, 20_000.0) as usize;
     (1..count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect()

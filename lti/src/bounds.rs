@@ -2,14 +2,14 @@
 
 use crate::error::During;
 use crate::level::Level;
-use crate::norms::Peak;
+use crate::peak::Peak;
 use crate::response::point;
 use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_WIDTHS, PRECISE_SIZE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation};
 
-/// The peak with its value computed with residuals in twice the working precision. Where that differs by more than the tolerance from what
-/// was known, the place is uncertain, too, and a small system's response is searched around it.
+/// Returns the peak with its value computed with residuals in twice the working precision. Where that differs by more than the tolerance
+/// from what was known, the place is uncertain, too, and a small system's response is searched around it.
 ///
 /// # Errors
 /// [`Error::Matrix`] where a decomposition fails.
@@ -27,15 +27,15 @@ pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Pe
     }
 }
 
-/// The largest singular value at a frequency, of the system as it is given; `None` at a pole.
+/// Returns the largest singular value at a frequency, of the system as it is given; `None` at a pole.
 fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
     let Ok(H) = linalg::refined_transfer(system, point(rate_rad_s, g.timebase)) else { return Ok(None) };
     Ok(Some(linalg::largest_singular_value(&H).during("L-infinity norm")?))
 }
 
-/// The highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then steps of
-/// several widths both ways, then a golden section.
+/// Returns the highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then
+/// steps of several widths both ways, then a golden section.
 fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
     let at = |rate_rad_s: f64| -> Result<Peak, Error> {
         Ok(Peak { value: gain(g, rate_rad_s)?.unwrap_or(0.0), rate_rad_s })
@@ -77,7 +77,7 @@ fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
     Ok(top)
 }
 
-/// The frequency of a pole, rad/s.
+/// Returns the frequency of a pole, rad/s.
 fn rate_of(pole: C64, timebase: Timebase) -> f64 {
     match timebase {
         Timebase::Continuous => pole.norm(),
@@ -85,8 +85,8 @@ fn rate_of(pole: C64, timebase: Timebase) -> f64 {
     }
 }
 
-/// Whether the Riccati equation of the bounded real lemma has a stabilising solution at a level, so that no singular value of the response
-/// of a continuous system takes it:
+/// Returns whether the Riccati equation of the bounded real lemma has a stabilising solution at a level, so that no singular value of the
+/// response of a continuous system takes it:
 ///
 /// ```text
 ///     A'X + XA - [XB  C'] [-gI  D'; D  -gI]^-1 [B'X; C] = 0
@@ -108,7 +108,8 @@ pub(crate) fn is_kept_by_riccati(g: &StateSpace, level: f64) -> bool {
     })
 }
 
-/// Whether a singular value of the response of a small continuous system takes a level nowhere: all 2 n eigenvalues of
+/// Returns whether a singular value of the response of a small continuous system takes a level nowhere: all 2 n
+/// eigenvalues of
 ///
 /// ```text
 ///     [ A   0   B    0 ]        [ I       ]

@@ -4,7 +4,7 @@
 
 use crate::Mat;
 
-/// The groups of states that act on each other, ordered so that A is block upper triangular in them.
+/// Returns the groups of states that act on each other, ordered so that A is block upper triangular in them.
 pub fn components(A: &Mat) -> Vec<Vec<usize>> {
     let n = A.nrows();
     let reach = reachable(A);
@@ -24,7 +24,7 @@ pub fn components(A: &Mat) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The groups of states that have nothing to do with each other: A is block diagonal in them.
+/// Returns the groups of states that have nothing to do with each other: A is block diagonal in them.
 pub fn independent(A: &Mat) -> Vec<Vec<usize>> {
     let n = A.nrows();
     let mut group: Vec<usize> = (0..n).collect();
@@ -42,7 +42,7 @@ pub fn independent(A: &Mat) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The first member of a state's group (union-find with path halving).
+/// Returns the first member of a state's group (union-find with path halving).
 fn root(group: &mut [usize], mut i: usize) -> usize {
     while group[i] != i {
         group[i] = group[group[i]];

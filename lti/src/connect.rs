@@ -74,7 +74,7 @@ pub fn feedback(l: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     lft(&P, h)
 }
 
-/// Lower linear fractional transformation, **positive**: `u = K y`
+/// Returns the lower linear fractional transformation, **positive**: `u = K y`
 ///
 /// ```text
 ///   w ---> |       | ---> z         P: (w, u) -> (z, y)
@@ -141,7 +141,7 @@ pub fn interconnect(what: &'static str, g: &StateSpace, wires: &Wiring) -> Resul
     StateSpace::new(A, B, S * &NC, S * &NDE, g.timebase)
 }
 
-/// The inverse system, from y to u: A - B inv(D) C, B inv(D), -inv(D) C, inv(D).
+/// Returns the inverse system, from y to u: A - B inv(D) C, B inv(D), -inv(D) C, inv(D).
 ///
 /// # Errors
 /// [`Error::Shape`] where D is not square, [`Error::AlgebraicLoop`] where it is singular: then the inverse is improper.
@@ -169,7 +169,7 @@ impl StateSpace {
         Self::new(self.A.clone(), &self.B * &R, &L * &self.C, &L * &(&self.D * &R), self.timebase)
     }
 
-    /// The system with its states in another order.
+    /// Returns the system with its states in another order.
     pub(crate) fn permute(&self, order: &[usize]) -> Self {
         let inputs: Vec<usize> = (0..self.inputs()).collect();
         let outputs: Vec<usize> = (0..self.outputs()).collect();
@@ -177,12 +177,13 @@ impl StateSpace {
         Self { A, B, C: self.C.select(&outputs, order), D: self.D.clone(), timebase: self.timebase }
     }
 
-    /// The dual system A', C', B', D'.
+    /// Returns the dual system A', C', B', D'.
     pub fn dual(&self) -> Self {
         Self { A: self.A.t(), B: self.C.t(), C: self.B.t(), D: self.D.t(), timebase: self.timebase }
     }
 
-    /// The system in the coordinates x = T z: inv(T) A T, inv(T) B, C T, for a diagonal T without zeros.
+    /// Returns the system in the coordinates x = T z: inv(T) A T, inv(T) B, C T, for a diagonal T without
+    /// zeros.
     pub fn scale_states(&self, T: &[f64]) -> Self {
         let n = self.order();
         let A = Mat::from_fn(n, n, |i, j| self.A[(i, j)] * T[j] / T[i]);
@@ -192,7 +193,7 @@ impl StateSpace {
     }
 }
 
-/// The timebase that both systems have.
+/// Returns the timebase that both systems have.
 ///
 /// # Errors
 /// [`Error::Timebase`] where they differ.

@@ -5,7 +5,8 @@ use crate::tolerance::MOST_DELAY_STATES;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// The Padé approximation \[n/n\] of exp(-s delay): all-pass, unit gain, phase right up to about n radians.
+/// Returns the Padé approximation \[n/n\] of exp(-s delay): all-pass, unit gain, phase right up to about n
+/// radians.
 ///
 /// From the continued fraction tanh p = 1/(1/p + 1/(3/p + 1/(5/p + ...))), p = s delay/2, of which the approximation
 /// is (1 - tanh p)/(1 + tanh p) cut after n terms. The ladder gives A = (2/delay) D M^-1 D, D = diag(sqrt(1, 3, 5, ...)), M a

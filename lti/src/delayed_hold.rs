@@ -40,7 +40,7 @@ pub fn c2d_delayed(g: &StateSpace, period_s: f64, delay_s: f64) -> Result<StateS
     if whole == 0.0 { Ok(sampled) } else { series(&lines, &sampled) }
 }
 
-/// The same for a delay that is a share of a period.
+/// Returns the same for a delay that is a share of a period.
 fn partly_delayed(g: &StateSpace, period_s: f64, share: f64) -> Result<StateSpace, Error> {
     let (n, m) = (g.order(), g.inputs());
     let timebase = Timebase::Discrete { period_s };

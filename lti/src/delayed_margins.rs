@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use crate::discretise::needs_continuous;
 use crate::margins::{Margins, gain_margins, phase_margins};
+use crate::response::Point;
 use crate::roots::{poles, poles_on_boundary};
-use crate::scan::{Point, Scan};
+use crate::scan::Scan;
 use crate::tolerance::{DELAYED_BOUNDARY_POLE, DELAYED_POLE_ON_AXIS};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, StateSpace, response};

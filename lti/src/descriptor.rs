@@ -28,14 +28,14 @@ pub struct Descriptor {
 pub struct Reduced {
     /// The finite modes and the direct path.
     pub system: StateSpace,
-    /// What the input's derivatives contribute, each p x m; empty where the system is proper.
+    /// What the input's derivatives contribute, each p x m; empty if the system is proper.
     pub derivatives: Vec<Mat>,
     /// Number of rounds of constraints that were eliminated: zero if E is invertible, one for an index of one.
     pub rounds: usize,
 }
 
 impl Descriptor {
-    /// The system with the given matrices.
+    /// Returns the system with the given matrices.
     ///
     /// # Errors
     /// [`Error::Shape`] where E is not of the shape of A, [`Error::NotFinite`].
@@ -49,11 +49,11 @@ impl Descriptor {
         Ok(Self { E, system })
     }
 
-    /// The finite modes as a state-space system, and what the input's derivatives contribute.
+    /// Returns the finite modes as a state-space system, and what the input's derivatives contribute.
     ///
     /// Scaled by powers of two, then in rounds: E is brought to echelon form; rows without E are constraints
     /// `0 = R x + b u + b1 u' ...`; as many variables as there are constraints are expressed by the others and vanish;
-    /// until E is invertible. Complete pivoting throughout, and an entry is zero where it cancelled to 1e-11 of what
+    /// until E is invertible. Complete pivoting throughout, and an entry is zero if it cancelled to 1e-11 of what
     /// was summed to it, so that ranks are decided entry by entry: time constants eleven decades apart do not blur
     /// them as they blur singular values. O(n^3) a round.
     ///
@@ -68,7 +68,7 @@ impl Descriptor {
         pencil.finish(self, rate, rounds)
     }
 
-    /// The proper system with this transfer function.
+    /// Returns the proper system with this transfer function.
     ///
     /// # Errors
     /// As [`Descriptor::reduce_index`]; [`Error::Improper`] where an output contains a derivative of an input.
@@ -95,7 +95,7 @@ struct Pencil {
 }
 
 impl Pencil {
-    /// Rows and columns of like size, time in units of the returned rate.
+    /// Returns rows and columns of like size, time in units of the returned rate.
     fn scaled(g: &Descriptor) -> (Self, f64) {
         let (E, A) = (&g.E, &g.system.A);
         let rate = match (mean_log(A), mean_log(E)) {
@@ -116,7 +116,7 @@ impl Pencil {
         (pencil, rate)
     }
 
-    /// One round; false where E is invertible.
+    /// Carries out one round of the reduction; returns `false` if E is invertible, so that nothing is left to do.
     fn round(&mut self) -> Result<bool, Error> {
         let n = self.A.value.nrows();
         let (mut free, mut cols): (Vec<usize>, Vec<usize>) = ((0..n).collect(), (0..n).collect());
@@ -132,7 +132,8 @@ impl Pencil {
         Ok(true)
     }
 
-    /// Which variable each constraint determines: those without E first, a derivative only where it must be.
+    /// Returns which variable each constraint determines: those without E first, a derivative only where it
+    /// must be.
     fn solve_constraints(&mut self, free: &[usize]) -> Result<Vec<(usize, usize)>, Error> {
         let (mut static_, mut dynamic): (Vec<usize>, Vec<usize>) =
             (0..self.A.value.ncols()).partition(|&j| self.E.column_is_zero(j));
@@ -221,7 +222,7 @@ impl Pencil {
     }
 }
 
-/// The gains of the derivatives in units of time, up to the last that is not rounding error.
+/// Returns the gains of the derivatives in units of time, up to the last that is not rounding error.
 fn derivatives(D: &[Tracked], rate: f64) -> Vec<Mat> {
     let largest = D.iter().map(|gain| gain.value.norm_max()).fold(0.0, f64::max);
     let clean = |value: f64| if value.abs() > IMPROPER * IMPROPER * largest { value } else { 0.0 };
@@ -233,7 +234,7 @@ fn derivatives(D: &[Tracked], rate: f64) -> Vec<Mat> {
     found
 }
 
-/// The mean binary logarithm of the entries that are not zero.
+/// Returns the mean binary logarithm of the entries that are not zero.
 fn mean_log(M: &Mat) -> Option<f64> {
     let logs: Vec<f64> = M.as_slice().iter().filter(|&&x| x != 0.0).map(|x| x.abs().log2()).collect();
     (!logs.is_empty()).then(|| logs.iter().sum::<f64>() / logs.len() as f64)

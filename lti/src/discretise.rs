@@ -23,7 +23,7 @@ pub enum Discretisation {
     Matched,
 }
 
-/// The sampled system of period `period_s`.
+/// Returns the sampled system of period `period_s`.
 ///
 /// # Errors
 /// [`Error::Timebase`] for a system that is sampled already, [`Error::Period`], [`Error::Range`] for a prewarping
@@ -42,7 +42,7 @@ pub fn c2d(g: &StateSpace, period_s: f64, method: Discretisation) -> Result<Stat
     }
 }
 
-/// The continuous system whose Tustin discretisation is `g`.
+/// Returns the continuous system whose Tustin discretisation is `g`.
 ///
 /// # Errors
 /// [`Error::Timebase`] for a continuous system, [`Error::Range`] for the prewarping frequency, [`Error::Pole`] for a
@@ -99,7 +99,7 @@ fn first_order_hold(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> 
     StateSpace::new(F, B, g.C.clone(), D, Timebase::Discrete { period_s })
 }
 
-/// The a of s = a (z - 1)/(z + 1).
+/// Returns the a of s = a (z - 1)/(z + 1).
 fn slope(period_s: f64, prewarp_rad_s: Option<f64>) -> Result<f64, Error> {
     match prewarp_rad_s {
         None => Ok(2.0 / period_s),
@@ -167,7 +167,7 @@ pub struct Cost<'a> {
     pub S: &'a Mat,
 }
 
-/// The exact cost of one period under a held input (Van Loan, IEEE TAC 23 (1978) 395)
+/// Returns the exact cost of one period under a held input (Van Loan, IEEE TAC 23 (1978) 395)
 ///
 /// ```text
 ///   integral over T of [x; u]' [Q S; S' R] [x; u] dt  =  [x0; u]' [Qd Sd; Sd' Rd] [x0; u]

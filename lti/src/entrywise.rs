@@ -5,7 +5,7 @@
 
 use crate::components::components;
 use crate::error::During;
-use crate::roots::sort;
+use crate::root_order::sort_roots;
 use crate::scaling::balance;
 use crate::tracked::{Tracked, eliminate, solve_pivots};
 use crate::{C64, Error, Mat, StateSpace};
@@ -19,7 +19,7 @@ struct TrackedSystem {
     D: Tracked,
 }
 
-/// The finite invariant zeros, sorted by real, then imaginary part.
+/// Returns the finite invariant zeros, sorted by real, then imaginary part.
 ///
 /// # Errors
 /// Returns [`Error::Matrix`] if a decomposition fails.
@@ -32,12 +32,13 @@ pub(crate) fn entrywise_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
 }
 
 impl TrackedSystem {
-    /// The system with inputs and outputs exchanged.
+    /// Returns the system with inputs and outputs exchanged.
     fn dual(&self) -> Self {
         Self { A: self.A.t(), B: self.C.t(), C: self.B.t(), D: self.D.t() }
     }
 
-    /// The system without the states and outputs that hide the zeros: its direct path has full row rank.
+    /// Returns the system without the states and outputs that hide the zeros: its direct path has full row
+    /// rank.
     fn compress(mut self) -> Result<Self, Error> {
         loop {
             let mut hidden: Vec<usize> = (0..self.C.value.nrows()).collect();
@@ -56,8 +57,8 @@ impl TrackedSystem {
         }
     }
 
-    /// The outputs `direct` and the states that the pivots (output, state) do not determine, x_p = -X x. The equations of
-    /// the states that are gone become outputs.
+    /// Returns the outputs `direct` and the states that the pivots (output, state) do not determine, x_p = -X x. The
+    /// equations of the states that are gone become outputs.
     fn without(self, direct: &[usize], pivots: &[(usize, usize)]) -> Result<Self, Error> {
         let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
         let kept: Vec<usize> = (0..self.A.value.nrows()).filter(|j| !gone.contains(j)).collect();
@@ -75,7 +76,7 @@ impl TrackedSystem {
         Ok(Self { A, B, C, D })
     }
 
-    /// The eigenvalues of `A - B D^-1 C` for an invertible `D`, group by group of states.
+    /// Returns the eigenvalues of `A - B D^-1 C` for an invertible `D`, group by group of states.
     fn eigenvalues(mut self, g: &StateSpace) -> Result<Vec<C64>, Error> {
         let mut outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
         let mut inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
@@ -91,7 +92,7 @@ impl TrackedSystem {
         for group in components(&A) {
             zeros.extend(linalg::eigenvalues(&A.select(&group, &group)).during("zeros")?);
         }
-        sort(&mut zeros);
+        sort_roots(&mut zeros);
         Ok(zeros)
     }
 }

@@ -134,7 +134,7 @@ pub enum Error {
 
 /// Says which operation a refused matrix computation belonged to.
 pub(crate) trait During<T> {
-    /// The same result, with the operation's name in its error.
+    /// Returns the same result, with the operation's name in its error.
     fn during(self, what: &'static str) -> Result<T, Error>;
 }
 

@@ -5,7 +5,7 @@ use crate::roots::{is_stable_pole, poles};
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// The controllability Gramian P: `A P + P A' + B B' = 0`, or `A P A' - P + B B' = 0`.
+/// Returns the controllability Gramian P: `A P + P A' + B B' = 0`, or `A P A' - P + B B' = 0`.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -14,7 +14,7 @@ pub fn ctrb_gramian(g: &StateSpace) -> Result<Mat, Error> {
     Ok(&L * &L.t())
 }
 
-/// The observability Gramian Q: `A' Q + Q A + C' C = 0`, or `A' Q A - Q + C' C = 0`.
+/// Returns the observability Gramian Q: `A' Q + Q A + C' C = 0`, or `A' Q A - Q + C' C = 0`.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -45,7 +45,7 @@ pub fn obsv_factor(g: &StateSpace) -> Result<Mat, Error> {
     ctrb_factor(&g.dual())
 }
 
-/// Both factors, of P and of Q, from one Schur form.
+/// Returns both factors, of P and of Q, from one Schur form.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -60,7 +60,7 @@ pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
     }
 }
 
-/// The Hankel values, largest first: the square roots of the eigenvalues of P Q, from the factors.
+/// Returns the Hankel values, largest first: the square roots of the eigenvalues of P Q, from the factors.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -69,7 +69,7 @@ pub fn hankel_values(g: &StateSpace) -> Result<Vec<f64>, Error> {
     linalg::singular_values(&(&L.t() * &R)).during("Hankel values")
 }
 
-/// The Hankel norm, the largest Hankel value.
+/// Returns the Hankel norm, the largest Hankel value.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -77,7 +77,7 @@ pub fn hankelnorm(g: &StateSpace) -> Result<f64, Error> {
     Ok(hankel_values(g)?.first().copied().unwrap_or(0.0))
 }
 
-/// The error that names the least stable pole.
+/// Returns the error that names the least stable pole.
 fn unstable(what: &'static str, g: &StateSpace) -> Result<Error, Error> {
     let poles = poles(g)?;
     let outside = poles.iter().filter(|&&p| !is_stable_pole(p, g.timebase));

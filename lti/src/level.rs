@@ -1,7 +1,7 @@
 //! The frequencies at which a singular value of a response takes a given level, and the search for peaks between them.
 
 use crate::error::During;
-use crate::norms::{Peak, gains};
+use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::tolerance::{
     CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM,
@@ -17,7 +17,7 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    /// The eigenvalues that belong to a level of a continuous system.
+    /// Returns the eigenvalues that belong to a level of a continuous system.
     ///
     /// # Errors
     /// Returns [`Error::Matrix`] if the level is a singular value of the direct path or the eigenvalue iteration fails.
@@ -27,7 +27,7 @@ impl Level {
         Ok(Self { matrix, eigenvalues })
     }
 
-    /// Frequencies at which a singular value may equal the level, ascending.
+    /// Returns frequencies at which a singular value may equal the level, ascending.
     pub(crate) fn frequencies(&self) -> Vec<f64> {
         let near = NEAR_AXIS_NORM * self.matrix.norm_fro();
         let on_axis = |s: &&C64| s.im >= 0.0 && s.re.abs() <= NEAR_AXIS * s.norm() + near;
@@ -36,12 +36,13 @@ impl Level {
         rates
     }
 
-    /// Whether no eigenvalue lies on the imaginary axis, whatever rounding the entries of the matrix did.
+    /// Returns whether no eigenvalue lies on the imaginary axis, whatever rounding the entries of the matrix
+    /// did.
     pub(crate) fn is_clear(&self) -> bool {
         linalg::is_clear_of_boundary(&self.matrix, Boundary::ImaginaryAxis).unwrap_or(false)
     }
 
-    /// All eigenvalues, as doubles give them.
+    /// Returns all eigenvalues, as doubles give them.
     pub(crate) fn eigenvalues(&self) -> &[C64] {
         &self.eigenvalues
     }
@@ -97,7 +98,7 @@ pub(crate) fn search_everywhere(
 ) -> Result<bool, Error> {
     let mut rates = with_middles(&level.doubtful_frequencies());
     rates.sort_by(f64::total_cmp);
-    let values = gains(response, &rates)?;
+    let values = largest_gains(response, &rates)?;
     let mut found = *best;
     for k in summits(&values, LOW_SUMMIT * best.value) {
         let (low, high) = (rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]);
@@ -115,7 +116,7 @@ pub(crate) fn search_everywhere(
     Ok(risen)
 }
 
-/// Where a list of values has its highest local maxima above a limit.
+/// Returns where a list of values has its highest local maxima above a limit.
 fn summits(values: &[f64], limit: f64) -> Vec<usize> {
     let last = values.len().saturating_sub(1);
     let is_summit = |&k: &usize| {
@@ -129,7 +130,7 @@ fn summits(values: &[f64], limit: f64) -> Vec<usize> {
     places
 }
 
-/// The top of the hill between two frequencies, from a point on it.
+/// Returns the top of the hill between two frequencies, from a point on it.
 fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak, Error> {
     let end =
         |rate_rad_s| if rate_rad_s == top.rate_rad_s { top } else { Peak { value: f64::NAN, rate_rad_s } };
@@ -138,7 +139,7 @@ fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak
     for _ in 0..CLIMB_ROUNDS {
         let width = hill.width();
         let rates = if is_guided { hill.around_vertex() } else { None }.unwrap_or_else(|| hill.uniform());
-        let values = gains(response, &rates)?.into_iter().zip(rates);
+        let values = largest_gains(response, &rates)?.into_iter().zip(rates);
         let mut points: Vec<Peak> = values.map(|(value, rate_rad_s)| Peak { value, rate_rad_s }).collect();
         // The highest comes first: the others are then its neighbours.
         points.sort_by(|a, b| b.value.total_cmp(&a.value));
@@ -198,7 +199,7 @@ impl Hill {
         }
     }
 
-    /// Whether the values differ by rounding only.
+    /// Returns whether the values differ by rounding only.
     fn is_flat(&self) -> bool {
         self.low.value.min(self.high.value) >= self.top.value * (1.0 - 4.0 * f64::EPSILON)
             && !self.low.value.is_nan()

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::connect::feedback;
-use crate::norms::Peak;
+use crate::peak::Peak;
+use crate::response::Point;
 use crate::roots::{is_stable_pole, poles};
-use crate::scan::{Point, Scan};
+use crate::scan::Scan;
 use crate::tolerance::{NEGLIGIBLE_GAIN, REAL_CROSSING, UNIT_CROSSING};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, response};
@@ -92,12 +93,12 @@ pub struct CandidateMargins {
 }
 
 impl CandidateMargins {
-    /// The gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
+    /// Returns the gain margin nearest to one either way, in dB without sign; infinite if nothing crosses.
     pub fn gain_margin_db(&self) -> f64 {
         nearest_gain_db(&self.gain)
     }
 
-    /// The phase margin of smallest size, if the loop gain crosses one.
+    /// Returns the phase margin of smallest size, if the loop gain crosses one.
     pub fn phase_margin(&self) -> Option<&PhaseMargin> {
         smallest_phase(&self.phase)
     }
@@ -126,30 +127,30 @@ impl Margins {
         }
     }
 
-    /// The smallest increase of gain, if any reaches the critical point.
+    /// Returns the smallest increase of gain, if any reaches the critical point.
     pub fn gain_increase(&self) -> Option<&GainMargin> {
         let upward = self.gain.iter().filter(|margin| margin.change == GainChange::Increase);
         upward.min_by(|a, b| a.factor.total_cmp(&b.factor))
     }
 
-    /// The smallest decrease of gain, if any reaches the critical point.
+    /// Returns the smallest decrease of gain, if any reaches the critical point.
     pub fn gain_decrease(&self) -> Option<&GainMargin> {
         let downward = self.gain.iter().filter(|margin| margin.change == GainChange::Decrease);
         downward.max_by(|a, b| a.factor.total_cmp(&b.factor))
     }
 
-    /// The gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
+    /// Returns the gain margin nearest to one either way, in dB without sign; infinite if nothing crosses.
     pub fn gain_margin_db(&self) -> f64 {
         nearest_gain_db(&self.gain)
     }
 
-    /// The phase margin of smallest size, if the loop gain crosses one.
+    /// Returns the phase margin of smallest size, if the loop gain crosses one.
     pub fn phase_margin(&self) -> Option<&PhaseMargin> {
         smallest_phase(&self.phase)
     }
 }
 
-/// The margins of L in the loop 1/(1 + L).
+/// Returns the margins of L in the loop 1/(1 + L).
 ///
 /// The response is evaluated on a grid that starts from all poles and zeros and is refined until neighbours agree within
 /// a quarter of the distance to the critical point (three percent near the unit circle and the negative axis); each
@@ -171,9 +172,10 @@ pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
     })
 }
 
-/// The margins of one of many loops that are compared: crossings and the sensitivity's peak as [`margins`] closes in on them, on a grid that
-/// starts from zeros without the correction in 32 digits, so the answers differ by rounding. A loop with double zeros, as the bilinear map
-/// makes them at half the sampling rate, takes a hundredth of the time. Whether the closed loop is stable is left to the caller.
+/// Returns the margins of one of many loops that are compared: crossings and the sensitivity's peak as [`margins`] closes in on them, on a
+/// grid that starts from zeros without the correction in 32 digits, so the answers differ by rounding. A loop with double zeros, as the
+/// bilinear map makes them at half the sampling rate, takes a hundredth of the time. Whether the closed loop is stable is left to the
+/// caller.
 ///
 /// # Errors
 /// [`Error::NotSiso`].
@@ -184,7 +186,8 @@ pub fn candidate_margins(loop_gain: &StateSpace) -> Result<CandidateMargins, Err
     Ok(CandidateMargins { ms: sensitivity_peak(&scan), gain, phase })
 }
 
-/// The crossings of the negative real axis and of the unit circle; the ends of the axis are added to the scan.
+/// Returns the crossings of the negative real axis and of the unit circle; the ends of the axis are added to
+/// the scan.
 fn crossings(scan: &mut Scan, loop_gain: &StateSpace) -> (Vec<GainMargin>, Vec<PhaseMargin>) {
     let ends = ends(loop_gain);
     let phase = phase_margins(scan);
@@ -194,7 +197,7 @@ fn crossings(scan: &mut Scan, loop_gain: &StateSpace) -> (Vec<GainMargin>, Vec<P
     (gain, phase)
 }
 
-/// The loop at zero frequency and at the upper end of the axis, where it is finite there.
+/// Returns the loop at zero frequency and at the upper end of the axis, where it is finite there.
 fn ends(g: &StateSpace) -> Vec<Point> {
     let mut ends = Vec::new();
     let mut add = |rate: f64, value: Option<C64>| ends.extend(value.map(|value| Point { rate, value }));
@@ -256,7 +259,7 @@ impl DiskMargin {
     }
 }
 
-/// The pole nearest to or farthest beyond the border.
+/// Returns the pole nearest to or farthest beyond the border.
 fn critical(poles: &[C64], timebase: Timebase) -> C64 {
     let size = |pole: &C64| if timebase == Timebase::Continuous { pole.re } else { pole.norm() };
     poles.iter().max_by(|a, b| size(a).total_cmp(&size(b))).copied().unwrap_or_default()

@@ -6,7 +6,8 @@
 use crate::connect::feedback;
 use crate::error::During;
 use crate::margins::DiskMargin;
-use crate::norms::{Peak, linfnorm, linfnorm_bounds};
+use crate::norms::{linfnorm, linfnorm_bounds};
+use crate::peak::Peak;
 use crate::response::Response;
 use crate::roots::{is_stable, poles};
 use crate::tolerance::{
@@ -63,13 +64,13 @@ pub fn multiloop_margins(loop_gain: &StateSpace) -> Result<MultiloopMargins, Err
     })
 }
 
-/// The margin that belongs to an upper bound of the norm.
+/// Returns the margin that belongs to an upper bound of the norm.
 fn proved(g: &StateSpace) -> Result<DiskMargin, Error> {
     let bounds = linfnorm_bounds(g, MULTILOOP_NORM)?;
     Ok(DiskMargin::of(Peak { value: bounds.upper, ..bounds.lower }))
 }
 
-/// One diagonal channel.
+/// Returns one diagonal channel.
 fn channel(g: &StateSpace, k: usize) -> Result<StateSpace, Error> {
     let n = g.order();
     let D = Mat::eye(1).scale(g.D[(k, k)]);
@@ -117,7 +118,7 @@ fn is_summit(values: &[(f64, Vec<f64>)], k: usize) -> bool {
     values[k].0 >= values[k.saturating_sub(1)].0 && values[k].0 >= next
 }
 
-/// The top of the hill between two frequencies.
+/// Returns the top of the hill between two frequencies.
 fn climb(
     response: &Response,
     [mut low, mut high]: [f64; 2],
@@ -138,7 +139,7 @@ fn climb(
     Ok(top)
 }
 
-/// Frequencies over all poles of the closed loop.
+/// Returns frequencies over all poles of the closed loop.
 fn grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
     let mut roots = poles(g)?;
     let mut highest = f64::INFINITY;
@@ -166,8 +167,8 @@ fn grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
     Ok(rates)
 }
 
-/// The smallest largest singular value of D H D^-1 over positive diagonal D, and D. The norm is convex in the logarithms of D
-/// (Sezginer and Overton 1990), which are searched one after the other.
+/// Returns the smallest largest singular value of D H D^-1 over positive diagonal D, and D. The norm is convex in the
+/// logarithms of D (Sezginer and Overton 1990), which are searched one after the other.
 fn smallest_norm(H: &CMat) -> Result<(f64, Vec<f64>), Error> {
     let m = H.nrows();
     let mut logs = osborne(H);
@@ -249,7 +250,7 @@ mod tests {
     use super::*;
     use crate::C64;
 
-    /// The spinning satellite of Doyle: good margins loop by loop, poor ones together.
+    /// Returns the spinning satellite of Doyle: good margins loop by loop, poor ones together.
     fn satellite() -> StateSpace {
         let a = 10.0;
         let A = Mat::from_rows(&[&[0.0, a], &[-a, 0.0]]);

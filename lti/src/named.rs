@@ -17,7 +17,7 @@ pub struct Named {
 }
 
 impl Named {
-    /// Names the signals of a system.
+    /// Returns names the signals of a system.
     ///
     /// # Errors
     /// [`Error::Shape`] where the names are not one a signal.
@@ -30,7 +30,8 @@ impl Named {
         Ok(Self { system, inputs: own(inputs), outputs: own(outputs) })
     }
 
-    /// The sum `output = sum of factor * signal`, as a static block: `Named::sum("e", &[(1.0, "r"), (-1.0, "y")], ...)`.
+    /// Returns the sum `output = sum of factor * signal`, as a static block: `Named::sum("e", &[(1.0, "r"), (-1.0,
+    /// "y")], ...)`.
     ///
     /// # Errors
     /// As [`StateSpace::gain`].
@@ -41,7 +42,7 @@ impl Named {
     }
 }
 
-/// The system from the external signals `inputs` to the signals `outputs`, all blocks wired by name.
+/// Returns the system from the external signals `inputs` to the signals `outputs`, all blocks wired by name.
 ///
 /// An input of a block is fed by the block output or external input of the same name; an external input may be asked
 /// for as an output too. States are those of the blocks, in their order.
@@ -78,7 +79,7 @@ pub fn connect(blocks: &[Named], inputs: &[&str], outputs: &[&str]) -> Result<St
     interconnect("connect", &all, &Wiring { F: &F, E: &E, S: &S })
 }
 
-/// Which output drives each signal.
+/// Returns which output drives each signal.
 fn drivers(driven: &[String]) -> Result<BTreeMap<&str, usize>, Error> {
     let mut drivers = BTreeMap::new();
     for (at, name) in driven.iter().enumerate() {
@@ -105,7 +106,7 @@ fn signal(name: &str, problem: &'static str, known: &[String]) -> Error {
     Error::Signal { name: name.to_string(), problem, hint }
 }
 
-/// The number of letters to change, add or leave out (Levenshtein).
+/// Returns the number of letters to change, add or leave out (Levenshtein).
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

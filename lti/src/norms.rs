@@ -5,6 +5,7 @@ use crate::discretise::d2c_tustin;
 use crate::error::During;
 use crate::gramians::ctrb_factor;
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
+use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::roots::{examined, is_stable, poles};
 use crate::scaling::balance;
@@ -12,16 +13,8 @@ use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// The largest value of a function of frequency.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
-    /// The value.
-    pub value: f64,
-    /// Where, in rad/s; infinite where the direct path is the largest.
-    pub rate_rad_s: f64,
-}
-
-/// The H2 norm, sqrt(trace(C P C' + D D' where sampled)): the rms output for white noise of unit intensity.
+/// Returns the H2 norm, sqrt(trace(C P C' + D D' where sampled)): the rms output for white noise of unit
+/// intensity.
 ///
 /// Infinite for an unstable system, and for a continuous one with a direct path: that is its value, not an error.
 ///
@@ -38,7 +31,8 @@ pub fn h2norm(g: &StateSpace) -> Result<f64, Error> {
     }
 }
 
-/// The H-infinity norm: the peak of the largest singular value for a stable system, infinite for another.
+/// Returns the H-infinity norm: the peak of the largest singular value for a stable system, infinite for
+/// another.
 ///
 /// `tolerance` is relative, 1e-10 say. Method and errors as [`linfnorm`].
 ///
@@ -58,7 +52,7 @@ pub fn hinfnorm(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
     Ok(Peak { value: f64::INFINITY, rate_rad_s: worst.unwrap_or(0.0) })
 }
 
-/// The L-infinity norm: the peak of the largest singular value on the frequency axis, stable or not.
+/// Returns the L-infinity norm: the peak of the largest singular value on the frequency axis, stable or not.
 ///
 /// Bruinsma and Steinbuch's iteration (Systems & Control Letters 14 (1990) 287): the frequencies at which a singular
 /// value takes a trial value are the imaginary eigenvalues of a Hamiltonian matrix; the response between them raises
@@ -95,9 +89,10 @@ pub struct NormBounds {
     pub upper: f64,
 }
 
-/// The L-infinity norm with a bound from above: the smallest level among `lower (1 + tolerance 10^k)` at which the Hamiltonian
-/// matrix has no eigenvalue on the imaginary axis, rounding of its entries included to first order; or at which the Riccati equation of the
-/// bounded real lemma has a stabilising solution; of a small system also if the eigenvalues are off the axis in 32 digits. The upper bound is infinite if there is no such level up to ten times the lower bound.
+/// Returns the L-infinity norm with a bound from above: the smallest level among `lower (1 + tolerance 10^k)` at which the Hamiltonian matrix has no
+/// eigenvalue on the imaginary axis, rounding of its entries included to first order; or at which the Riccati equation of the bounded real lemma has
+/// a stabilising solution; of a small system also if the eigenvalues are off the axis in 32 digits. The upper bound is infinite if there is no such
+/// level up to ten times the lower bound.
 ///
 /// # Errors
 /// As [`linfnorm`].
@@ -125,7 +120,7 @@ pub fn linfnorm_bounds(g: &StateSpace, tolerance: f64) -> Result<NormBounds, Err
     Ok(NormBounds { lower, upper: f64::INFINITY })
 }
 
-/// The frequency of a pole on the boundary of stability, if there is one.
+/// Returns the frequency of a pole on the boundary of stability, if there is one.
 fn pole_on_the_border(g: &StateSpace, poles: &[C64]) -> Result<Option<f64>, Error> {
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let on_border = |p: &&C64| match g.timebase {
@@ -142,7 +137,7 @@ fn pole_on_the_border(g: &StateSpace, poles: &[C64]) -> Result<Option<f64>, Erro
     }))
 }
 
-/// The peak of a balanced continuous system with the given poles.
+/// Returns the peak of a balanced continuous system with the given poles.
 fn continuous(g: &StateSpace, poles: &[C64], tolerance: f64) -> Result<Peak, Error> {
     let response = Response::of(g)?;
     let direct = largest_singular_value(&g.D)?;
@@ -173,18 +168,12 @@ fn continuous(g: &StateSpace, poles: &[C64], tolerance: f64) -> Result<Peak, Err
 
 /// Raises the peak to the largest value at the given frequencies.
 fn raise(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Error> {
-    for (value, &rate_rad_s) in gains(response, rates)?.into_iter().zip(rates) {
+    for (value, &rate_rad_s) in largest_gains(response, rates)?.into_iter().zip(rates) {
         if value > best.value {
             *best = Peak { value, rate_rad_s };
         }
     }
     Ok(())
-}
-
-/// The largest singular value of the response at each frequency.
-pub(crate) fn gains(response: &Response, rates: &[f64]) -> Result<Vec<f64>, Error> {
-    let largest = |H: &crate::CMat| linalg::largest_singular_value(H).during("L-infinity norm");
-    response.at_all(rates)?.iter().map(largest).collect()
 }
 
 fn largest_singular_value(D: &Mat) -> Result<f64, Error> {

@@ -4,6 +4,7 @@
 //! method 0: each eigenvector in turn is chosen, within the space that its pole allows, as orthogonal to all others as can be.
 
 use crate::error::During;
+use crate::root_order::sort_roots;
 use crate::tolerance::{PLACEMENT_RANK, PLACEMENT_SETTLED, PLACEMENT_SWEEPS, SAME_POLE};
 use crate::{C64, CMat, Error, Mat};
 use counterpoise_linalg as linalg;
@@ -40,7 +41,7 @@ pub fn place(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<Placement, Error> {
     let vectors = Vectors::start(&poles, spaces?).improved()?;
     let F = inputs.gain(A, &poles, &vectors.X)?;
     let mut poles = linalg::eigenvalues(&(A - &(B * &F))).during("pole placement")?;
-    crate::roots::sort(&mut poles);
+    sort_roots(&mut poles);
     Ok(Placement { F, poles, condition: vectors.condition()? })
 }
 
@@ -111,7 +112,8 @@ impl Inputs {
         })
     }
 
-    /// An orthonormal basis of the eigenvectors that a pole may have: the null space of U1'(A - pole I).
+    /// Returns an orthonormal basis of the eigenvectors that a pole may have: the null space of U1'(A - pole
+    /// I).
     fn space(&self, A: &Mat, pole: C64) -> Result<CMat, Error> {
         let n = A.nrows();
         let rows = n - self.rank;
@@ -151,7 +153,7 @@ struct Vectors {
 }
 
 impl Vectors {
-    /// A vector of each space, not the same one for poles that are repeated.
+    /// Returns a vector of each space, not the same one for poles that are repeated.
     fn start(poles: &[C64], spaces: Vec<CMat>) -> Self {
         let n = poles.len();
         let mirrored: Vec<bool> = (0..n).map(|k| poles[k].im < 0.0).collect();
@@ -177,7 +179,8 @@ impl Vectors {
         Self { X, spaces, mirrored }
     }
 
-    /// The vectors after sweeps that each make one of them as orthogonal to the others as its space allows.
+    /// Returns the vectors after sweeps that each make one of them as orthogonal to the others as its space
+    /// allows.
     fn improved(mut self) -> Result<Self, Error> {
         let mut best = self.condition()?;
         let mut kept = self.X.clone();

@@ -8,7 +8,14 @@ use crate::structure::modes;
 use crate::{C64, CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// `C inv(s I - A) B + D` at s = j w (continuous) or z = exp(j w T) (discrete), for each w in rad/s.
+/// One point of the response of a system with one input and one output: a frequency in rad/s and the value there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    pub rate: f64,
+    pub value: C64,
+}
+
+/// Returns `C inv(s I - A) B + D` at s = j w (continuous) or z = exp(j w T) (discrete), for each w in rad/s.
 ///
 /// States scaled by powers of two, orthogonal reduction to Hessenberg form (10/3 n^3), then per point O(n^2) with
 /// pivoting between neighbouring columns (the arrangement of Laub, IEEE TAC 26 (1981) 407, from the right so that nothing
@@ -20,7 +27,7 @@ pub fn frequency_response(g: &StateSpace, rates_rad_s: &[f64]) -> Result<Vec<CMa
     Response::of(g)?.at_all(rates_rad_s)
 }
 
-/// The response at one frequency in rad/s; as [`frequency_response`].
+/// Returns the response at one frequency in rad/s; as [`frequency_response`].
 ///
 /// # Errors
 /// As [`frequency_response`].
@@ -37,7 +44,7 @@ pub fn sigma(g: &StateSpace, rates_rad_s: &[f64]) -> Result<Vec<Vec<f64>>, Error
     responses.iter().map(|H| linalg::csingular_values(H).during("sigma")).collect()
 }
 
-/// The gain at zero frequency: C inv(-A) B + D, or C inv(I - A) B + D.
+/// Returns the gain at zero frequency: C inv(-A) B + D, or C inv(I - A) B + D.
 ///
 /// # Errors
 /// [`Error::Pole`] where the system integrates.
@@ -84,7 +91,7 @@ impl Response {
         Ok(Self { parts: parts?, D: scaled.D, dual, timebase: g.timebase })
     }
 
-    /// The response at one frequency in rad/s.
+    /// Returns the response at one frequency in rad/s.
     ///
     /// # Errors
     /// As [`frequency_response`].
@@ -93,7 +100,7 @@ impl Response {
         self.gather(&self.sum(&Lane::new(&[s])), 0, s)
     }
 
-    /// The response at each frequency in rad/s.
+    /// Returns the response at each frequency in rad/s.
     ///
     /// # Errors
     /// As [`frequency_response`].
@@ -102,7 +109,7 @@ impl Response {
         self.at_points(&points)
     }
 
-    /// The response at each point s (or z) of the complex plane.
+    /// Returns the response at each point s (or z) of the complex plane.
     ///
     /// # Errors
     /// As [`frequency_response`].
@@ -119,7 +126,7 @@ impl Response {
         Ok(out)
     }
 
-    /// The parts' responses added, p x m, column by column.
+    /// Returns the parts' responses added, p x m, column by column.
     fn sum<const N: usize>(&self, s: &Lane<N>) -> Vec<Lane<N>> {
         let mut sum = vec![Lane::ZERO; self.D.as_slice().len()];
         for part in &self.parts {
@@ -129,7 +136,7 @@ impl Response {
         sum
     }
 
-    /// The first entry of the response at each frequency, not finite where that is a pole.
+    /// Returns the first entry of the response at each frequency, not finite where that is a pole.
     pub(crate) fn scalar_at_all(&self, rates_rad_s: &[f64]) -> Vec<C64> {
         let mut out = Vec::with_capacity(rates_rad_s.len());
         for group in rates_rad_s.chunks(LANES) {
@@ -141,7 +148,7 @@ impl Response {
         out
     }
 
-    /// One lane's answer, with the direct path, refused where the point was a pole.
+    /// Returns one lane's answer, with the direct path, refused where the point was a pole.
     fn gather<const N: usize>(&self, values: &[Lane<N>], lane: usize, s: C64) -> Result<CMat, Error> {
         let (p, m) = self.D.shape();
         let G = CMat::from_fn(p, m, |i, j| values[j * p + i].get(lane) + self.D[(i, j)]);
@@ -164,7 +171,8 @@ impl Part {
     }
 }
 
-/// Upper Hessenberg H = U' A U, group of states by group, and the system in the order of the groups that U refers to.
+/// Returns the upper Hessenberg H = U' A U, group of states by group, and the system in the order of the groups that
+/// U refers to.
 fn block_hessenberg(g: &StateSpace) -> Result<(Mat, Mat, StateSpace), Error> {
     let groups = components(&g.A);
     let order: Vec<usize> = groups.iter().flatten().copied().collect();
@@ -189,7 +197,7 @@ fn block_hessenberg(g: &StateSpace) -> Result<(Mat, Mat, StateSpace), Error> {
     Ok((H, U, g))
 }
 
-/// The point of the complex plane that belongs to a frequency in rad/s.
+/// Returns the point of the complex plane that belongs to a frequency in rad/s.
 pub fn point(rate_rad_s: f64, timebase: Timebase) -> C64 {
     match timebase {
         Timebase::Continuous => C64::new(0.0, rate_rad_s),

@@ -3,12 +3,13 @@
 use crate::components::components;
 use crate::entrywise::entrywise_zeros;
 use crate::error::During;
+use crate::root_order::sort_roots;
 use crate::scaling::balance;
 use crate::tolerance::{PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SUSPECT_POLE, ZERO_RANK};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Boundary};
 
-/// The poles: the eigenvalues of A, sorted by real, then imaginary part.
+/// Returns the poles: the eigenvalues of A, sorted by real, then imaginary part.
 ///
 /// Groups of states that act on each other are taken one by one, so that the poles of blocks in series do not blur.
 ///
@@ -20,12 +21,12 @@ pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
     for group in components(&A) {
         poles.extend(linalg::eigenvalues(&A.select(&group, &group)).during("poles")?);
     }
-    sort(&mut poles);
+    sort_roots(&mut poles);
     Ok(poles)
 }
 
-/// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not, and
-/// neither do those that only rounding may have moved inside ([`poles_on_boundary`]).
+/// Returns whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do
+/// not, and neither do those that only rounding may have moved inside ([`poles_on_boundary`]).
 ///
 /// # Errors
 /// As [`poles`].
@@ -35,8 +36,8 @@ pub fn is_stable(g: &StateSpace) -> Result<bool, Error> {
     Ok(inside && examined(g, &poles)?.is_empty())
 }
 
-/// The poles, one of each conjugate pair, that lie on the boundary of stability as far as the entries of A can tell: the one
-/// rule for stability, norms, Gramians and reduction ([`linalg::boundary_eigenvalues`]).
+/// Returns the poles, one of each conjugate pair, that lie on the boundary of stability as far as the entries of A can tell:
+/// the one rule for stability, norms, Gramians and reduction ([`linalg::boundary_eigenvalues`]).
 ///
 /// # Errors
 /// As [`poles`].
@@ -44,7 +45,8 @@ pub fn poles_on_boundary(g: &StateSpace) -> Result<Vec<C64>, Error> {
     examined(g, &poles(g)?)
 }
 
-/// The poles on the boundary of a system whose poles are known; a pole that is exactly there needs no examination.
+/// Returns the poles on the boundary of a system whose poles are known; a pole that is exactly there needs no
+/// examination.
 pub(crate) fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
     let boundary = boundary(g.timebase);
     let size = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
@@ -57,7 +59,7 @@ pub(crate) fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error>
     Ok(found)
 }
 
-/// The boundary of the region of stability.
+/// Returns the boundary of the region of stability.
 fn boundary(timebase: Timebase) -> Boundary {
     match timebase {
         Timebase::Continuous => Boundary::ImaginaryAxis,
@@ -65,7 +67,7 @@ fn boundary(timebase: Timebase) -> Boundary {
     }
 }
 
-/// Whether a pole lies strictly inside the region of stability.
+/// Returns whether a pole lies strictly inside the region of stability.
 pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
     match timebase {
         Timebase::Continuous => pole.re < 0.0,
@@ -73,7 +75,8 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
     }
 }
 
-/// The finite invariant zeros: the s at which \[A - s I, B; C, D\] loses rank, sorted by real, then imaginary part.
+/// Returns the finite invariant zeros: the s at which \[A - s I, B; C, D\] loses rank, sorted by real, then
+/// imaginary part.
 ///
 /// Scaling by powers of two, then Emami-Naeini and Van Dooren's reduction (Automatica 18 (1982) 415) to a system with an
 /// invertible direct path, then the generalised eigenvalues of its pencil. The reduction is made twice: by orthogonal
@@ -99,7 +102,8 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     }
 }
 
-/// The zeros as [`zeros`] without the correction in 32 digits: a double one is known to 8 digits, which places the points of a grid.
+/// Returns the zeros as [`zeros`] without the correction in 32 digits: a double one is known to 8 digits, which places the points of
+/// a grid.
 ///
 /// # Errors
 /// As [`zeros`].
@@ -109,7 +113,7 @@ pub(crate) fn uncorrected_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     Ok(agreed(orthogonal_zeros(scaled), entrywise))
 }
 
-/// The zeros by orthogonal transformations if both methods agree; otherwise those by eliminations.
+/// Returns the zeros by orthogonal transformations if both methods agree; otherwise those by eliminations.
 fn agreed(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> {
     match orthogonal {
         Ok(zeros) if is_same(&zeros, &entrywise, SAME_ROOT) => zeros,
@@ -117,8 +121,8 @@ fn agreed(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> 
     }
 }
 
-/// The zeros corrected in 32 digits from approximations of all of them; `None` if the system matrix is not square or too large, or the
-/// correction does not converge.
+/// Returns the zeros corrected in 32 digits from approximations of all of them; `None` if the system matrix is not square or too
+/// large, or the correction does not converge.
 fn precise_zeros(g: &StateSpace, starts: &[C64]) -> Result<Option<Vec<C64>>, Error> {
     let (n, m) = (g.order(), g.inputs());
     if m != g.outputs() || n + m > PRECISE_SIZE {
@@ -126,11 +130,11 @@ fn precise_zeros(g: &StateSpace, starts: &[C64]) -> Result<Option<Vec<C64>>, Err
     }
     let mass: Vec<f64> = (0..n + m).map(|i| if i < n { 1.0 } else { 0.0 }).collect();
     let mut found = linalg::pencil_roots(&system_matrix(g), &mass, starts).during("zeros")?;
-    found.iter_mut().for_each(|zeros| sort(zeros));
+    found.iter_mut().for_each(|zeros| sort_roots(zeros));
     Ok(found)
 }
 
-/// Whether two lists hold the same roots, up to a relative difference.
+/// Returns whether two lists hold the same roots, up to a relative difference.
 fn is_same(ours: &[C64], theirs: &[C64], tolerance: f64) -> bool {
     let mut rest = theirs.to_vec();
     ours.len() == theirs.len()
@@ -143,7 +147,7 @@ fn is_same(ours: &[C64], theirs: &[C64], tolerance: f64) -> bool {
         })
 }
 
-/// The zeros by orthogonal transformations.
+/// Returns the zeros by orthogonal transformations.
 fn orthogonal_zeros(scaled: StateSpace) -> Result<Vec<C64>, Error> {
     let tolerance = ZERO_RANK * system_matrix(&scaled).norm_fro();
     let rows = compress(scaled, tolerance)?;
@@ -156,7 +160,8 @@ fn system_matrix(g: &StateSpace) -> Mat {
     Mat::from_blocks(&[&[&g.A, &g.B], &[&g.C, &g.D]])
 }
 
-/// The system with inputs and outputs scaled so that B and C have norms like A; its zeros are the same.
+/// Returns the system with inputs and outputs scaled so that B and C have norms like A; its zeros are the
+/// same.
 fn unit_gains(g: &StateSpace) -> StateSpace {
     let power = |matrix: &Mat| {
         let ratio = matrix.norm_max() / g.A.norm_max();
@@ -166,7 +171,7 @@ fn unit_gains(g: &StateSpace) -> StateSpace {
     StateSpace { B: g.B.scale(b), C: g.C.scale(c), D: g.D.scale(b * c), ..g.clone() }
 }
 
-/// The system without the states and outputs that hide the zeros: its direct path has full row rank.
+/// Returns the system without the states and outputs that hide the zeros: its direct path has full row rank.
 ///
 /// An output combination that the input does not reach directly must vanish; the states that it sees vanish with it,
 /// and their own equations become outputs of what is left.
@@ -197,7 +202,7 @@ fn compress(mut g: StateSpace, tolerance: f64) -> Result<StateSpace, Error> {
     }
 }
 
-/// An orthogonal U whose first `rank` columns span the range of M, and that rank.
+/// Returns an orthogonal U whose first `rank` columns span the range of M, and that rank.
 fn row_space(M: &Mat, tolerance: f64) -> Result<(Mat, usize), Error> {
     let rows = M.nrows();
     if rows == 0 || M.ncols() == 0 || M.norm_max() == 0.0 {
@@ -210,8 +215,8 @@ fn row_space(M: &Mat, tolerance: f64) -> Result<(Mat, usize), Error> {
     Ok((svd.U, rank))
 }
 
-/// The zeros of a system with an invertible direct path: columns of [C D] are compressed to [0 Df], and what is left
-/// of [A - s I, B] is a regular pencil.
+/// Returns the zeros of a system with an invertible direct path: columns of [C D] are compressed to [0 Df], and what
+/// is left of [A - s I, B] is a regular pencil.
 fn finite_eigenvalues(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let n = g.order();
     if n == 0 {
@@ -227,11 +232,6 @@ fn finite_eigenvalues(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let pairs = linalg::gen_eigenvalues(&pencil, &mass).during("zeros")?;
     let mut zeros: Vec<C64> = pairs.into_iter().map(|(alpha, beta)| alpha / beta).collect();
     zeros.retain(|zero| zero.re.is_finite() && zero.im.is_finite());
-    sort(&mut zeros);
+    sort_roots(&mut zeros);
     Ok(zeros)
-}
-
-/// Sorts by real, then imaginary part.
-pub(crate) fn sort(roots: &mut [C64]) {
-    roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
 }

@@ -27,7 +27,8 @@ pub struct SampledProblem {
     pub unavoidable: f64,
 }
 
-/// The exact sampled problem of a continuous one whose input is held over each period (Van Loan, IEEE TAC 23 (1978) 395)
+/// Returns the exact sampled problem of a continuous one whose input is held over each period (Van Loan, IEEE TAC 23
+/// (1978) 395)
 ///
 /// ```text
 ///     x' = A x + B u + w,  y = C x + v,   w and v white;   cost: mean of [x; u]' [Q S; S' R] [x; u]
@@ -65,7 +66,7 @@ mod tests {
     use super::*;
     use crate::{Discretisation, StateSpace, Timebase, c2d};
 
-    /// A mass on a spring, driven at its velocity by noise.
+    /// Returns a mass on a spring, driven at its velocity by noise.
     fn plant() -> (Mat, Mat, Mat) {
         let A = Mat::from_rows(&[&[0.0, 1.0, 0.0], &[-400.0, -0.8, 30.0], &[0.0, 0.0, -25.0]]);
         let W = Mat::from_rows(&[&[0.0, 0.0, 0.0], &[0.0, 9.0, 0.5], &[0.0, 0.5, 4.0]]);
@@ -107,7 +108,8 @@ mod tests {
         assert!((exact.measurement[(0, 0)] - 1e-4 / T).abs() < 1e-18);
     }
 
-    /// Mean of the continuous cost over a period, by Simpson's rule on the covariance of [x; u] in 800 steps.
+    /// Returns the mean of the continuous cost over a period, by Simpson's rule on the covariance of [x; u]
+    /// in 800 steps.
     fn dense(A: &Mat, B: &Mat, (weight, W): (&Mat, &Mat), start: &Mat, T: f64) -> f64 {
         let (n, steps) = (A.nrows(), 800);
         let h = T / f64::from(steps);

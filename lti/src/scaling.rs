@@ -4,7 +4,7 @@
 use crate::StateSpace;
 use crate::tolerance::{SCALING_GAIN, SCALING_SWEEPS};
 
-/// The system in the coordinates x = T z, T a diagonal of powers of two, and the diagonal of T.
+/// Returns the system in the coordinates x = T z, T a diagonal of powers of two, and the diagonal of T.
 ///
 /// Rows and columns of A get norms of like size (Osborne's method with Parlett and Reinsch's powers of two; B and C
 /// stand in, at the size of A, for a row or column of zeros). No rounding error is made, short of overflow.
@@ -24,7 +24,7 @@ pub fn balance(g: &StateSpace) -> (StateSpace, Vec<f64>) {
     (scaled, T)
 }
 
-/// One sweep of scaling in place, with the weights of B and C; returns each state's factor.
+/// Carries out one sweep of scaling in place, with the weights of B and C; returns each state's factor.
 fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
     let n = g.order();
     let mut factors = vec![1.0; n];
@@ -50,7 +50,7 @@ fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
     factors
 }
 
-/// The power of two by which a state's column is to be multiplied.
+/// Returns the power of two by which a state's column is to be multiplied.
 ///
 /// The diagonal entry counts in both: a coupling that is rounding error beside it must not be scaled up (James, Langou
 /// and Lowery 2014).

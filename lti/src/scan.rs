@@ -1,20 +1,13 @@
 //! A loop's response on a grid that is as fine as the loop asks for, with crossings and extremes refined on it.
 
 use crate::asymptotes::Asymptotes;
-use crate::response::Response;
+use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::tolerance::{
     DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE,
     SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
-
-/// One point of the loop's response.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Point {
-    pub rate: f64,
-    pub value: C64,
-}
 
 /// The response of a loop with one input and one output, resolved.
 pub(crate) struct Scan {
@@ -47,7 +40,8 @@ impl Scan {
         Ok(scan)
     }
 
-    /// The response of the same loop with a delay in seconds, up to the frequency from which on the gain is below [`LEAST_GAIN`].
+    /// Returns the response of the same loop with a delay in seconds, up to the frequency from which on the gain is below
+    /// [`LEAST_GAIN`].
     pub fn delayed(mut self, g: &StateSpace, delay_s: f64) -> Result<Self, Error> {
         self.extend_down(g)?;
         let last = self.points.iter().rposition(|point| point.value.norm() >= LEAST_GAIN);
@@ -145,7 +139,7 @@ impl Scan {
         still_open
     }
 
-    /// The response at the given frequencies, without those that are poles.
+    /// Returns the response at the given frequencies, without those that are poles.
     fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
         let values = self.response.scalar_at_all(rates);
         let exact = |rate: f64, value: C64| match &self.asymptotes {
@@ -163,7 +157,7 @@ impl Scan {
         points.filter(|point| point.value.re.is_finite() && point.value.im.is_finite()).collect()
     }
 
-    /// Where a real function of the response changes sign.
+    /// Returns where a real function of the response changes sign.
     pub fn crossings(&self, of: impl Fn(C64) -> f64) -> Vec<Point> {
         let mut found = Vec::new();
         for w in self.points.windows(2) {
@@ -174,7 +168,7 @@ impl Scan {
         found
     }
 
-    /// The point between a and b where the sign changes: seven points inside the interval at a time.
+    /// Returns the point between a and b where the sign changes: seven points inside the interval at a time.
     fn bisect(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> Point {
         let below = of(a.value) < 0.0;
         for _ in 0..ZOOMS {
@@ -190,7 +184,7 @@ impl Scan {
         if of(a.value).abs() < of(b.value).abs() { a } else { b }
     }
 
-    /// The largest value of a function of the response.
+    /// Returns the largest value of a function of the response.
     pub fn maximum(&self, of: impl Fn(C64) -> f64) -> Option<Point> {
         let values: Vec<f64> = self.points.iter().map(|point| of(point.value)).collect();
         let top = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -233,7 +227,7 @@ fn middle(w: &[Point]) -> f64 {
     if w[1].rate > 2.0 * w[0].rate { (w[0].rate * w[1].rate).sqrt() } else { 0.5 * (w[0].rate + w[1].rate) }
 }
 
-/// Whether something may hide between two neighbours.
+/// Returns whether something may hide between two neighbours.
 fn unresolved(a: Point, b: Point) -> bool {
     if b.rate - a.rate <= SCAN_RESOLUTION * b.rate {
         return false;
@@ -246,7 +240,7 @@ fn unresolved(a: Point, b: Point) -> bool {
     change > step * size || change > SCAN_STEP * to_critical
 }
 
-/// A logarithmic grid over all roots, and close points about each lightly damped one.
+/// Returns a logarithmic grid over all roots, and close points about each lightly damped one.
 fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     let mut roots: Vec<C64> = poles(g)?;
     roots.extend(zeros);
@@ -271,7 +265,7 @@ fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     Ok(rates)
 }
 
-/// Points about a resonance, as close as its half width.
+/// Returns points about a resonance, as close as its half width.
 fn about(root: C64) -> Vec<f64> {
     let width = root.re.abs().max(SCAN_RESOLUTION * root.im);
     let mut rates = vec![root.im, root.norm()];

@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use crate::poles;
 
-    /// A rod of n masses fixed at one end, modal damping `zeta`, in physical units.
+    /// Returns a rod of n masses fixed at one end, modal damping `zeta`, in physical units.
     pub(crate) fn rod(n: usize, k: f64, zeta: f64) -> StateSpace {
         let K = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 if i + 1 == n => k,

@@ -46,7 +46,7 @@ pub struct StateSpace {
 }
 
 impl StateSpace {
-    /// The system with the given matrices.
+    /// Returns the system with the given matrices.
     ///
     /// # Errors
     /// [`Error::Shape`] where the sizes do not fit, [`Error::NotFinite`] where an entry is NaN or infinite,
@@ -70,7 +70,7 @@ impl StateSpace {
         }
     }
 
-    /// The static gain y = D u.
+    /// Returns the static gain y = D u.
     ///
     /// # Errors
     /// As [`StateSpace::new`].
@@ -79,22 +79,22 @@ impl StateSpace {
         Self::new(Mat::zeros(0, 0), Mat::zeros(0, m), Mat::zeros(p, 0), D, timebase)
     }
 
-    /// Number of states, n.
+    /// Returns the number of states, n.
     pub fn order(&self) -> usize {
         self.A.nrows()
     }
 
-    /// Number of inputs, m.
+    /// Returns the number of inputs, m.
     pub fn inputs(&self) -> usize {
         self.B.ncols()
     }
 
-    /// Number of outputs, p.
+    /// Returns the number of outputs, p.
     pub fn outputs(&self) -> usize {
         self.C.nrows()
     }
 
-    /// The subsystem from the inputs `inputs` to the outputs `outputs`, with all states kept.
+    /// Returns the subsystem from the inputs `inputs` to the outputs `outputs`, with all states kept.
     pub fn select(&self, outputs: &[usize], inputs: &[usize]) -> Self {
         let states: Vec<usize> = (0..self.order()).collect();
         Self {

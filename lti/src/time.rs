@@ -135,7 +135,7 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// The system on the points' own samples, and the points.
+/// Returns the system on the points' own samples, and the points.
 fn sampled(g: &StateSpace, t_end_s: f64, n: usize) -> Result<(StateSpace, Vec<f64>), Error> {
     if !(t_end_s > 0.0 && t_end_s.is_finite()) {
         return Err(Error::Range { what: "t_end_s", value: t_end_s, allowed: "positive and finite" });

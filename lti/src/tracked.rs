@@ -23,17 +23,17 @@ impl Tracked {
         Self { value: self.value.select(rows, cols), size: self.size.select(rows, cols) }
     }
 
-    /// Whether the whole column is zero.
+    /// Returns whether the whole column is zero.
     pub fn column_is_zero(&self, j: usize) -> bool {
         self.value.column(j).iter().all(|&entry| entry == 0.0)
     }
 
-    /// The transpose.
+    /// Returns the transpose.
     pub fn t(&self) -> Self {
         Self { value: self.value.t(), size: self.size.t() }
     }
 
-    /// The rows of `self` above those of `below`.
+    /// Returns the rows of `self` above those of `below`.
     pub fn vstack(&self, below: &Self) -> Self {
         Self { value: self.value.vstack(&below.value), size: self.size.vstack(&below.size) }
     }
@@ -100,7 +100,7 @@ pub(crate) fn eliminate(
     pivots
 }
 
-/// The place in the lists of the largest entry, `None` if all are zero.
+/// Returns the place in the lists of the largest entry, `None` if all are zero.
 fn largest(M: &Mat, rows: &[usize], cols: &[usize]) -> Option<(usize, usize)> {
     let (mut best, mut found) = (0.0, None);
     for (j, &col) in cols.iter().enumerate() {
@@ -114,7 +114,7 @@ fn largest(M: &Mat, rows: &[usize], cols: &[usize]) -> Option<(usize, usize)> {
     found
 }
 
-/// The solution of `M[rows, cols] X = right[rows]`, the columns being those of pivots in these rows.
+/// Returns the solution of `M[rows, cols] X = right[rows]`, the columns being those of pivots in these rows.
 pub(crate) fn solve_pivots(M: &Mat, pivots: &[(usize, usize)], right: &Mat) -> Result<Mat, linalg::Error> {
     let rows: Vec<usize> = pivots.iter().map(|pivot| pivot.0).collect();
     let cols: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();

@@ -1,6 +1,7 @@
 //! Transfer functions as quotients of polynomials: for reading and writing, never for computing.
 
-use crate::roots::{poles, sort, zeros};
+use crate::root_order::sort_roots;
+use crate::roots::{poles, zeros};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, Zpk};
 use counterpoise_linalg as linalg;
@@ -17,7 +18,7 @@ pub struct TransferFunction {
 }
 
 impl TransferFunction {
-    /// The quotient, leading zeros taken off.
+    /// Returns the quotient, leading zeros taken off.
     ///
     /// # Errors
     /// [`Error::Rational`] for a denominator of zero or a numerator of higher degree, [`Error::NotFinite`].
@@ -38,13 +39,13 @@ impl TransferFunction {
         Ok(Self { numerator, denominator, timebase })
     }
 
-    /// The value at a point, by Horner's rule.
+    /// Returns the value at a point, by Horner's rule.
     pub fn at(&self, s: C64) -> C64 {
         let value = |c: &[f64]| c.iter().fold(C64::new(0.0, 0.0), |sum, &c| sum * s + c);
         value(&self.numerator) / value(&self.denominator)
     }
 
-    /// Zeros, poles and gain: eigenvalues of the scaled companion matrices.
+    /// Returns zeros, poles and gain: eigenvalues of the scaled companion matrices.
     ///
     /// # Errors
     /// [`Error::Matrix`].
@@ -58,7 +59,8 @@ impl TransferFunction {
         })
     }
 
-    /// The controllable companion form with its states scaled by powers of two; minimal where the quotient is.
+    /// Returns the controllable companion form with its states scaled by powers of two; minimal where the
+    /// quotient is.
     ///
     /// # Errors
     /// As [`StateSpace::new`].
@@ -75,7 +77,8 @@ impl TransferFunction {
         Ok(crate::scaling::balance(&g).0)
     }
 
-    /// The expanded quotient of a system, for display: coefficients of a high order are worth few digits.
+    /// Returns the expanded quotient of a system, for display: coefficients of a high order are worth few
+    /// digits.
     ///
     /// # Errors
     /// [`Error::NotSiso`], [`Error::Matrix`].
@@ -93,7 +96,7 @@ fn companion(a: &[f64]) -> Mat {
     Mat::from_fn(n, n, |i, j| if i == 0 { -a[j] } else { f64::from(u8::from(i == j + 1)) })
 }
 
-/// Roots of a polynomial, sorted; trailing zeros of the coefficients are roots at exactly zero.
+/// Returns roots of a polynomial, sorted; trailing zeros of the coefficients are roots at exactly zero.
 fn roots(coefficients: &[f64]) -> Result<Vec<C64>, Error> {
     let at_zero = coefficients
         .iter()
@@ -108,11 +111,11 @@ fn roots(coefficients: &[f64]) -> Result<Vec<C64>, Error> {
         let failed = |source| Error::Matrix { what: "roots", source };
         roots.extend(linalg::eigenvalues(&companion(&a)).map_err(failed)?);
     }
-    sort(&mut roots);
+    sort_roots(&mut roots);
     Ok(roots)
 }
 
-/// The monic polynomial with the given roots.
+/// Returns the monic polynomial with the given roots.
 fn expand(roots: &[C64]) -> Vec<f64> {
     let mut c = vec![C64::new(1.0, 0.0)];
     for root in roots {

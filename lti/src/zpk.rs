@@ -2,7 +2,8 @@
 
 use crate::connect::series;
 use crate::response::Response;
-use crate::roots::{poles, sort, zeros};
+use crate::root_order::sort_roots;
+use crate::roots::{poles, zeros};
 use crate::tolerance::CONJUGATE;
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 
@@ -20,7 +21,7 @@ pub struct Zpk {
 }
 
 impl Zpk {
-    /// The value at a point s (or z).
+    /// Returns the value at a point s (or z).
     pub fn at(&self, s: C64) -> C64 {
         // Factors are taken in turn so that neither product overflows alone.
         let mut value = C64::new(self.gain, 0.0);
@@ -31,7 +32,7 @@ impl Zpk {
         value
     }
 
-    /// Zeros, poles and gain of a system with one input and one output; what cancels is left in.
+    /// Returns zeros, poles and gain of a system with one input and one output; what cancels is left in.
     ///
     /// The gain is read off the response at a point away from all roots.
     ///
@@ -42,7 +43,7 @@ impl Zpk {
         Self::with_zeros(g, zeros(g)?)
     }
 
-    /// Zeros, poles and gain of a system with one input and one output whose zeros are known.
+    /// Returns zeros, poles and gain of a system with one input and one output whose zeros are known.
     ///
     /// # Errors
     /// [`Error::Matrix`].
@@ -58,7 +59,7 @@ impl Zpk {
         Ok(zpk)
     }
 
-    /// The system as a cascade of sections of first and second order; nothing is expanded.
+    /// Returns the system as a cascade of sections of first and second order; nothing is expanded.
     ///
     /// Zeros go to the poles nearest to them, pairs first; each section is scaled so that its largest output entry is one.
     ///
@@ -92,7 +93,7 @@ type Factor = Vec<C64>;
 /// Conjugate pairs, then real roots, each group with the one nearest the imaginary axis relative to its size first.
 fn quadratics(roots: &[C64]) -> Result<Vec<Factor>, Error> {
     let mut rest: Vec<C64> = roots.to_vec();
-    sort(&mut rest);
+    sort_roots(&mut rest);
     let (mut pairs, mut reals) = (Vec::new(), Vec::new());
     while let Some(root) = rest.pop() {
         if root.im.abs() <= f64::EPSILON * root.norm() {
@@ -150,7 +151,7 @@ fn sections(zeros: &[C64], poles: &[C64]) -> Result<Vec<Section>, Error> {
 }
 
 impl Section {
-    /// The section divided by its size, and that size.
+    /// Returns the section divided by its size, and that size.
     ///
     /// States: x2 = b (s - a)/den u, x1 = b^2/den u, with a the first real pole or the pair's real part.
     fn realise(&self, timebase: Timebase) -> Result<(StateSpace, f64), Error> {
@@ -174,7 +175,8 @@ impl Section {
         Ok((StateSpace::new(A, B, C.scale(1.0 / size), D, timebase)?, size))
     }
 
-    /// The numerator less the direct path's share, as slope (s - a) + value, exact in the differences of the roots.
+    /// Returns the numerator less the direct path's share, as slope (s - a) + value, exact in the differences of
+    /// the roots.
     fn remainder(&self, p: C64, q: C64) -> (f64, f64) {
         match *self.zeros.as_slice() {
             [] => (0.0, 1.0),
@@ -263,8 +265,8 @@ mod tests {
     fn a_system_gives_back_the_roots_it_was_made_from() {
         let mut zpk = example();
         let back = Zpk::of(&zpk.to_state_space().unwrap()).unwrap();
-        sort(&mut zpk.zeros);
-        sort(&mut zpk.poles);
+        sort_roots(&mut zpk.zeros);
+        sort_roots(&mut zpk.poles);
         assert!((back.gain / zpk.gain - 1.0).abs() < 1e-10);
         assert_eq!(back.zeros.len(), 4);
         for (a, b) in back.zeros.iter().chain(&back.poles).zip(zpk.zeros.iter().chain(&zpk.poles)) {

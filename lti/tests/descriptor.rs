@@ -16,14 +16,14 @@ fn direct(g: &Descriptor, rate: f64) -> CMat {
     &g.system.C.to_complex() * &linalg::csolve(&M, &g.system.B.to_complex()).unwrap()
 }
 
-/// A mass on a spring pulled along by a massless lever and a damper: index one.
+/// Returns a mass on a spring pulled along by a massless lever and a damper: index one.
 fn lever() -> Descriptor {
     let E = Mat::diag(&[1.0, 2.0, 0.0]);
     let A = Mat::from_rows(&[&[0.0, 1.0, 0.0], &[-3.0, -0.5, 1.0], &[-1.0, 0.0, -4.0]]);
     descriptor(E, A, Mat::col(&[0.0, 0.0, 1.0]), Mat::row(&[1.0, 0.0, 1.0]))
 }
 
-/// Two masses (m, M) held together by a constraint q1 = q2, its force a variable: index three.
+/// Returns two masses (m, M) held together by a constraint q1 = q2, its force a variable: index three.
 fn glued(m: f64, M: f64) -> Descriptor {
     let E = Mat::diag(&[1.0, 1.0, m, M, 0.0]);
     let A = Mat::from_rows(&[

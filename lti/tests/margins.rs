@@ -79,7 +79,7 @@ fn a_sampled_integrator_crosses_at_half_the_sampling_rate() {
     assert!((up.factor - 20.0).abs() < 1e-11 && (up.rate_rad_s - std::f64::consts::PI / 0.1).abs() < 1e-12);
 }
 
-/// A collocated and a non-collocated flexible loop with `modes` lightly damped modes and a delay.
+/// Returns a collocated and a non-collocated flexible loop with `modes` lightly damped modes and a delay.
 fn flexible(modes: usize, zeta: f64) -> StateSpace {
     let mut sum = zpk(&[], &[re(0.0), re(-0.5)], 40.0);
     for k in 1..=modes {

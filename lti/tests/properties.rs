@@ -10,7 +10,7 @@ use counterpoise_lti::{
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// A system of random order, inputs and outputs whose states are scaled by up to 10^+-decades.
+/// Returns a system of random order, inputs and outputs whose states are scaled by up to 10^+-decades.
 fn system(decades: i32, shift: f64) -> impl Strategy<Value = StateSpace> {
     (1_usize..12, 1_usize..4, 1_usize..4).prop_flat_map(move |(n, m, p)| {
         let entries = prop::collection::vec(-1.0_f64..1.0, n * n + n * m + p * n);

@@ -4,12 +4,8 @@ use counterpoise_synth::{Certified, Channel, Cost, Equation, Feedforward};
 use counterpoise_verify::Verification;
 
 use crate::Synthesised;
-
-/// Relative residual up to which an equation counts as solved. Riccati equations of the examples are solved to 1e-11 and better;
-/// at 1e-8 the gain loses digits that a controller's coefficients would show.
-const SOLVED: f64 = 1e-8;
-/// Relative difference up to which a predicted cost agrees with the cost of the assembled loop.
-const SAME_COST: f64 = 1e-6;
+use crate::tolerance::SAME_COST;
+use crate::tolerance::SOLVED_RESIDUAL;
 
 /// A number that certifies the design, with whether it is as it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +19,7 @@ pub struct Certificate {
 }
 
 /// Returns every certificate of a design; with a verification, that of the loop on the full plant too.
-pub fn certify(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
+pub fn certify_designs(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
     let design = &made.design;
     let mut all = Vec::new();
     if !made.has_fixed_structure() {
@@ -52,7 +48,7 @@ fn of_radius(plant: &str, value: f64) -> Certificate {
 
 fn of_equation(name: &str, equation: &Equation) -> Certificate {
     let value = equation.relative_residual;
-    Certificate { name: format!("{name}: residual"), value, holds: value < SOLVED }
+    Certificate { name: format!("{name}: residual"), value, holds: value < SOLVED_RESIDUAL }
 }
 
 fn of_cost(name: &str, cost: Cost) -> Option<Certificate> {
@@ -77,7 +73,7 @@ fn of_feedforward(name: &str, part: &Feedforward) -> Vec<Certificate> {
     all.push(Certificate {
         name: format!("{name}, Sylvester equation: residual"),
         value,
-        holds: value < SOLVED,
+        holds: value < SOLVED_RESIDUAL,
     });
     all.extend(of_cost(&name, part.cost));
     all

@@ -1,4 +1,4 @@
-//! What a project file was understood to say, and what it leaves open.
+//! How a project file was read, and which values are assumed.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::Axis;
@@ -12,7 +12,7 @@ use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
 
-/// What a project file was understood to say.
+/// How a project file was read, and which values are assumed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckResult {
     /// The file.
@@ -77,7 +77,7 @@ const PURPOSES: [Purpose; 10] = [
     Purpose::Diagnose,
 ];
 
-/// Returns what a file was understood to say. The design is computed, if there is one, to rank the assumptions.
+/// Returns how a file was read and which values are assumed. The design is computed, if there is one, to rank the assumptions.
 pub fn check(document: &Document, parsed: &Parsed, systems: LoopSystems) -> CheckResult {
     let project = &parsed.project;
     let mut problems = Vec::new();

@@ -6,20 +6,20 @@ use counterpoise_verify::certificate::Certificate as StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::{Procedure, VerifiedController};
 
-use crate::certificates::{Certificate, certify};
+use crate::certificates::{Certificate, certify_designs};
 use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, by_form, compare, every_target, export_by, forms, project_hash,
-    weights,
+    Exported, LeftOut, PathForms, TargetCode, by_form, describe_weights, every_target, export_by, path_forms,
+    project_hash, run_targets,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
     Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, choose_and_tune, model,
-    observed, procedure, reduce, studies, synthesise, verify_on,
+    project_procedure, reduce, run_observed, studies, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -130,17 +130,17 @@ impl ProjectIdentity {
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
 /// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
 pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
-    let modelled = observed(world, Step::Model, || model(project))?;
-    let reduced = observed(world, Step::Reduce, || reduce(project, &modelled))?;
-    let synthesised = observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
-    let procedure = procedure(project, world)?;
+    let modelled = run_observed(world, Step::Model, || model(project))?;
+    let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
+    let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+    let procedure = project_procedure(project, world)?;
     let verified =
-        observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
-    let stability = observed(world, Step::Verify, || {
-        studies::certificate::certificate(project, &modelled, &synthesised, &procedure)
+        run_observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
+    let stability = run_observed(world, Step::Verify, || {
+        studies::certificate::certify_controller(project, &modelled, &synthesised, &procedure)
     })?;
     let Exported { files, left_out } =
-        observed(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
+        run_observed(world, Step::Export, || export_by(project, &modelled, &verified, &procedure, world))?;
     Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
 }
 
@@ -155,8 +155,8 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
     Ok(Designed {
         identity: ProjectIdentity::of(project, world),
-        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
-        certificates: certify(&stages.synthesised, Some(stages.verified.verification())),
+        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
+        certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         loop_view: loop_view(stages.verified.verification())?,
@@ -184,8 +184,8 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     let synthesised = synthesise(project, &modelled, &reduced)?;
     Ok(SynthesisStudy {
         identity: ProjectIdentity::of(project, world),
-        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
-        certificates: certify(&synthesised, None),
+        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
+        certificates: certify_designs(&synthesised, None),
         comparison: compare_designs(project, &modelled, &synthesised)?,
         views: design_views(&modelled, &reduced, &synthesised)?,
         modelled,
@@ -203,7 +203,7 @@ fn study_targets(
     stages: &Stages,
     world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
-    let compared = compare(&stages.modelled, &stages.verified, &stages.procedure)?;
+    let compared = run_targets(&stages.modelled, &stages.verified, &stages.procedure)?;
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
         code: every_target(project, &stages.verified, &compared, world)?,
@@ -212,7 +212,7 @@ fn study_targets(
             additions: programs.step.additions(),
             states: programs.state_count(),
         },
-        forms: forms(&stages.verified)?,
+        forms: path_forms(&stages.verified)?,
         by_form: by_form(&stages.verified, &compared),
         compared,
     })

@@ -1,4 +1,4 @@
-//! Frequency responses of a design for whoever draws them: plants, weights, and the controllers of every state of balance.
+//! Frequency responses of a design ready to be drawn: plants, weights, and the controllers of every state of balance.
 
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::plant::LinearPlant;

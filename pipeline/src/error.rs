@@ -30,7 +30,7 @@ pub enum PipelineError {
     NothingToSeparate,
     /// A plan of an experiment whose limits no demand keeps.
     #[error(
-        "no demand of the menu keeps the limits: with each of them a machine that is left moves farther or faster than allowed, takes a larger \
+        "no demand in the menu keeps the limits: with each of them one of the remaining machines moves farther or faster than allowed, takes a larger \
          current, or cannot be simulated; raise --angle, --rate or --current"
     )]
     NoExperiment,
@@ -151,7 +151,7 @@ pub enum PipelineError {
     #[error(transparent)]
     UnreadableRecording(counterpoise_recordings::Error),
     /// The gaps of a recording leave no part of it.
-    #[error("nothing of {recording} can be replayed")]
+    #[error("no part of {recording} can be replayed")]
     NothingToReplay {
         /// Name of the recording.
         recording: String,

@@ -10,7 +10,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Angles;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::{Synthesis, WeightSource};
+use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_synth::{
     Circumstances, DesignPlant, FirstDesign, LimitKind, Motion, RequiredMargins, Weight, first_design,
 };
@@ -48,7 +48,7 @@ pub(crate) fn leaves_weights_open(project: &Project) -> bool {
     project.synth.as_ref().is_none_or(|asked| asked.weights == WeightSource::Chosen)
 }
 
-/// Returns the project with weights chosen anew, whether it states some or not: where a new machine starts from.
+/// Returns the project with newly chosen weights, whether it states weights or not: the start for a new machine.
 ///
 /// # Errors
 /// As [`with_chosen_weights`].
@@ -95,7 +95,8 @@ fn circumstances(
     })
 }
 
-/// The plant with the hub's angles among its states: gravity's gradient, the spring and their instability act.
+/// Returns the plant with the hub's angles among its states: gravity's gradient, the spring and their
+/// instability act.
 pub(crate) fn with_angles(
     project: &Project,
     modelled: &Modelled,
@@ -121,7 +122,7 @@ fn converter_step(sensor: &Sensor, bits: u32) -> f64 {
     2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / sensor.scale_v_unit.abs()
 }
 
-/// The usual margins, or those that the project requires if they are larger, with [`SPARE`] to spare.
+/// Returns the usual margins, or those that the project requires if they are larger, with [`SPARE`] to spare.
 fn margins(project: &Project) -> RequiredMargins {
     let mut margins = RequiredMargins::default();
     let requirements = project.verify.iter().flat_map(|asked| &asked.requirements);
@@ -145,8 +146,8 @@ fn margins(project: &Project) -> RequiredMargins {
 /// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
 const SPARE: f64 = 0.02;
 
-/// A sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor reads it or
-/// it does not move.
+/// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor
+/// reads it or it does not move.
 fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<Motion> {
     let (amplitude, period_s) = (expected.amplitude.abs(), modelled.parameters.interface.sample_period_s);
     if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
@@ -238,7 +239,7 @@ impl From<&FirstDesign> for FirstDesignResult {
     }
 }
 
-/// Whether the bandwidth that was asked for is not reached, by more than rounding.
+/// Returns whether the bandwidth that was asked for is not reached, by more than rounding.
 pub fn falls_short(first: &FirstDesign) -> bool {
     let found = &first.bandwidth;
     !found.limited_by.contains(&LimitKind::Asked)

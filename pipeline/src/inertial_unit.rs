@@ -1,7 +1,7 @@
 //! The recording of an inertial measurement unit on the base, prepared to drive the platform of a verification.
 
 use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
-use counterpoise_recordings::clock::uniform;
+use counterpoise_recordings::clock::to_uniform_clock;
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::from_rest;
 use counterpoise_verify::signals::statistics::centred;
@@ -26,7 +26,7 @@ pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error
     for name in &source.rate {
         columns.push(table.quantity(name, "rate", "rad/s")?);
     }
-    let clocked = uniform(&table.name, time.view(), None, columns)?;
+    let clocked = to_uniform_clock(&table.name, time.view(), None, columns)?;
     let wanted = Stretch {
         low_pass_hz: source.low_pass_hz,
         start_s: source.start_s,

@@ -8,7 +8,7 @@
 //!
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
-//! Modules in reading order: [`error`], `budget`, [`check`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
+//! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
 //! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`loop_view`](mod@loop_view), [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
@@ -28,6 +28,7 @@
 mod budget;
 pub mod certificates;
 pub mod check;
+pub mod configuration;
 pub mod design;
 pub mod design_views;
 pub mod error;
@@ -46,6 +47,7 @@ pub mod results;
 pub mod road;
 pub mod studies;
 pub mod synth;
+mod tolerance;
 pub mod tuning;
 pub mod verify;
 
@@ -60,14 +62,14 @@ pub use model::{
 };
 pub use recordings::redesign::{Consequence, consequence};
 pub use reduce::{Reduced, reduce};
-pub use studies::sweep::{campaign, families, robust_stability};
+pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
-pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
+pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 
 /// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.
 pub trait World {
-    /// The bytes of a file beside the project file.
+    /// Returns the bytes of a file beside the project file.
     ///
     /// # Errors
     /// Why the file cannot be read, in words.
@@ -118,7 +120,7 @@ pub struct StageTime {
 }
 
 /// Runs a stage between the two calls that announce its beginning and its end.
-pub fn observed<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
+pub fn run_observed<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
     world.begins(step);
     let made = run();
     world.ended(step);

@@ -61,7 +61,7 @@ pub struct LoopView {
     pub largest_sensitivity: f64,
     /// Where the sensitivity has that value.
     pub outline: PlaneCurve,
-    /// The disk of the disk margin that the loop touches, by the size of that margin; `None` where it is no disk.
+    /// The disk of the disk margin that the loop touches, by the size of that margin; `None` if it is no disk.
     pub disk: Option<PlaneCurve>,
     /// The unit circle.
     pub unit: PlaneCurve,

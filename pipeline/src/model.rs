@@ -11,7 +11,7 @@ use counterpoise_models::structure::{
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
 use crate::PipelineError;
-use crate::recordings::configuration::in_configuration;
+use crate::configuration::{in_configuration, named_configuration};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::import::ImportedStructure;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -19,7 +19,7 @@ use counterpoise_project::resolve::model::StructureChoice;
 /// The plant, configured, with its linearisation.
 #[derive(Debug, Clone)]
 pub struct Modelled {
-    /// Parameters with the configuration applied and the lumped structure derived where it is not given.
+    /// Parameters with the configuration applied and the lumped structure derived if it is not given.
     pub parameters: Parameters,
     /// The nonlinear plant.
     pub plant: Plant,
@@ -97,7 +97,8 @@ pub(crate) fn two_inertias(project: &Project) -> Result<Parameters, PipelineErro
     Ok(lumped_parameters(project, &Serial)?.0)
 }
 
-/// The two inertias as given, or derived from the beam, or from the imported matrices; what is fitted added.
+/// Returns the two inertias as given, or derived from the beam, or from the imported matrices; what is fitted
+/// added.
 fn lumped_parameters(
     project: &Project,
     pool: &dyn Pool,
@@ -112,8 +113,8 @@ fn lumped_parameters(
     Ok((in_configuration(project, &whole)?, None))
 }
 
-/// The finite elements of the project's beam or of its imported matrices, with what the configuration fits to them, and the
-/// damping ratios that hold where they have no damping matrix.
+/// Returns the finite elements of the project's beam or of its imported matrices, with what the configuration fits to them,
+/// and the damping ratios that hold where they have no damping matrix.
 ///
 /// # Errors
 /// A configuration that does not exist, and a structure that is missing or makes no model.
@@ -151,7 +152,8 @@ pub fn finite_elements_watched<'a>(
     Ok((structure.fe(&project.model.elements)?, ratios))
 }
 
-/// Which finite elements a project has: those that its model takes, else its beam's, else imported ones.
+/// Returns which finite elements a project has: those that its model takes, else its beam's, else imported
+/// ones.
 pub fn finite_elements_of(project: &Project) -> Option<StructureChoice> {
     let (beam, import) = (project.plant.beam.is_some(), project.import.is_some());
     match (project.model.structure, beam, import) {
@@ -161,7 +163,7 @@ pub fn finite_elements_of(project: &Project) -> Option<StructureChoice> {
     }
 }
 
-/// What a configuration fits to imported matrices.
+/// Returns what a configuration fits to imported matrices.
 fn fitted(
     project: &Project,
     import: &ImportedStructure,
@@ -181,20 +183,4 @@ fn fitted(
         out.masses.push((*found.ok_or_else(missing)?).clone());
     }
     Ok(out)
-}
-
-/// Returns the configuration that the project's model names.
-///
-/// # Errors
-/// A name that no configuration has.
-pub(crate) fn named_configuration(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
-    project.model.configuration.as_deref().map(|name| configuration(project, name)).transpose()
-}
-
-fn configuration<'a>(project: &'a Project, name: &str) -> Result<&'a Configuration, PipelineError> {
-    let all = &project.plant.configurations;
-    all.iter().find(|c| c.name == name).ok_or_else(|| {
-        let known: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();
-        PipelineError::Configuration { name: name.to_owned(), known: known.join(", ") }
-    })
 }

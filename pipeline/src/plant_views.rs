@@ -11,6 +11,7 @@ use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use crate::tolerance::NEGLIGIBLE_MASS_SHARE;
 use crate::{Modelled, PipelineError, finite_elements, finite_elements_of};
 use counterpoise_project::Project;
 
@@ -24,7 +25,7 @@ pub struct PlantViews {
     pub elements: Option<FeModel>,
     /// What few elements make of the beam; none without a beam.
     pub meshes: Option<Meshes>,
-    /// Friction at the motor and at the pivot, where there is any.
+    /// Friction at the motor and at the pivot, if there is any.
     pub frictions: Vec<FrictionView>,
     /// The free functions of the plant, with their bands and the recordings' coverage.
     #[serde(skip)]
@@ -101,8 +102,6 @@ pub struct FrictionLoop {
     pub lost_j: f64,
 }
 
-/// Share of the whole mass or inertia that is rounding.
-const ROUNDING: f64 = 1e-14;
 /// Flexible modes that are shown.
 const SHOWN: usize = 4;
 /// Largest hub rate on the platform that is shown, rad/s; the motor turns by the gear's ratio faster.
@@ -186,9 +185,10 @@ fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
     (0..count).map(mode).collect()
 }
 
-/// An effective mass that is rounding beside the whole is none: the mode is orthogonal to the rigid motion.
+/// Returns an effective mass, or 0 if it is no more than rounding of the whole mass: the mode is then orthogonal to the rigid
+/// motion.
 fn above_rounding(mass: f64, whole: f64) -> f64 {
-    if mass < ROUNDING * whole { 0.0 } else { mass }
+    if mass < NEGLIGIBLE_MASS_SHARE * whole { 0.0 } else { mass }
 }
 
 /// Deflections over the distance from the pivot, cubic between the nodes where their rotations are known.
@@ -215,7 +215,7 @@ fn scaled(fe: &FeModel, shape: &[f64]) -> Vec<[f64; 2]> {
 /// Points of a shape from node to node.
 const BETWEEN: usize = 5;
 
-/// The cubic between two nodes [place, deflection, slope] at a fraction of their distance.
+/// Returns the cubic between two nodes [place, deflection, slope] at a fraction of their distance.
 fn hermite(two: &[[f64; 3]], s: f64) -> [f64; 2] {
     let ([x0, w0, t0], [x1, w1, t1]) = (two[0], two[1]);
     let l = x1 - x0;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_verify::linear::closed::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;

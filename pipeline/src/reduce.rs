@@ -3,6 +3,8 @@
 use counterpoise_lti::StateSpace;
 use counterpoise_reduce::{Method, Order, Residual, balred, minimal, modal_truncation};
 
+use crate::tolerance::KEPT_HANKEL_SHARE;
+use crate::tolerance::MINIMAL_TOLERANCE;
 use crate::{Modelled, PipelineError};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::ReductionMethod;
@@ -16,7 +18,7 @@ pub struct Reduced {
     pub system: StateSpace,
     /// The plant before.
     pub before: StateSpace,
-    /// Values by which states were ranked, largest first; empty where the method ranks none.
+    /// Values by which states were ranked, largest first; empty if the method ranks none.
     pub ranked: Vec<f64>,
     /// A priori bound on the largest error over all frequencies and directions.
     pub bound: Option<f64>,
@@ -32,9 +34,6 @@ impl Reduced {
         self.before.order()
     }
 }
-
-/// Relative size of a singular value below which a state counts as neither controllable nor observable.
-const MINIMAL_TOLERANCE: f64 = 1e-10;
 
 /// Reduces the linear plant as the project asks.
 ///
@@ -59,7 +58,7 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
             Ok(Reduced { warnings: words(&small.warnings), ..plain(small.system) })
         }
         ReductionMethod::Balanced => {
-            let order = asked.order.map_or(Order::Relative { share: 1e-6 }, Order::States);
+            let order = asked.order.map_or(Order::Relative { share: KEPT_HANKEL_SHARE }, Order::States);
             Ok(ranked(balred(system, order, Method::BalancingFree)?, plain))
         }
         ReductionMethod::Modal => {
@@ -87,7 +86,7 @@ fn words(warnings: &[counterpoise_reduce::Warning]) -> Vec<String> {
     warnings.iter().map(ToString::to_string).collect()
 }
 
-/// The rate that keeps `order` poles: between the last pole kept and the first dropped.
+/// Returns the rate that keeps `order` poles: between the last pole kept and the first dropped.
 fn slowest_dropped(system: &StateSpace, order: Option<usize>) -> Result<f64, PipelineError> {
     let mut rates: Vec<f64> = counterpoise_lti::poles(system)?.iter().map(|p| p.norm()).collect();
     rates.sort_by(f64::total_cmp);

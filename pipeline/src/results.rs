@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::ErrorBudgetResult;
 use crate::exchange::systems::stored_frequencies_hz;
-use crate::exchange::verified::{histories, responses};
+use crate::exchange::verified::{history_results, response_results};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult,
     TransferFunctionResult, VerifiedLoop,
@@ -175,13 +175,13 @@ pub struct VerifyResult {
     pub verdicts: Vec<VerdictResult>,
     /// Every figure.
     pub figures: Vec<FigureResult>,
-    /// Stability in every regime; absent where it was not asked.
+    /// Stability in every regime; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateResult>,
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptation_trials: Option<Trials>,
-    /// What the error of the line of sight is made of; absent where it was not asked.
+    /// What the error of the line of sight is made of; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
     /// What the linear figures are measured on.
@@ -397,8 +397,8 @@ impl VerifyResult {
             verdicts: verdicts.collect(),
             figures: figures.collect(),
             measured_on,
-            responses: responses(found),
-            histories: histories(found),
+            responses: response_results(found),
+            histories: history_results(found),
             error_budget: found.error_budget.as_ref().map(Into::into),
             certificate: None,
             adaptation_trials: None,
@@ -453,7 +453,7 @@ fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
     fits.iter().map(channel).collect()
 }
 
-/// A plant with the inputs and outputs of the linear plant.
+/// Returns a plant with the inputs and outputs of the linear plant.
 fn plant(name: &str, system: &StateSpace) -> SystemResult {
     SystemResult::new(name, system, &LinearPlant::INPUTS, &LinearPlant::OUTPUTS)
 }
@@ -467,7 +467,7 @@ fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
 }
 
-/// The weights of every part of the design.
+/// Returns the weights of every part of the design.
 fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     let of = |name: &str, weight: &Weight| TransferFunctionResult::of(name, weight);
     let mut all =
@@ -483,7 +483,7 @@ fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     all
 }
 
-/// The controllers of the design in continuous time, with their systems.
+/// Returns the controllers of the design in continuous time, with their systems.
 fn controllers(made: &Synthesised) -> Vec<(SystemResult, StateSpace)> {
     let feedback = made.design.feedback_controller();
     let inputs: &[&str] =

@@ -1,6 +1,6 @@
 //! The recorded motion of a platform, prepared to drive the platform of a verification.
 
-use counterpoise_recordings::clock::uniform;
+use counterpoise_recordings::clock::to_uniform_clock;
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::{FurtherRoad, Road};
@@ -13,7 +13,7 @@ use counterpoise_project::resolve::platform::RoadSource;
 /// # Errors
 /// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
 /// recording, or the low-pass frequency is not below half the sample rate.
-pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
+pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error> {
     let (time, _) = table.in_si("time")?;
     let heave = table.quantity(&source.heave, "heave", "m/s^2")?;
     let pitch = table.quantity(&source.pitch, "pitch rate", "rad/s")?;
@@ -21,7 +21,7 @@ pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
     if !source.surge.is_empty() {
         columns.push(table.quantity(&source.surge, "surge", "m/s^2")?);
     }
-    let clocked = uniform(&table.name, time.view(), None, columns)?;
+    let clocked = to_uniform_clock(&table.name, time.view(), None, columns)?;
     let shape = |signal: usize, scale: f64| {
         shaped(source, table, clocked.period_s, &clocked.signals[signal].to_vec(), scale)
     };
@@ -34,7 +34,7 @@ pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
     })
 }
 
-/// A motion that surges without roll and yaw.
+/// Returns a motion that surges without roll and yaw.
 fn surging(surge_m_s2: Vec<f64>) -> FurtherRoad {
     let still = vec![0.0; surge_m_s2.len()];
     FurtherRoad { surge_m_s2, roll_rate_rad_s: still.clone(), yaw_rate_rad_s: still }

@@ -12,8 +12,8 @@ use counterpoise_lti::response::Response;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Plant;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
 use counterpoise_project::resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
@@ -28,8 +28,10 @@ use crate::first_design::{with_angles, with_chosen_weights};
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
+use crate::tolerance::STILL_RAD_S;
 use crate::{
-    FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, procedure, reduce, synthesise,
+    FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
+    synthesise,
 };
 
 /// A project whose blocks or weights were tuned.
@@ -141,7 +143,7 @@ pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut Synthesis) {
     }
 }
 
-/// Digits of a tuned value in a project file: its last one moves no figure that is shown.
+/// Returns digits of a tuned value in a project file: its last one moves no figure that is shown.
 fn rounded(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
@@ -156,7 +158,7 @@ fn rounded_weight(weight: &Weight) -> Weight {
     }
 }
 
-/// What a project's loops are tuned on and for.
+/// Returns what a project's loops are tuned on and for.
 ///
 /// # Errors
 /// As [`with_tuned_structure`].
@@ -191,13 +193,11 @@ pub fn tuning_ground(
     Ok(TuningGround { plants, held, objective, mechanisms, sampling, disturbance })
 }
 
-/// A hub rate below this is none: rounding of the simulator, not motion, rad/s.
-const STILL_RAD_S: f64 = 1e-9;
 /// Rounds in which the worst mechanism of a sweep is added to the plants that are tuned for.
 const ROUNDS: usize = 5;
 
 /// Tunes a feedback on its ground; gives the number of plants on which the limits were checked besides. A mechanism of the sweep on which the answer misses a limit joins
-/// the plants, and the feedback is tuned anew.
+/// the plants, and the feedback is tuned again.
 ///
 /// # Errors
 /// Those of the tuning.
@@ -299,7 +299,8 @@ fn of_sweep(
     Ok(plants)
 }
 
-/// What acts on the project's loop: the output's disturbance under its own motion, and the noise of the reading.
+/// Returns what acts on the project's loop: the output's disturbance under its own motion, and the noise of the
+/// reading.
 ///
 /// # Errors
 /// Those of the H2 design and of the simulation.
@@ -326,10 +327,10 @@ pub fn expected_disturbance(
     Ok(Disturbance { lines, reading_noise_rad_s: noise })
 }
 
-/// The project's procedure, or the usual one if it has none.
+/// Returns the project's procedure, or the usual one if it has none.
 pub(crate) fn own_procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
     match project.verify {
-        Some(_) => procedure(project, world),
+        Some(_) => project_procedure(project, world),
         None => Ok(Procedure {
             operating_point: project.model.operating_point,
             friction: project.model.friction,
@@ -338,7 +339,8 @@ pub(crate) fn own_procedure(project: &Project, world: &dyn World) -> Result<Proc
     }
 }
 
-/// RMS of the white noise of a reading: its own, and that of the converter's step (one over the root of twelve of it).
+/// Returns the RMS of the white noise of a reading: its own, and that of the converter's step (one over the root of
+/// twelve of it).
 fn reading_noise(sensor: &Sensor, bits: u32) -> f64 {
     let step = match (sensor.resolution > 0.0, bits, sensor.scale_v_unit) {
         (true, ..) => sensor.resolution,
@@ -357,7 +359,7 @@ const NEIGHBOURS: f64 = 0.03;
 /// Share of the power that the lines leave out at the upper end.
 const LEFT_OUT: f64 = 1e-4;
 
-/// The spectrum of the hub rate, less that of the reading's noise, over |S|^2.
+/// Returns the spectrum of the hub rate, less that of the reading's noise, over |S|^2.
 fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec<[f64; 2]>, PipelineError> {
     let error: Vec<f64> =
         history.hub_rate_rad_s.iter().zip(&history.demand_rad_s).map(|(y, r)| y - r).collect();
@@ -384,8 +386,8 @@ fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec
     Ok(merged(lines))
 }
 
-/// The power of a bin of the spectrum on lines that are no further apart than [`NEIGHBOURS`]: a real spectrum is continuous, and a feedback must
-/// not be rewarded for zeros of S at the bins.
+/// Returns the power of a bin of the spectrum on lines that are no further apart than [`NEIGHBOURS`]: a real spectrum is continuous, and a
+/// feedback must not be rewarded for zeros of S at the bins.
 fn spread([hz, width_hz]: [f64; 2], power: f64) -> Vec<[f64; 2]> {
     let count = (width_hz / (NEIGHBOURS * hz)).ceil().clamp(1.0, MOST_LINES) as usize;
     let place = |k: usize| hz + width_hz * ((k as f64 + 0.5) / count as f64 - 0.5);
@@ -481,7 +483,7 @@ pub struct TuningResult {
     pub plants: usize,
     /// By how much the worst limit is missed, relative to it.
     pub missed: f64,
-    /// Residual that each start reached, rad/s; absent where it found no loop within the limits.
+    /// Residual that each start reached, rad/s; absent if it found no loop within the limits.
     pub starts_rad_s: Vec<Option<f64>>,
     /// Loops that were evaluated.
     pub evaluations: usize,
@@ -522,7 +524,7 @@ impl fmt::Display for BlockResult {
     }
 }
 
-/// The blocks of a structure as plain data.
+/// Returns the blocks of a structure as plain data.
 pub fn block_results(structure: &FixedStructure) -> Vec<BlockResult> {
     let of = |block: &counterpoise_synth::Block| {
         let names = block.kind.parameters().iter().map(|name| name.key());

@@ -6,7 +6,7 @@ use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
 use crate::budget::{Run, affordable};
 use crate::inertial_unit::inertial_unit;
-use crate::road::road;
+use crate::road::road_from_table;
 use crate::{Modelled, PipelineError, Synthesised, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::platform::PlatformSource;
@@ -21,7 +21,7 @@ pub fn verify(
     synthesised: &Synthesised,
     world: &dyn World,
 ) -> Result<VerifiedController, PipelineError> {
-    verify_on(project, &modelled.plant, synthesised, &procedure(project, world)?)
+    verify_on(project, &modelled.plant, synthesised, &project_procedure(project, world)?)
 }
 
 /// Verifies the sampled controller on a plant and by a procedure that need not be the project's own.
@@ -55,11 +55,11 @@ pub fn verify_watched(
 ) -> Result<Option<VerifiedController>, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
     let controller = &synthesised.sampled.controller;
-    let by = procedure(project, world)?;
+    let by = project_procedure(project, world)?;
     Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, &by, &asked.requirements, watch)?)
 }
 
-/// The linear figures alone, on a plant and by a procedure.
+/// Returns the linear figures alone, on a plant and by a procedure.
 ///
 /// # Errors
 /// Those of the verification.
@@ -76,11 +76,11 @@ pub fn verify_linear_on(
 
 const MISSING: PipelineError = PipelineError::Missing { section: "verify", needed_by: "the verification" };
 
-/// What the project does to the mechanism, with its road read.
+/// Returns what the project does to the mechanism, with its road read.
 ///
 /// # Errors
 /// A road that cannot be read.
-pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
+pub fn project_procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
     let (procedure, period_s) = (&asked.procedure, project.plant.interface.sample_period_s);
     let triangle =
@@ -103,10 +103,12 @@ pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, Pipe
 /// Shortest period of a platform's motion that is made from numbers, s.
 const SHORTEST_ROAD_PERIOD_S: f64 = 1e-3;
 
-/// The platform's motion, read or made.
+/// Returns the platform's motion, read or made.
 fn moved(source: &PlatformSource, world: &dyn World, gravity_m_s2: f64) -> Result<Road, PipelineError> {
     match source {
-        PlatformSource::Recording(source) => Ok(road(source, &recorded(&source.recording, world)?)?),
+        PlatformSource::Recording(source) => {
+            Ok(road_from_table(source, &recorded(&source.recording, world)?)?)
+        }
         PlatformSource::InertialUnit(unit) => Ok(inertial_unit(unit, &recorded(&unit.recording, world)?)?),
         PlatformSource::Made(motion) => {
             let duration_s = motion.realisation.duration_s;
@@ -116,7 +118,7 @@ fn moved(source: &PlatformSource, world: &dyn World, gravity_m_s2: f64) -> Resul
     }
 }
 
-/// A recording of the platform's motion.
+/// Returns a recording of the platform's motion.
 fn recorded(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
     let file =
         |problem: String| PipelineError::File { name: name.to_owned(), section: "verify.road", problem };

@@ -23,7 +23,8 @@ fn heave(t: f64) -> f64 {
     0.8 * (7.0 * t).cos()
 }
 
-/// What a unit reads that stands `arm` (forward, up) behind the pivot on that base and is turned by a half turn about z.
+/// Returns what a unit reads that stands `arm` (forward, up) behind the pivot on that base and is turned by a half turn
+/// about z.
 fn recorded(arm: [f64; 2]) -> Table {
     let row = |k: i32| {
         let t = 0.002 * f64::from(k);

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
 use counterpoise_pipeline::with_chosen_weights;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 
-/// The starter's machine without weights, at a bandwidth that is found sooner than the highest one.
+/// Returns the starter's machine without weights, at a bandwidth that is found sooner than the highest one.
 fn without_weights() -> Project {
     let project = Project::parse(counterpoise_project::STARTER, "project.toml").unwrap().project;
     Project { synth: Some(Synthesis { bandwidth_rad_s: Some(10.0), ..Synthesis::default() }), ..project }
@@ -66,7 +66,7 @@ fn a_moment_that_is_tried_leaves_the_weights_of_the_project_as_they_are() {
     }
 }
 
-/// The example whose structure is imported, read with its files.
+/// Returns the example whose structure is imported, read with its files.
 fn imported() -> Project {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/imported-structure");
     let text = std::fs::read_to_string(folder.join("project.toml")).unwrap();

@@ -17,7 +17,8 @@ impl World for Example {
     }
 }
 
-/// The example with every figure required twice: at most and at least a number that no figure reaches.
+/// Returns the example with every figure required twice: at most and at least a number that no figure
+/// reaches.
 fn with_every_figure(drop_road: &str) -> Project {
     let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
     let (head, rest) = text.split_once("[[verify.requirement]]").unwrap();

@@ -1,7 +1,7 @@
 //! The recorded motion of a platform: cut, filtered, scaled and centred before it drives a verification.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_pipeline::road::road;
+use counterpoise_pipeline::road::road_from_table;
 use counterpoise_project::RoadSource;
 use counterpoise_recordings::Table;
 
@@ -29,14 +29,14 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
         duration_s: 10.0,
         fade_s: 1.0,
     };
-    let made = road(&source, &table).unwrap();
+    let made = road_from_table(&source, &table).unwrap();
     assert_eq!((made.sample_period_s, made.heave_m_s2.len(), made.heave_m_s2[0]), (0.01, 1001, 0.0));
     let at = |k: usize| (made.heave_m_s2[k], made.pitch_rate_rad_s[k]);
     let quarter = at(525);
     assert!((quarter.0 - 0.5).abs() < 2e-3 && (quarter.1 + 0.5).abs() < 2e-3, "{quarter:?}");
     let late = RoadSource { start_s: 15.0, ..source.clone() };
-    let told = road(&late, &table).unwrap_err().to_string();
+    let told = road_from_table(&late, &table).unwrap_err().to_string();
     assert_eq!(told, "road.csv: not usable as a road: 10 s from 15 s are asked for, but it is 20.00 s long");
     let sharp = RoadSource { low_pass_hz: Some(80.0), ..source };
-    assert!(road(&sharp, &table).is_err());
+    assert!(road_from_table(&sharp, &table).is_err());
 }

@@ -250,7 +250,7 @@ impl Band {
     }
 }
 
-/// Rows of equal length as an array.
+/// Returns rows of equal length as an array.
 fn rows<const N: usize>(points: impl Iterator<Item = [f64; N]>) -> Array2<f64> {
     Array2::from(points.collect::<Vec<[f64; N]>>())
 }

@@ -32,7 +32,7 @@ pub struct HeatRow {
 }
 
 impl HeatMap {
-    /// Returns the share of a cell, limited to 0 .. 1; `None` where none is known.
+    /// Returns the share of a cell, limited to 0 .. 1; `None` if none is known.
     pub fn share(&self, row: usize, column: usize) -> Option<f64> {
         self.shares.get((row, column)).filter(|share| share.is_finite()).map(|share| share.clamp(0.0, 1.0))
     }

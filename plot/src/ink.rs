@@ -96,7 +96,7 @@ const PLAIN: [Ink; 13] = [
 pub(crate) const FONT_PX: f64 = 12.0;
 
 impl Ink {
-    /// Every ink; the place in this order is its number.
+    /// Returns every ink; the place in this order is its number.
     pub fn all() -> impl Iterator<Item = Ink> {
         let curves = COLOURS.into_iter().flat_map(|c| DASHES.map(|dash| Ink::Curve(c, dash)));
         let rings = COLOURS.into_iter().map(Ink::Ring);
@@ -202,7 +202,7 @@ impl Ink {
         self.properties(colour).map(|(name, value)| format!("{name}=\"{value}\"")).join(" ")
     }
 
-    /// Names and values of the properties that SVG and CSS share.
+    /// Returns names and values of the properties that SVG and CSS share.
     fn properties(self, colour: impl Fn(Role) -> String) -> Properties {
         let look = self.appearance();
         let paint = |role: Option<Role>| role.map_or("none".to_owned(), &colour);
@@ -240,7 +240,7 @@ impl Properties {
     }
 }
 
-/// Lengths of dashes and gaps, pixels.
+/// Returns lengths of dashes and gaps, pixels.
 fn lengths(dash: Dash) -> &'static [f64] {
     match dash {
         Dash::Solid => &[],

@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: data in, bytes out; no file, no clock, no number that depends on the machine, and no knowledge of what a figure means.
 //!
-//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, `font`, `clip`,
+//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, [`css`], `font`, `clip`,
 //! `draw`, [`svg`], `dashes`, [`bitmap`], [`error`].
 //!
 //! ```
@@ -18,7 +18,7 @@
 //! let curve = Series::solid("hub", Colour::First, [(0.0, 0.0), (1.0, 0.8), (2.0, 1.0)]);
 //! let panel = Panel::new(Axis::linear("rate", "rad/s"), vec![curve]);
 //! let figure = Figure::new("Step response", Axis::linear("time", "s"), vec![panel]);
-//! assert!(svg::inline(&figure).starts_with("<svg class=\"fig\""));
+//! assert!(svg::inline_svg(&figure).starts_with("<svg class=\"fig\""));
 //! let file = png(&figure, Theme::Light, 1.0)?;
 //! assert_eq!(&file[1..4], b"PNG");
 //! # Ok::<(), counterpoise_plot::PlotError>(())
@@ -26,6 +26,7 @@
 
 pub mod bitmap;
 mod clip;
+pub mod css;
 mod dashes;
 mod draw;
 pub mod error;
@@ -39,6 +40,7 @@ pub mod svg;
 pub mod theme;
 pub mod thin;
 pub mod ticks;
+mod tolerance;
 
 pub use bitmap::{Bitmap, bitmap, png};
 pub use error::PlotError;

@@ -1,7 +1,7 @@
 //! Numbers as a person reads them.
 
 /// Returns a number with at most four significant digits and no trailing noise, for labels and tables.
-pub fn short(value: f64) -> String {
+pub fn short_number(value: f64) -> String {
     if value.is_nan() {
         return "\u{2013}".to_owned();
     }
@@ -55,12 +55,12 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(short(13.456_78), "13.46");
-        assert_eq!(short(-0.5), "\u{2212}0.5");
-        assert_eq!(short(120_000.0), "120000");
-        assert_eq!(short(1.5e-9), "1.50\u{D7}10\u{207B}\u{2079}");
-        assert_eq!(short(f64::INFINITY), "\u{221E}");
-        assert_eq!(short(f64::NAN), "\u{2013}");
-        assert_eq!(short(-0.0), "0");
+        assert_eq!(short_number(13.456_78), "13.46");
+        assert_eq!(short_number(-0.5), "\u{2212}0.5");
+        assert_eq!(short_number(120_000.0), "120000");
+        assert_eq!(short_number(1.5e-9), "1.50\u{D7}10\u{207B}\u{2079}");
+        assert_eq!(short_number(f64::INFINITY), "\u{221E}");
+        assert_eq!(short_number(f64::NAN), "\u{2013}");
+        assert_eq!(short_number(-0.0), "0");
     }
 }

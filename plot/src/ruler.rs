@@ -6,14 +6,13 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 
 use crate::figure::{Axis, Scale};
 use crate::ticks::{self, Tick};
+use crate::tolerance::LEAST_SPAN;
 
 /// Room for ticks, in intervals: on a linear axis a figure's height holds seven numbers, on a logarithmic one nine powers of ten.
 const INTERVALS: f64 = 7.0;
 const DECADES: f64 = 9.0;
 /// Part of the data's range that is left free above and below.
 const PADDING: f64 = 0.06;
-/// A range smaller than this part of its largest value is rounding noise: the values count as equal.
-const LEAST_SPAN: f64 = 1e-9;
 /// Values beyond this cannot be told from an overflow, and values below its inverse not from an underflow: neither is drawn.
 const LARGEST: f64 = 1e300;
 /// Positions are limited to this many lengths of the axis, so that they remain numbers for which a drawing has room.
@@ -90,9 +89,9 @@ impl Ruler {
     /// Returns the ticks with text.
     pub fn major(&self) -> Vec<Tick> {
         match self.scale {
-            Scale::Linear => ticks::linear(self.from, self.to, INTERVALS),
-            Scale::Degrees => ticks::degrees(self.from, self.to, INTERVALS),
-            Scale::Logarithmic => ticks::logarithmic(self.from, self.to, DECADES),
+            Scale::Linear => ticks::linear_ticks(self.from, self.to, INTERVALS),
+            Scale::Degrees => ticks::degree_ticks(self.from, self.to, INTERVALS),
+            Scale::Logarithmic => ticks::logarithmic_ticks(self.from, self.to, DECADES),
         }
     }
 

@@ -20,19 +20,19 @@ use crate::theme::{FONTS, Theme};
 /// Plotters counts in whole numbers: the drawing's unit is a tenth of a pixel, finer than the eye.
 const UNIT: f64 = 10.0;
 
-/// Returns the figure as an `<svg>` element for a page that carries [`css`](crate::theme::css). The same figure gives the same bytes.
-pub fn inline(figure: &Figure) -> String {
+/// Returns the figure as an `<svg>` element for a page that carries [`style_sheet`](crate::css::style_sheet). The same figure gives the same bytes.
+pub fn inline_svg(figure: &Figure) -> String {
     written(figure, Setting::Page, Paint::Classes)
 }
 
 /// Returns the figure with its title as an SVG document that stands alone, in the colours of a theme. Every colour is an attribute,
 /// because programs that are not browsers read no variables of CSS. The same figure gives the same bytes.
-pub fn standalone(figure: &Figure, theme: Theme) -> String {
+pub fn standalone_svg(figure: &Figure, theme: Theme) -> String {
     written(figure, Setting::Alone, Paint::Attributes(theme))
 }
 
 /// Returns text that is safe inside markup and attributes; control characters, which XML forbids, are left out.
-pub fn escape(text: &str) -> String {
+pub fn escape_xml(text: &str) -> String {
     let allowed: String = text.chars().filter(|c| !c.is_control() || c.is_whitespace()).collect();
     allowed.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -48,7 +48,7 @@ fn written(figure: &Figure, setting: Setting, paint: Paint) -> String {
     text.push_str(&backend.text);
     if let Err(error) = result {
         // nothing in the backend fails; should plotters ever refuse a layout, the page says so where the figure would be
-        let message = escape(&error.to_string());
+        let message = escape_xml(&error.to_string());
         let _ = writeln!(text, "<text x=\"20\" y=\"20\">This figure cannot be drawn: {message}</text>");
     }
     text.push_str("</svg>\n");
@@ -65,7 +65,7 @@ fn opening(figure: &Figure, (width, height): (u32, u32), paint: Paint) -> String
     };
     format!(
         "<svg {dress} xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">\n",
-        escape(&figure.title)
+        escape_xml(&figure.title)
     )
 }
 
@@ -238,7 +238,7 @@ impl DrawingBackend for Svg {
             HPos::Right => " text-anchor=\"end\"",
         };
         let paint = self.paint_of(ink);
-        let _ = writeln!(self.text, "<text {paint} {place}{anchor}>{}</text>", escape(text));
+        let _ = writeln!(self.text, "<text {paint} {place}{anchor}>{}</text>", escape_xml(text));
         Ok(())
     }
 
@@ -256,12 +256,12 @@ impl DrawingBackend for Svg {
     }
 }
 
-/// A length in units as pixels, without trailing zeros.
+/// Returns a length in units as pixels, without trailing zeros.
 fn tenths(units: i32) -> String {
     pixels(f64::from(units) / UNIT)
 }
 
-/// A length in pixels to a tenth, without trailing zeros.
+/// Returns a length in pixels to a tenth, without trailing zeros.
 fn pixels(value: f64) -> String {
     let rounded = (value * UNIT).round() / UNIT;
     // adding 0 takes the sign from a zero
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn text_is_safe_in_markup() {
-        assert_eq!(escape("a < b & \"c\" > d\u{1}"), "a &lt; b &amp; &quot;c&quot; &gt; d");
+        assert_eq!(escape_xml("a < b & \"c\" > d\u{1}"), "a &lt; b &amp; &quot;c&quot; &gt; d");
     }
 
     #[test]

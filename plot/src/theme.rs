@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use crate::figure::Colour;
-use crate::ink::Ink;
 
 /// Light ink on dark ground, or dark ink on light ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,18 +103,6 @@ impl Role {
         let name = TABLE.iter().find(|row| row.0 == self).map_or("ink", |row| row.1);
         format!("var(--{name})")
     }
-}
-
-/// Returns the style that a page with inline figures carries: both themes as custom properties, chosen by the reader's setting, and
-/// the classes of everything that figures draw.
-pub fn css() -> String {
-    let (light, dark) = (Theme::Light.properties(), Theme::Dark.properties());
-    let mut text = format!("{light}\n@media (prefers-color-scheme:dark){{{dark}}}\n");
-    let _ = writeln!(text, ".fig{{font-family:{FONTS};font-size:12px}}");
-    for ink in Ink::all() {
-        let _ = writeln!(text, ".fig .{}{{{}}}", ink.class(), ink.declarations());
-    }
-    text
 }
 
 /// Fonts of a figure's text, the first that the reader has.

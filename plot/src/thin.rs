@@ -8,7 +8,7 @@ pub const MOST_POINTS: usize = 1600;
 /// Returns the indices of the points to draw: of each of `stretches` stretches the first, the lowest, the highest and the last,
 /// so that every peak stays. Each row of `points` is (x, y). A stretch that holds a point without a finite y keeps it, so that gaps
 /// stay gaps. With at most four points for each stretch, all are kept.
-pub fn thin(points: ArrayView2<f64>, stretches: usize) -> Vec<usize> {
+pub fn thin_points(points: ArrayView2<f64>, stretches: usize) -> Vec<usize> {
     let (count, stretches) = (points.nrows(), stretches.max(1));
     if count <= 4 * stretches {
         return (0..count).collect();
@@ -19,7 +19,7 @@ pub fn thin(points: ArrayView2<f64>, stretches: usize) -> Vec<usize> {
     starts.flat_map(|start| extremes(ordinates, start, (start + length).min(count))).collect()
 }
 
-/// First, lowest, highest, one that is not finite, and last point of a stretch.
+/// Returns the first, lowest, highest, one that is not finite, and last point of a stretch.
 fn extremes(ordinates: ArrayView1<f64>, start: usize, end: usize) -> Vec<usize> {
     let finite = || (start..end).filter(|k| ordinates[*k].is_finite());
     let lowest = finite().min_by(|a, b| ordinates[*a].total_cmp(&ordinates[*b]));
@@ -51,7 +51,7 @@ mod tests {
         let mut points = wave(100_000);
         points[[77_777, 1]] = 9.0;
         points[[12_345, 1]] = -9.0;
-        let kept = thin(points.view(), MOST_POINTS / 4);
+        let kept = thin_points(points.view(), MOST_POINTS / 4);
         assert!(kept.len() <= MOST_POINTS);
         assert!(kept.contains(&77_777) && kept.contains(&12_345));
         assert!(kept.is_sorted());
@@ -61,8 +61,8 @@ mod tests {
     fn a_gap_stays_a_gap_and_a_short_series_stays_whole() {
         let mut points = wave(10_000);
         points[[5_003, 1]] = f64::NAN;
-        assert!(thin(points.view(), 400).contains(&5_003));
-        assert_eq!(thin(wave(1600).view(), 400).len(), 1600);
-        assert!(thin(Array2::zeros((0, 2)).view(), 400).is_empty());
+        assert!(thin_points(points.view(), 400).contains(&5_003));
+        assert_eq!(thin_points(wave(1600).view(), 400).len(), 1600);
+        assert!(thin_points(Array2::zeros((0, 2)).view(), 400).is_empty());
     }
 }

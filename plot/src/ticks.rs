@@ -3,7 +3,8 @@
 //! One algorithm for every axis of the product: pages, exported pictures and the window. Each function takes the range of the
 //! axis and the number of intervals for which there is room.
 
-use crate::number::{short, superscript, times_power_of_ten, with_minus};
+use crate::number::{short_number, superscript, times_power_of_ten, with_minus};
+use crate::tolerance::TICK_SLACK;
 
 /// Parts of a turn that are round, in degrees.
 const DEGREE_STEPS: [f64; 9] = [1.0, 2.0, 5.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
@@ -13,8 +14,6 @@ const FEW_DECADES: f64 = 1.2;
 const MANY_DECADES: f64 = 7.0;
 /// Powers of ten that are short enough to be written as numbers: from 0.001 to 10000.
 const SHORT_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
-/// A tick may lie outside the range by this part of its step, so that rounding does not lose the ticks at the ends.
-const SLACK: f64 = 1e-9;
 
 /// A tick and its text.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,26 +29,26 @@ pub fn linear_step(from: f64, to: f64, intervals: f64) -> f64 {
     let wanted = to / intervals - from / intervals;
     let power = 10f64.powf(wanted.log10().floor());
     let mantissa = wanted / power;
-    [1.0, 2.0, 5.0].into_iter().find(|nice| mantissa <= nice * (1.0 + SLACK)).unwrap_or(10.0) * power
+    [1.0, 2.0, 5.0].into_iter().find(|nice| mantissa <= nice * (1.0 + TICK_SLACK)).unwrap_or(10.0) * power
 }
 
 /// Returns ticks of a linear axis; there are none if the range is empty or infinite, here and in the other functions.
-pub fn linear(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+pub fn linear_ticks(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
     multiples(from, to, linear_step(from, to, intervals))
 }
 
 /// Returns ticks of an axis of angles: at parts of a turn, and at multiples of it on a long axis.
-pub fn degrees(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+pub fn degree_ticks(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
     let wanted = (to - from) / intervals;
     if wanted < DEGREE_STEPS[0] {
-        return linear(from, to, intervals);
+        return linear_ticks(from, to, intervals);
     }
     let step = DEGREE_STEPS.into_iter().find(|step| *step >= wanted);
     multiples(from, to, step.unwrap_or_else(|| 360.0 * linear_step(from / 360.0, to / 360.0, intervals)))
 }
 
 /// Returns ticks of a logarithmic axis: decades, on a short axis 1, 2 and 5 in each, and on one shorter still round numbers.
-pub fn logarithmic(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+pub fn logarithmic_ticks(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
     if !is_positive_range(from, to) {
         return Vec::new();
     }
@@ -59,7 +58,7 @@ pub fn logarithmic(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
         return decades;
     }
     let parts = parts_of_decades(from, to);
-    if parts.len() >= 2 { parts } else { linear(from, to, intervals) }
+    if parts.len() >= 2 { parts } else { linear_ticks(from, to, intervals) }
 }
 
 /// Returns the places of ticks without text on a logarithmic axis; there are none on an axis of many decades.
@@ -79,12 +78,12 @@ fn is_positive_range(from: f64, to: f64) -> bool {
 
 fn whole_decades(first: f64, last: f64, intervals: f64) -> Vec<Tick> {
     let stride = ((last - first) / intervals).ceil().max(1.0) as i32;
-    let whole = ((first - SLACK).ceil() as i32)..=((last + SLACK).floor() as i32);
+    let whole = ((first - TICK_SLACK).ceil() as i32)..=((last + TICK_SLACK).floor() as i32);
     let decades: Vec<i32> = whole.filter(|decade| decade.rem_euclid(stride) == 0).collect();
     // either all as numbers or all as powers
     let are_short = decades.iter().all(|decade| SHORT_DECADES.contains(decade));
     let text = |decade: i32| {
-        if are_short { short(10f64.powi(decade)) } else { format!("10{}", superscript(decade)) }
+        if are_short { short_number(10f64.powi(decade)) } else { format!("10{}", superscript(decade)) }
     };
     decades.into_iter().map(|decade| Tick { value: 10f64.powi(decade), text: text(decade) }).collect()
 }
@@ -93,7 +92,7 @@ fn parts_of_decades(from: f64, to: f64) -> Vec<Tick> {
     let decades = from.log10().floor() as i32..=to.log10().floor() as i32;
     let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|part| part * 10f64.powi(decade)));
     let within = all.filter(|value| (from..=to).contains(value));
-    within.map(|value| Tick { value, text: short(value) }).collect()
+    within.map(|value| Tick { value, text: short_number(value) }).collect()
 }
 
 fn multiples(from: f64, to: f64, step: f64) -> Vec<Tick> {
@@ -101,7 +100,7 @@ fn multiples(from: f64, to: f64, step: f64) -> Vec<Tick> {
     if !is_range {
         return Vec::new();
     }
-    let (first, last) = ((from / step - SLACK).ceil() as i64, (to / step + SLACK).floor() as i64);
+    let (first, last) = ((from / step - TICK_SLACK).ceil() as i64, (to / step + TICK_SLACK).floor() as i64);
     let largest = from.abs().max(to.abs());
     // adding 0 takes the sign from a zero
     let values = (first..=last).map(|k| k as f64 * step + 0.0);
@@ -127,5 +126,5 @@ fn multiple(value: f64, step: f64, largest: f64) -> String {
 /// Returns the power of ten of a number's first digit.
 fn exponent_of(value: f64) -> i32 {
     // a step such as 9.999e-5, which is 1e-4 but for rounding, counts as what it stands for
-    (value.abs() * (1.0 + SLACK)).log10().floor() as i32
+    (value.abs() * (1.0 + TICK_SLACK)).log10().floor() as i32
 }

@@ -52,7 +52,7 @@ fn heat() -> Figure {
     )
 }
 
-/// Every kind of figure.
+/// Returns every kind of figure.
 fn all() -> Vec<Figure> {
     vec![
         wave(),
@@ -96,14 +96,14 @@ fn check_markup(svg: &str) {
 #[test]
 fn markup_is_well_formed_and_stays_inside_the_picture() {
     for figure in all() {
-        check_markup(&svg::inline(&figure));
-        check_markup(&svg::standalone(&figure, Theme::Dark));
+        check_markup(&svg::inline_svg(&figure));
+        check_markup(&svg::standalone_svg(&figure, Theme::Dark));
     }
 }
 
 #[test]
 fn text_is_escaped_and_a_long_series_gives_a_small_picture() {
-    let drawn = svg::inline(&wave());
+    let drawn = svg::inline_svg(&wave());
     assert!(drawn.contains("a &lt; b &amp; c") && !drawn.contains("a < b"));
     assert!(drawn.contains("aria-label=\"wave &lt;1&gt;\"") && drawn.contains("&quot;start&quot;"));
     assert!(drawn.len() < 40_000, "{}", drawn.len());
@@ -112,15 +112,15 @@ fn text_is_escaped_and_a_long_series_gives_a_small_picture() {
 #[test]
 fn the_same_figure_gives_the_same_bytes() {
     for (one, other) in all().iter().zip(&all()) {
-        assert_eq!(svg::inline(one), svg::inline(other));
-        assert_eq!(svg::standalone(one, Theme::Light), svg::standalone(other, Theme::Light));
+        assert_eq!(svg::inline_svg(one), svg::inline_svg(other));
+        assert_eq!(svg::standalone_svg(one, Theme::Light), svg::standalone_svg(other, Theme::Light));
         assert_eq!(png(one, Theme::Light, 1.0).unwrap(), png(other, Theme::Light, 1.0).unwrap());
     }
 }
 
 #[test]
 fn inline_pictures_have_classes_alone_and_documents_colours_alone() {
-    let (inline, alone) = (svg::inline(&wave()), svg::standalone(&wave(), Theme::Dark));
+    let (inline, alone) = (svg::inline_svg(&wave()), svg::standalone_svg(&wave(), Theme::Dark));
     assert!(!inline.contains('#') && !inline.contains("stroke="), "{inline}");
     assert!(!alone.contains("class=") && !alone.contains("var("));
     assert!(alone.contains(&Theme::Dark.hex(counterpoise_plot::theme::Role::Curve(Colour::First))));
@@ -132,10 +132,10 @@ fn inline_pictures_have_classes_alone_and_documents_colours_alone() {
 
 #[test]
 fn the_style_has_a_rule_for_every_class() {
-    let style = counterpoise_plot::theme::css();
+    let style = counterpoise_plot::css::style_sheet();
     for figure in all() {
         for class in
-            svg::inline(&figure).split("class=\"").skip(1).map(|part| part.split('"').next().unwrap())
+            svg::inline_svg(&figure).split("class=\"").skip(1).map(|part| part.split('"').next().unwrap())
         {
             assert!(style.contains(&format!(".{class}{{")), "{class}");
         }
@@ -147,10 +147,10 @@ fn the_style_has_a_rule_for_every_class() {
 fn values_that_cannot_be_drawn_break_the_curve() {
     let points =
         [(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, 2.0), (4.0, 1.0), (5.0, f64::INFINITY), (6.0, 3.0)];
-    let drawn = svg::inline(&one_panel(Axis::linear("y", ""), points));
+    let drawn = svg::inline_svg(&one_panel(Axis::linear("y", ""), points));
     let runs = paths(&drawn, "curve2").pop().unwrap();
     assert_eq!(runs.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2], "{runs:?}");
-    let zero = svg::inline(&one_panel(
+    let zero = svg::inline_svg(&one_panel(
         Axis::logarithmic("y", ""),
         [(0.0, 1.0), (1.0, 2.0), (2.0, 0.0), (3.0, 1.0), (4.0, 5.0)],
     ));
@@ -159,10 +159,10 @@ fn values_that_cannot_be_drawn_break_the_curve() {
 
 #[test]
 fn no_data_give_empty_axes_and_a_single_point_is_seen() {
-    let empty = svg::inline(&one_panel(Axis::linear("y", ""), []));
+    let empty = svg::inline_svg(&one_panel(Axis::linear("y", ""), []));
     assert!(empty.contains("class=\"frame\"") && paths(&empty, "grid").len() == 1);
     assert_eq!(paths(&empty, "curve2").len(), 1, "the sample in the legend");
-    let single = svg::inline(&one_panel(Axis::linear("y", ""), [(3.0, 4.0)]));
+    let single = svg::inline_svg(&one_panel(Axis::linear("y", ""), [(3.0, 4.0)]));
     let dot = &paths(&single, "curve2")[1][0];
     assert!((dot[1].0 - dot[0].0 - 2.0).abs() < 0.25 && dot[0].1 == dot[1].1, "{dot:?}");
 }
@@ -175,7 +175,7 @@ fn huge_and_tiny_ranges_are_drawn() {
             let value = |k: f64| scale * (offset + k);
             let points = (0..10).map(|k| (value(f64::from(k)), value(f64::from(k + 1))));
             for axis in [Axis::linear("y", ""), Axis::logarithmic("y", ""), Axis::degrees("y")] {
-                let drawn = svg::inline(&one_panel(axis.clone(), points.clone()));
+                let drawn = svg::inline_svg(&one_panel(axis.clone(), points.clone()));
                 check_markup(&drawn);
                 let curve = &paths(&drawn, "curve2")[1][0];
                 assert_eq!(curve.len(), 10, "{scale:e} {offset} {axis:?}");
@@ -194,7 +194,7 @@ fn a_fixed_range_cuts_curves_and_bands_at_its_ends() {
     panel.bands =
         vec![Band::new("b", Colour::Fourth, [(0.0, -3.0, 3.0), (2.0, f64::NAN, 1.0), (3.0, -1.0, 9.0)])];
     panel.marks = vec![Mark::Level { y: 2.0, text: String::new() }];
-    let drawn = svg::inline(&Figure::new("cut", Axis::linear("x", "").over(0.0, 2.0), vec![panel]));
+    let drawn = svg::inline_svg(&Figure::new("cut", Axis::linear("x", "").over(0.0, 2.0), vec![panel]));
     check_markup(&drawn);
     assert!(paths(&drawn, "guide").is_empty(), "a level outside the panel is not drawn");
     let frame = paths(&drawn, "frame").pop().unwrap().pop().unwrap();
@@ -214,14 +214,14 @@ fn a_legend_has_each_name_once_and_none_without_a_name() {
         )
     };
     let figure = Figure::new("l", Axis::linear("x", ""), vec![panel(["one", "two"]), panel(["one", ""])]);
-    let drawn = svg::inline(&figure);
+    let drawn = svg::inline_svg(&figure);
     assert_eq!(drawn.matches(">one<").count(), 1);
     assert_eq!(drawn.matches("<text class=\"text\"").count(), 2 + 2 + 1, "names, y axes, x axis: {drawn}");
 }
 
 #[test]
 fn every_cell_has_its_number_and_what_is_not_known_has_none() {
-    let drawn = svg::inline(&heat());
+    let drawn = svg::inline_svg(&heat());
     assert!(drawn.contains(">87</text>") && drawn.contains(">\u{2013}</text>"));
     assert!(drawn.contains(">100</text>") && drawn.contains(">0</text>"), "shares are limited to 0 .. 1");
     assert!(drawn.contains("a &lt; b") && drawn.contains(">100 %</text>"));
@@ -237,10 +237,10 @@ fn every_cell_has_its_number_and_what_is_not_known_has_none() {
         shares: Array2::zeros((0, 0)),
         framed: Vec::new(),
     };
-    check_markup(&svg::inline(&Figure::heat_map("empty", empty)));
+    check_markup(&svg::inline_svg(&Figure::heat_map("empty", empty)));
 }
 
-/// The colours of a decoded PNG.
+/// Returns the colours of a decoded PNG.
 fn decoded(file: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png_file(file);
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

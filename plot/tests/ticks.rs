@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_plot::ruler::{Margin, Ruler};
-use counterpoise_plot::ticks::{Tick, degrees, linear, linear_step, logarithmic, logarithmic_minor};
+use counterpoise_plot::ticks::{
+    Tick, degree_ticks, linear_step, linear_ticks, logarithmic_minor, logarithmic_ticks,
+};
 use counterpoise_plot::{Axis, Scale};
 use proptest::prelude::*;
 
@@ -12,14 +14,17 @@ fn texts(ticks: &[Tick]) -> Vec<&str> {
 
 #[test]
 fn ticks_are_round_and_few() {
-    assert_eq!(texts(&linear(0.0, 10.0, 7.0)), ["0", "2", "4", "6", "8", "10"]);
-    assert_eq!(texts(&linear(-0.03, 0.05, 7.0)), ["\u{2212}0.02", "0.00", "0.02", "0.04"]);
-    assert_eq!(degrees(-270.0, 0.0, 7.0).iter().map(|t| t.value).collect::<Vec<_>>().len(), 7);
-    assert_eq!(texts(&logarithmic(0.01, 100.0, 9.0)), ["0.01", "0.1", "1", "10", "100"]);
-    assert_eq!(texts(&logarithmic(2.0, 9.0, 9.0)), ["2", "5"]);
-    assert_eq!(texts(&logarithmic(2.1, 2.4, 9.0)), ["2.10", "2.15", "2.20", "2.25", "2.30", "2.35", "2.40"]);
+    assert_eq!(texts(&linear_ticks(0.0, 10.0, 7.0)), ["0", "2", "4", "6", "8", "10"]);
+    assert_eq!(texts(&linear_ticks(-0.03, 0.05, 7.0)), ["\u{2212}0.02", "0.00", "0.02", "0.04"]);
+    assert_eq!(degree_ticks(-270.0, 0.0, 7.0).iter().map(|t| t.value).collect::<Vec<_>>().len(), 7);
+    assert_eq!(texts(&logarithmic_ticks(0.01, 100.0, 9.0)), ["0.01", "0.1", "1", "10", "100"]);
+    assert_eq!(texts(&logarithmic_ticks(2.0, 9.0, 9.0)), ["2", "5"]);
     assert_eq!(
-        texts(&logarithmic(1e-7, 1e-4, 9.0)),
+        texts(&logarithmic_ticks(2.1, 2.4, 9.0)),
+        ["2.10", "2.15", "2.20", "2.25", "2.30", "2.35", "2.40"]
+    );
+    assert_eq!(
+        texts(&logarithmic_ticks(1e-7, 1e-4, 9.0)),
         ["10\u{207B}\u{2077}", "10\u{207B}\u{2076}", "10\u{207B}\u{2075}", "10\u{207B}\u{2074}"]
     );
     assert_eq!(logarithmic_minor(1.0, 20.0), [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 20.0]);
@@ -28,9 +33,9 @@ fn ticks_are_round_and_few() {
 
 #[test]
 fn small_steps_at_large_values_can_be_told_apart() {
-    assert_eq!(texts(&linear(1e6, 1e6 + 3.0, 3.0))[1], "1.000001\u{D7}10\u{2076}");
+    assert_eq!(texts(&linear_ticks(1e6, 1e6 + 3.0, 3.0))[1], "1.000001\u{D7}10\u{2076}");
     assert_eq!(
-        texts(&linear(0.0, 3e-7, 3.0)),
+        texts(&linear_ticks(0.0, 3e-7, 3.0)),
         ["0", "1\u{D7}10\u{207B}\u{2077}", "2\u{D7}10\u{207B}\u{2077}", "3\u{D7}10\u{207B}\u{2077}"]
     );
 }
@@ -59,17 +64,21 @@ fn data_without_a_range_give_a_usable_ruler() {
 #[test]
 fn what_is_no_range_has_no_ticks() {
     for (from, to) in [(1.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (f64::NEG_INFINITY, 0.0)] {
-        assert!(linear(from, to, 7.0).is_empty() && degrees(from, to, 7.0).is_empty(), "{from} {to}");
+        assert!(
+            linear_ticks(from, to, 7.0).is_empty() && degree_ticks(from, to, 7.0).is_empty(),
+            "{from} {to}"
+        );
     }
     for (from, to) in [(1.0, 1.0), (0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
         assert!(
-            logarithmic(from, to, 9.0).is_empty() && logarithmic_minor(from, to).is_empty(),
+            logarithmic_ticks(from, to, 9.0).is_empty() && logarithmic_minor(from, to).is_empty(),
             "{from} {to}"
         );
     }
 }
 
-/// A range from anywhere between tiny and huge, of a width between a millionth of its values and all of them.
+/// Returns a range from anywhere between tiny and huge, of a width between a millionth of its values and all
+/// of them.
 fn ranges() -> impl Strategy<Value = (f64, f64)> {
     (-280.0..280.0f64, -6.0..1.0f64, -1.0..1.0f64).prop_map(|(size, width, from)| {
         let size = 10f64.powf(size);
@@ -77,7 +86,7 @@ fn ranges() -> impl Strategy<Value = (f64, f64)> {
     })
 }
 
-/// A positive range of up to 30 decades.
+/// Returns a positive range of up to 30 decades.
 fn positive_ranges() -> impl Strategy<Value = (f64, f64)> {
     (-200.0..200.0f64, -5.0..1.5f64)
         .prop_map(|(from, decades)| (10f64.powf(from), 10f64.powf(from + 10f64.powf(decades))))
@@ -98,7 +107,7 @@ fn check(ticks: &[Tick], from: f64, to: f64) {
 proptest! {
     #[test]
     fn linear_ticks_are_few_round_and_cover_the_axis((from, to) in ranges(), intervals in 2.0..12.0f64) {
-        let (ticks, step) = (linear(from, to, intervals), linear_step(from, to, intervals));
+        let (ticks, step) = (linear_ticks(from, to, intervals), linear_step(from, to, intervals));
         check(&ticks, from, to);
         prop_assert!(ticks.len() as f64 <= intervals + 1.0 + 1e-6, "{} ticks", ticks.len());
         prop_assert!(ticks.len() as f64 >= (intervals / 2.5).floor(), "{} ticks of {}", ticks.len(), intervals);
@@ -116,7 +125,7 @@ proptest! {
 
     #[test]
     fn ticks_of_angles_are_parts_or_multiples_of_a_turn(from in -4000.0..4000.0f64, width in 10.0..9000.0f64) {
-        let ticks = degrees(from, from + width, 7.0);
+        let ticks = degree_ticks(from, from + width, 7.0);
         check(&ticks, from, from + width);
         prop_assert!((2..=8).contains(&ticks.len()), "{ticks:?}");
         let step = ticks[1].value - ticks[0].value;
@@ -127,7 +136,7 @@ proptest! {
 
     #[test]
     fn logarithmic_ticks_cover_the_axis((from, to) in positive_ranges()) {
-        let ticks = logarithmic(from, to, 9.0);
+        let ticks = logarithmic_ticks(from, to, 9.0);
         check(&ticks, from, to);
         prop_assert!((2..=10).contains(&ticks.len()), "{ticks:?}");
         let decades = (to / from).log10();

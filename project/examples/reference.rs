@@ -1,4 +1,4 @@
-//! Writes the tables of `docs/reference/project-file.md` anew, from the walk that reads project files; the introduction stays.
+//! Regenerates the tables of `docs/reference/project-file.md` from the walk that reads project files; the introduction stays.
 
 use counterpoise_project::Project;
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Assumption {
     /// Path of the key or section that is absent.
     pub key: String,
-    /// The value that is taken; infinite where nothing limits it.
+    /// The value that is taken; infinite if nothing limits it.
     pub value: f64,
     /// Its unit; empty for a pure number.
     pub unit: &'static str,

@@ -158,7 +158,8 @@ fn visible(c: char) -> char {
     }
 }
 
-/// Whether a character moves the cursor of a terminal, changes its colours, or turns the direction of writing.
+/// Returns whether a character moves the cursor of a terminal, changes its colours, or turns the direction of
+/// writing.
 pub(crate) fn is_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
@@ -175,7 +176,7 @@ pub fn printable(text: &str) -> String {
 /// Longest name for which a similar one is looked for, in bytes.
 const LONGEST_MISSPELT: usize = 64;
 
-/// The name in `known` that is nearest to `written`, if any is near enough to be meant.
+/// Returns the name in `known` that is nearest to `written`, if any is near enough to be meant.
 pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if written.len() > LONGEST_MISSPELT {
         return None;
@@ -190,7 +191,7 @@ pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str
     known.into_iter().filter(near).min_by_key(|name| distance(name))
 }
 
-/// A hint that names the nearest of the known names.
+/// Returns a hint that names the nearest of the known names.
 pub(crate) fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     nearest(written, known).map(|name| format!("did you mean \"{name}\"?"))
 }

@@ -20,12 +20,13 @@ pub mod diagnostic;
 pub mod file;
 pub mod resolve;
 pub mod starters;
+mod tolerance;
 pub mod unit;
 
 pub use assumption::{Assumption, Tolerance, ToleranceKind};
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, FORMAT, Setting};
-pub use resolve::design::{Export, Language, Reduction, ReductionMethod, Synthesis};
+pub use resolve::design::{Export, Language, Reduction, ReductionMethod};
 pub use resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
 pub use resolve::import::{ImportedStructure, MatrixFormat};
 pub use resolve::model::{Modelling, StructureChoice};
@@ -33,6 +34,7 @@ pub use resolve::platform::{Motion, MotionKind, PlatformSource, RoadSource};
 pub use resolve::purpose::Purpose;
 pub use resolve::statements::{SectionStatement, ValueStatement};
 pub use resolve::sweep::Sweep;
+pub use resolve::synthesis::Synthesis;
 pub use resolve::verify::Verification;
 pub use resolve::{Parsed, Project};
 

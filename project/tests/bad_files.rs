@@ -146,7 +146,10 @@ fn an_amplifier_map_is_read_from_the_file_beside() {
         format!("{at}\"amplifier-map.csv\" line 2 column 2: \"\" is not a number")
     );
     let absent = Project::resolve(&document, &Attachments::none()).unwrap_err()[0].to_string();
-    assert_eq!(absent, format!("{at}the file \"amplifier-map.csv\" was not found beside the project file"));
+    assert_eq!(
+        absent,
+        format!("{at}the file \"amplifier-map.csv\" was not found in the folder of the project file")
+    );
 }
 
 #[test]

@@ -7,7 +7,7 @@ use counterpoise_project::{Attachments, Document, MotionKind, PlatformSource, Pr
 
 const GOOD: &str = include_str!("data/rig.toml");
 
-/// The rig's file with other motion and other text put in.
+/// Returns the rig's file with other motion and other text put in.
 fn file(motion: &str, changes: &[(&str, &str)]) -> String {
     let bare = Document::parse(GOOD, "rig.toml").remove("verify.road").unwrap().text().to_owned();
     let changed = changes.iter().fold(bare, |text, (from, to)| {

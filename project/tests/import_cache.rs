@@ -9,7 +9,8 @@ use counterpoise_models::structure::Fitted;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap};
 use counterpoise_project::resolve::import::ImportedContent;
 
-/// A chain of beam elements of length 1 with two unknowns a node, free at both ends; more unknowns than are analysed densely.
+/// Returns a chain of beam elements of length 1 with two unknowns a node, free at both ends; more unknowns than are analysed
+/// densely.
 fn content(elements: usize, stiffness: f64) -> ImportedContent {
     let n = 2 * (elements + 1);
     let (mut M, mut K) = (Vec::new(), Vec::new());

@@ -1,7 +1,7 @@
 //! A file with one section or key left out: it is read, with what is assumed, or fails with one sentence that names what to add.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_project::resolve::design::LoopKind;
+use counterpoise_project::resolve::synthesis::LoopKind;
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_verify::robust::Varied;
 
@@ -13,7 +13,7 @@ fn is_no_quantity(key: &str) -> bool {
     key.contains('[') || ["name", "model", "shape", "map"].contains(&last)
 }
 
-/// Every key of a project, and every section, in the order of its file.
+/// Returns every key of a project, and every section, in the order of its file.
 fn paths(project: &Project) -> Vec<String> {
     let sections = project.statements();
     let keys = sections.iter().flat_map(|s| s.values.iter().map(move |v| format!("{}.{}", s.path, v.key)));

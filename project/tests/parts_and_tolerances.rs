@@ -16,7 +16,7 @@ fn given(files: &[(&str, &str)]) -> Attachments {
     files.iter().fold(Attachments::none(), |all, (name, text)| all.with(name, text.as_bytes().to_vec()))
 }
 
-/// The good file without its motor, which a part has.
+/// Returns the good file without its motor, which a part has.
 fn without_motor(include: &str) -> String {
     let start = GOOD.find("[plant.motor]").unwrap();
     let end = start + GOOD[start..].find("\n[").unwrap() + 1;
@@ -49,13 +49,13 @@ fn mistakes_in_parts_name_the_right_file_and_line() {
     assert_eq!(told("[plant.motor\n"), "motor.toml:1:13: error: unclosed table, expected `]`");
     let twice = told(&format!("{MOTOR}[plant.gearbox]\nbacklash = 1e-3\n"));
     assert!(
-        twice.starts_with("motor.toml:7:1: error: plant.gearbox.backlash: stands here and in rig.toml:"),
+        twice.starts_with("motor.toml:7:1: error: plant.gearbox.backlash: is given here and in rig.toml:"),
         "{twice}"
     );
     let missing = resolved(&text, &[]).unwrap_err().join("\n");
     assert_eq!(
         missing,
-        "rig.toml:1:12: error: include: the file \"motor.toml\" was not found beside the project file"
+        "rig.toml:1:12: error: include: the file \"motor.toml\" was not found in the folder of the project file"
     );
     let newer = told(&format!("format = {}\n{MOTOR}", FORMAT + 1));
     assert!(newer.contains("motor.toml:1:10") && newer.contains("use a newer version"), "{newer}");
@@ -85,7 +85,7 @@ fn cycles_devices_and_thousands_of_parts_are_refused() {
     let tree = "[plant]\ninclude = [\"t.toml\", \"t.toml\"]";
     assert!(
         told(tree, &[("t.toml", "[x]\ninclude = [\"u.toml\", \"u.toml\"]"), ("u.toml", "k = 1")])
-            .contains("stands here and in")
+            .contains("is given here and in")
     );
 }
 

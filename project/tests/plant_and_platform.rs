@@ -26,7 +26,7 @@ fn text(value: &str) -> Setting {
     Setting::Text(value.to_owned())
 }
 
-/// What is said about a file.
+/// Returns what is said about a file.
 fn said(document: &Document, files: &Attachments) -> Vec<String> {
     let errors = Project::resolve(document, files).unwrap_err();
     errors.iter().map(|error| error.to_string().split_once("error: ").unwrap().1.to_owned()).collect()
@@ -106,7 +106,7 @@ fn motions_that_cannot_be_made_are_told_at_their_key() {
     let long = [("kind", text("spectrum")), ("heave_psd", psd), ("fade", Setting::Number(20.0))];
     assert!(said(&moving(&long), &none)[0].contains("at most half the duration of 30 s"));
     let missing = said(&moving(&[("kind", text("spectrum")), ("heave_psd", text("road.csv"))]), &none);
-    let told = "the file \"road.csv\" was not found beside the project file";
+    let told = "the file \"road.csv\" was not found in the folder of the project file";
     assert!(missing.iter().any(|line| line.contains(told)), "{missing:?}");
 }
 
@@ -119,7 +119,7 @@ fn imported() -> Document {
     ])
 }
 
-/// Two nodes of a rigid bar, pivot at the first, with one spring between the rotations.
+/// Returns two nodes of a rigid bar, pivot at the first, with one spring between the rotations.
 fn files(mass: &str, map: &str) -> Attachments {
     let head = "%%MatrixMarket matrix coordinate real symmetric\n4 4 ";
     let stiffness = format!("{head}3\n2 2 1e6\n4 2 -1e6\n4 4 1e6\n");

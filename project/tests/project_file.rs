@@ -25,7 +25,7 @@ fn stored(path: &str) -> Vec<u8> {
     std::fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
 }
 
-/// What writing and reading makes of a project.
+/// Returns what writing and reading makes of a project.
 fn again(project: &Project) -> Project {
     let text = project.to_text();
     match Project::parse(&text, "again.toml") {
@@ -96,7 +96,7 @@ fn writing_and_reading_are_inverse() {
     assert_eq!(again(&bare), bare);
 }
 
-/// Every field of the mechanism away from its usual value.
+/// Returns every field of the mechanism away from its usual value.
 fn unusual() -> Parameters {
     let mut plant = reference::rig();
     let ripple = Ripple { amplitude: 0.16, order: 6.0, phase_rad: -0.7 };
@@ -282,7 +282,7 @@ fn a_mapping_of_channels_is_written_and_read() {
     assert_eq!(again(&project).recording, mapping);
 }
 
-/// The project files that users are shown.
+/// Returns the project files that users are shown.
 fn examples() -> Vec<String> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
     let mut files: Vec<PathBuf> =
@@ -291,7 +291,7 @@ fn examples() -> Vec<String> {
     files.iter().filter_map(|file| std::fs::read_to_string(file).ok()).collect()
 }
 
-/// A project file with one line less, or with the first number of a line another one.
+/// Returns a project file with one line less, or with the first number of a line another one.
 fn altered(text: &str, place: f64, number: Option<f64>) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let at = ((lines.len() as f64 * place) as usize).min(lines.len() - 1);
@@ -310,7 +310,7 @@ fn altered(text: &str, place: f64, number: Option<f64>) -> String {
     lines.join("\n")
 }
 
-/// The good file with a piece cut out, doubled, or overwritten.
+/// Returns the good file with a piece cut out, doubled, or overwritten.
 fn damaged(from: f64, length: usize, what: &str) -> String {
     let characters: Vec<char> = GOOD.chars().collect();
     let start = (from * characters.len() as f64) as usize;

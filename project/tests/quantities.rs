@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use counterpoise_project::unit::{read, rewrite};
+use counterpoise_project::unit::{read_quantity, rewrite_quantity};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -122,19 +122,22 @@ fn close(a: f64, b: f64) -> bool {
 fn the_table_of_conversions_holds_in_both_directions() {
     assert!(CONVERSIONS.len() >= 40);
     for (text, unit, value) in CONVERSIONS {
-        let found = read(text, unit).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let found = read_quantity(text, unit).unwrap_or_else(|error| panic!("{text}: {error}"));
         assert!(close(found, *value), "{text} is {found} {unit}, not {value}");
-        let back = rewrite(text, found, unit).unwrap();
-        let again = read(&back, unit).unwrap();
+        let back = rewrite_quantity(text, found, unit).unwrap();
+        let again = read_quantity(&back, unit).unwrap();
         assert_eq!(again, found, "{text} is written back as {back}");
         let other = 1.7 * found;
-        let back = rewrite(text, other, unit).unwrap();
-        assert!(close(read(&back, unit).unwrap(), other), "{text} with {other} is written as {back}");
+        let back = rewrite_quantity(text, other, unit).unwrap();
+        assert!(
+            close(read_quantity(&back, unit).unwrap(), other),
+            "{text} with {other} is written as {back}"
+        );
         assert_eq!(tail(&back), tail(text.trim()), "the unit stays as it was written");
     }
 }
 
-/// What follows the number.
+/// Returns what follows the number.
 fn tail(text: &str) -> &str {
     let number = |c: char| c.is_ascii_digit() || ".+-e\u{2212}".contains(c);
     text.trim_start_matches(number)
@@ -143,13 +146,13 @@ fn tail(text: &str) -> &str {
 #[test]
 fn decimal_prefixes_are_exact() {
     for (text, unit, value) in [("0.5 mrad", "rad", 0.5e-3), ("0.1 mm", "m", 1e-4), ("3.3 kV", "V", 3300.0)] {
-        assert_eq!(read(text, unit), Ok(value), "{text}");
+        assert_eq!(read_quantity(text, unit), Ok(value), "{text}");
     }
-    assert_eq!(rewrite("0.5 mrad", 7e-4, "rad").unwrap(), "0.7 mrad");
-    assert_eq!(rewrite("30 deg", 31.0 * (PI / 180.0), "rad").unwrap(), "31 deg");
-    assert_eq!(rewrite("3000rpm", 350.0 * PI / 3.0, "rad/s").unwrap(), "3500rpm");
-    assert_eq!(rewrite("200:1", 250.0, "").unwrap(), "250:1");
-    assert_eq!(rewrite("14 bit", 16.0, "bits").unwrap(), "16 bit");
+    assert_eq!(rewrite_quantity("0.5 mrad", 7e-4, "rad").unwrap(), "0.7 mrad");
+    assert_eq!(rewrite_quantity("30 deg", 31.0 * (PI / 180.0), "rad").unwrap(), "31 deg");
+    assert_eq!(rewrite_quantity("3000rpm", 350.0 * PI / 3.0, "rad/s").unwrap(), "3500rpm");
+    assert_eq!(rewrite_quantity("200:1", 250.0, "").unwrap(), "250:1");
+    assert_eq!(rewrite_quantity("14 bit", 16.0, "bits").unwrap(), "16 bit");
 }
 
 /// A text, the unit of its key, and what is said of it.
@@ -206,16 +209,16 @@ const WRONG: &[(&str, &str, &str)] = &[
 #[test]
 fn what_does_not_fit_is_told_with_both_dimensions() {
     for (text, unit, told) in WRONG {
-        assert_eq!(read(text, unit).unwrap_err().to_string(), *told, "{text:?}");
+        assert_eq!(read_quantity(text, unit).unwrap_err().to_string(), *told, "{text:?}");
     }
-    let two_ways = read("5 N m/rad s", "N m s/rad").unwrap_err().to_string();
+    let two_ways = read_quantity("5 N m/rad s", "N m s/rad").unwrap_err().to_string();
     assert!(two_ways.contains("can be read in two ways"), "{two_ways}");
-    assert_eq!(read("5 NM", "N m").unwrap_err().hint().unwrap(), "did you mean \"Nm\"?");
+    assert_eq!(read_quantity("5 NM", "N m").unwrap_err().hint().unwrap(), "did you mean \"Nm\"?");
     assert_eq!(
-        read("1 kHz", "s").unwrap_err().hint().unwrap(),
+        read_quantity("1 kHz", "s").unwrap_err().hint().unwrap(),
         "give the period, the inverse of the frequency"
     );
-    assert_eq!(read("1e-999999999999999999999 m", "m"), Ok(0.0));
+    assert_eq!(read_quantity("1e-999999999999999999999 m", "m"), Ok(0.0));
 }
 
 #[test]
@@ -224,8 +227,8 @@ fn long_and_deep_texts_are_refused_at_once() {
     let long = format!("1 {}", "m ".repeat(10_000));
     let digits = format!("{} m", "9".repeat(100_000));
     for text in [&deep, &long, &digits, &"(".repeat(1_000_000)] {
-        assert!(read(text, "m").is_err(), "{}", &text[..20]);
-        assert!(rewrite(text, 1.0, "m").is_none());
+        assert!(read_quantity(text, "m").is_err(), "{}", &text[..20]);
+        assert!(rewrite_quantity(text, 1.0, "m").is_none());
     }
 }
 
@@ -235,7 +238,7 @@ proptest! {
     #[test]
     fn noise_is_refused_or_finite(text in "[-+0-9.eE]{0,6} ?[a-zA-Zµ°%()/^*²0-9 -]{0,12}") {
         for unit in ["", "m", "rad/s", "N m/rad", "bits"] {
-            if let Ok(value) = read(&text, unit) {
+            if let Ok(value) = read_quantity(&text, unit) {
                 prop_assert!(value.is_finite(), "{}", text);
             }
         }
@@ -245,7 +248,7 @@ proptest! {
     fn any_value_is_kept_by_its_text_to_the_last_bit_but_one(digits in -10.0..10.0f64, exponent in -12i32..12) {
         let value = digits * 10f64.powi(exponent);
         for (text, unit) in [("1 mrad", "rad"), ("1 deg", "rad"), ("1 rpm", "rad/s"), ("1 oz-in", "N m"), ("1 in", "m")] {
-            let again = read(&rewrite(text, value, unit).unwrap(), unit).unwrap();
+            let again = read_quantity(&rewrite_quantity(text, value, unit).unwrap(), unit).unwrap();
             prop_assert!(close(again, value), "{} {}", again, value);
         }
     }
@@ -253,7 +256,7 @@ proptest! {
 
 #[test]
 fn what_data_sheets_write_in_two_ways_is_asked_for() {
-    let hint = |text: &str, unit: &str| read(text, unit).unwrap_err().hint().unwrap_or_default();
+    let hint = |text: &str, unit: &str| read_quantity(text, unit).unwrap_err().hint().unwrap_or_default();
     for text in ["3000 1/min", "3000 min^-1"] {
         assert!(hint(text, "rad/s").contains("rpm"), "{text}");
     }
@@ -261,5 +264,5 @@ fn what_data_sheets_write_in_two_ways_is_asked_for() {
     assert!(hint("1024 lines", "counts").contains("4 N counts"));
     assert!(hint("1024 ppr", "counts").contains("4 N counts"));
     assert!(hint("380 rpm/V", "V s/rad").contains("inverse"));
-    assert!(read("5 mm/rev", "m").is_err(), "a length is no travel a turn");
+    assert!(read_quantity("5 mm/rev", "m").is_err(), "a length is no travel a turn");
 }

@@ -5,7 +5,7 @@ use counterpoise_project::Project;
 
 const WRITTEN: &str = include_str!("../../docs/reference/project-file.md");
 
-/// With WRITE_MANUAL=1 the tables are written anew; the introduction stays.
+/// With WRITE_MANUAL=1 the tables are regenerated; the introduction stays.
 #[test]
 fn the_written_reference_is_the_readers() {
     let start = WRITTEN.find("\n## at the top").unwrap();

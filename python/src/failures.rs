@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use counterpoise_host::projects::BadProject;
-use counterpoise_host::terminal::causes;
+use counterpoise_host::terminal::error_causes;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -30,7 +30,7 @@ create_exception!(
 /// Returns an exception for work that failed.
 pub fn exception(py: Python<'_>, error: &anyhow::Error) -> PyErr {
     let Some(bad) = error.downcast_ref::<BadProject>() else {
-        return CounterpoiseError::new_err(causes(error).join(": "));
+        return CounterpoiseError::new_err(error_causes(error).join(": "));
     };
     let raised = ProjectError::new_err(bad.to_string());
     let findings = serde_json::to_string(&bad.errors).unwrap_or_default();

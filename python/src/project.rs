@@ -75,7 +75,7 @@ impl NativeProject {
     fn from_text(text: &str, folder: PathBuf) -> Self {
         let path = projects::project_file(&folder);
         let document = Document::parse(text, &path.display().to_string());
-        let attachments = counterpoise_host::files::attachments(&document, &path);
+        let attachments = counterpoise_host::files::read_attachments(&document, &path);
         Self { path, document: document.with_parts(&attachments), attachments }
     }
 
@@ -129,7 +129,7 @@ impl NativeProject {
 
     /// Writes the project to a file, whole or not at all.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        projects::write(&path, self.document.text().as_bytes()).map_err(|error| exception(py, &error))
+        projects::write_file(&path, self.document.text().as_bytes()).map_err(|error| exception(py, &error))
     }
 
     /// Warnings and assumptions of the file, as JSON.
@@ -195,7 +195,7 @@ impl NativeProject {
             let text = json_text(&controller).context("cannot write the controller")?;
             let with = File { name: "controller.json".to_owned(), text };
             let set = [made.files.as_slice(), &[with]].concat();
-            let written = code_files::write(&folder, &set, unit_library::library, &|| true);
+            let written = code_files::write_code(&folder, &set, unit_library::compile_library, &|| true);
             let paths = written.map_err(anyhow::Error::msg)?.unwrap_or_default();
             Ok(paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
         })
@@ -205,7 +205,7 @@ impl NativeProject {
     fn replay(&self, py: Python<'_>, recordings: Vec<PathBuf>) -> PyResult<String> {
         self.json(py, None, move |project, _| {
             let loaded = project.loaded(Purpose::Replay)?;
-            let files = projects::recordings(&recordings)?;
+            let files = projects::read_recordings(&recordings)?;
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
             let read = read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
@@ -226,7 +226,7 @@ impl NativeProject {
         let project = self.clone();
         background::run(py, self.folder(), progress, move |world| {
             let loaded = project.loaded(Purpose::Diagnose)?;
-            let files = projects::recordings(&recordings)?;
+            let files = projects::read_recordings(&recordings)?;
             let diagnosed = diagnose(&loaded.project, &files, world);
             let diagnosed =
                 diagnosed.map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;

@@ -10,10 +10,12 @@ use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::{Gaps, identify, read, read::recording_controller};
 use counterpoise_pipeline::results::AdaptResult;
 use counterpoise_pipeline::studies::adapt::adapt;
-use counterpoise_pipeline::studies::adaptation_trials::trials;
+use counterpoise_pipeline::studies::adaptation_trials::run_trials;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
-use counterpoise_pipeline::{self as pipeline, campaign, families, robust_stability, run_stages};
+use counterpoise_pipeline::{
+    self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
+};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::{SweepFigure, figures};
 use counterpoise_report::wording::identification::describe_identified_recordings;
@@ -65,7 +67,7 @@ pub fn sweep(
     project: &NativeProject,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    project.json(py, progress, |project, world| swept(project, world))
+    project.json(py, progress, swept)
 }
 
 fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept> {
@@ -74,13 +76,13 @@ fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept>
     campaign_is_stated(project)?;
     let made = run_stages(project, world)?;
     let (modelled, verified) = (&made.modelled, &made.verified);
-    let campaign = campaign(project, modelled, verified, world)?;
+    let campaign = prepare_campaign(project, modelled, verified, world)?;
     let run = map_with_progress(world, "sample", campaign.len(), |index| campaign.run(index));
     ensure!(!world.cancelled(), "stopped");
     let samples: Vec<Sample> = run.into_iter().collect::<Result<_, _>>()?;
     let others = BesideSamples {
         worst: worst_cases(&campaign, &samples, world)?,
-        families: families(project, modelled, verified, world)?,
+        families: vary_families(project, modelled, verified, world)?,
         stability: robust_stability(project, modelled, verified.controller(), world)?,
     };
     let found = CampaignResult::new(&campaign, &samples, others);
@@ -100,8 +102,8 @@ pub fn adaptation(
         let reduced = pipeline::reduce(&loaded.project, &modelled)?;
         let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
         let runs = adapt(&loaded.project, &modelled, &made)?;
-        let procedure = pipeline::procedure(&loaded.project, world)?;
-        Ok(AdaptResult { runs, trials: trials(&loaded.project, &modelled, &made, &procedure)? })
+        let procedure = pipeline::project_procedure(&loaded.project, world)?;
+        Ok(AdaptResult { runs, trials: run_trials(&loaded.project, &modelled, &made, &procedure)? })
     })
 }
 
@@ -152,7 +154,7 @@ fn recorded_maps(loaded: &projects::Loaded, plan: &Plan, recordings: &[PathBuf])
     let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
     let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
     let controller = recording_controller(&loaded.project).map_err(refused)?;
-    let files = projects::recordings(recordings)?;
+    let files = projects::read_recordings(recordings)?;
     let mut maps = Vec::new();
     for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)? {
         let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
@@ -175,7 +177,7 @@ pub fn identification(
     let kept = project.clone();
     background::run(py, project.folder(), None, move |_| {
         let loaded = kept.loaded(Purpose::Model)?;
-        let (first, second) = (projects::recordings(&recordings)?, projects::recordings(&other)?);
+        let (first, second) = (projects::read_recordings(&recordings)?, projects::read_recordings(&other)?);
         let identified = identify(&loaded.project, &[&first, &second])
             .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
         let found = describe_identified_recordings(&identified);

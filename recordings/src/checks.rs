@@ -3,17 +3,13 @@
 use ndarray::{Array1, ArrayView1};
 
 use crate::time_unit::{DoubtfulUnit, doubtful_unit};
-use crate::{Channel, Error, Mapping, Remark, Table};
+use crate::tolerance::MOST_OUTLIERS;
+use crate::tolerance::OUTLIER_DISTANCE;
+use crate::tolerance::OUTLIER_NEIGHBOURS;
+use crate::{Channel, Error, Remark, Table};
 
-/// An outlier is this many times farther from its neighbours' mean than nine in ten samples are from the sample before: 46 standard
-/// deviations of white noise, which no healthy recorder shows.
-const OUTLIER: f64 = 20.0;
-/// The neighbours of an outlier agree within this fraction of its distance: in a step or a slope they do not.
-const AGREE: f64 = 0.1;
 /// Most readings of one outlier: an error of a transmission lasts a sample or two, and more of them may be a motion.
 const LONGEST_OUTLIER: usize = 3;
-/// A larger fraction of outliers is a signal of pulses.
-const MOST_OUTLIERS: f64 = 1e-3;
 /// Names for time, without marks and in lower case, that are not taken for it without being asked.
 const TIMES: [&str; 13] = [
     "time",
@@ -80,7 +76,9 @@ fn run_of_outliers(values: ArrayView1<'_, f64>, from: usize, usual: f64) -> usiz
         let distance = |k: usize| (values[k] - 0.5 * (before + after)).abs();
         let nearest = (from..from + length).map(distance).fold(f64::INFINITY, f64::min);
         let is_whole = (from..from + length).all(|k| values[k].is_finite());
-        is_whole && nearest > OUTLIER * usual && (after - before).abs() < AGREE * nearest
+        is_whole
+            && nearest > OUTLIER_DISTANCE * usual
+            && (after - before).abs() < OUTLIER_NEIGHBOURS * nearest
     };
     (1..=LONGEST_OUTLIER).find(is_run).unwrap_or(0)
 }
@@ -93,7 +91,7 @@ fn at_the_ends(values: ArrayView1<'_, f64>) -> Vec<usize> {
     let range = high - low;
     let is_far = |k: &usize| {
         let outside = (low - values[*k]).max(values[*k] - high);
-        range > 0.0 && outside > OUTLIER * range
+        range > 0.0 && outside > OUTLIER_DISTANCE * range
     };
     [0, last].into_iter().filter(|_| last > 1).filter(is_far).collect()
 }
@@ -109,23 +107,15 @@ fn usual_step(values: ArrayView1<'_, f64>) -> Option<f64> {
     Some(usual.max(smallest))
 }
 
-/// Returns a remark for every unused column with nearly the name of a channel, or of time, that was not found.
+/// Returns a remark for every unused column with nearly the name of a channel, or of time, that was not found. `is_mapped` tells
+/// whether the mapping names a column.
 pub(crate) fn nearly_named(
     table: &Table,
-    mapping: &Mapping,
+    is_mapped: impl Fn(&str) -> bool,
     found: &[Channel],
     time_s: Option<&Array1<f64>>,
 ) -> Vec<Remark> {
-    let is_unused = |name: &str| {
-        let sources = mapping.channels.iter().map(|(_, source)| source).chain(&mapping.time);
-        let used = |s: &crate::ChannelSource| {
-            [Some(&s.column), s.plus.as_ref(), s.clock.as_ref()]
-                .into_iter()
-                .flatten()
-                .any(|used| used == name)
-        };
-        !Channel::ALL.iter().any(|c| c.name() == name) && !sources.into_iter().any(used)
-    };
+    let is_unused = |name: &str| !Channel::ALL.iter().any(|c| c.name() == name) && !is_mapped(name);
     let lacking: Vec<&'static str> =
         Channel::ALL.into_iter().filter(|c| !found.contains(c)).map(Channel::name).collect();
     let remark = |name: &str| {

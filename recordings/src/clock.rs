@@ -2,6 +2,7 @@
 
 use ndarray::{Array1, ArrayView1};
 
+use crate::tolerance::SAME_PERIOD_BY_ROUNDING;
 use crate::{Error, Remark};
 
 /// A step of at least this many periods is a gap.
@@ -12,9 +13,6 @@ const EVEN: f64 = 1e-3;
 const LONGEST_GAP: f64 = 10.0;
 /// A recording has at least this many rows: a sample period and its scatter need two steps.
 const FEWEST_ROWS: usize = 3;
-/// A period that is this near to the project's, or to a whole number of microseconds, as a fraction of itself, is meant to be it: the times
-/// of a file are rounded when they are written.
-const MEANT: f64 = 1e-6;
 
 /// Signals on a uniform clock may take so many bytes in all.
 const LARGEST: u64 = 1 << 30;
@@ -51,7 +49,7 @@ struct Steps {
 ///
 /// # Errors
 /// Time does not grow, it leaps by many times the recording's length, or too few rows have a time.
-pub fn uniform(
+pub fn to_uniform_clock(
     file: &str,
     time_s: ArrayView1<'_, f64>,
     wanted_s: Option<f64>,
@@ -154,7 +152,7 @@ fn steps(file: &str, time_s: ArrayView1<'_, f64>, rows: &[usize]) -> Result<Vec<
 /// Returns the period of the project, or a period of a whole number of microseconds, if the file's is near enough to mean it.
 fn rounded(period_s: f64, wanted_s: Option<f64>, median_s: f64) -> f64 {
     let micro = (median_s * 1e6).round() * 1e-6;
-    let is_near = |p: f64| p > 0.0 && (period_s - p).abs() <= MEANT * p;
+    let is_near = |p: f64| p > 0.0 && (period_s - p).abs() <= SAME_PERIOD_BY_ROUNDING * p;
     wanted_s.filter(|w| is_near(*w)).unwrap_or(if is_near(micro) { micro } else { period_s })
 }
 

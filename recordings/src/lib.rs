@@ -30,6 +30,7 @@ pub mod remark;
 mod shaping;
 pub mod table;
 mod time_unit;
+mod tolerance;
 pub mod unit;
 
 pub use channel::{Channel, ChannelUnits, Controlled, Travel};

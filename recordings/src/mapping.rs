@@ -3,17 +3,14 @@
 use ndarray::Array1;
 
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
-use crate::clock::{Uniform, check_length, uniform};
+use crate::clock::{Uniform, check_length, to_uniform_clock};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
+use crate::table::TIME_NAMES;
+use crate::tolerance::STATED_PERIOD;
 use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
 
-/// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
-const SAME_PERIOD: f64 = 1e-3;
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
-
-/// Names of a column that is the time without being mapped; the last one is what PlotJuggler writes.
-pub(crate) const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
 
 /// The column that holds a channel, and how its numbers become the channel's: value in SI = unit x (scale x (column + plus) +
 /// offset), of which the channel may be the slope over time.
@@ -86,6 +83,18 @@ impl ChannelSource {
 }
 
 impl Mapping {
+    /// Returns whether a channel or the time is taken from the column of this name.
+    fn names_column(&self, name: &str) -> bool {
+        let sources = self.channels.iter().map(|(_, source)| source).chain(&self.time);
+        let columns = |source: &ChannelSource| {
+            [Some(&source.column), source.plus.as_ref(), source.clock.as_ref()]
+                .into_iter()
+                .flatten()
+                .any(|used| used == name)
+        };
+        sources.into_iter().any(columns)
+    }
+
     /// Returns whether demand, control and hub rate of a recording are the samples that were written: not slopes of others, on one
     /// clock, not interpolated.
     pub fn keeps_samples(&self, recording: &Recording) -> bool {
@@ -119,7 +128,7 @@ impl Mapping {
             }
         }
         let mut remarks = table.remarks.clone();
-        remarks.extend(nearly_named(table, self, &channels, time_s.as_ref()));
+        remarks.extend(nearly_named(table, |name| self.names_column(name), &channels, time_s.as_ref()));
         let mut remarks = counted(remarks);
         remarks.extend(odd);
         let Uniform { period_s, start_s, signals, remarks: of_clock } =
@@ -156,7 +165,7 @@ impl Mapping {
         signals: Vec<Array1<f64>>,
     ) -> Result<Uniform, Error> {
         match (time_s, self.sample_period_s) {
-            (Some(time_s), wanted_s) => uniform(&table.name, time_s.view(), wanted_s, signals),
+            (Some(time_s), wanted_s) => to_uniform_clock(&table.name, time_s.view(), wanted_s, signals),
             (None, Some(period_s)) => {
                 let remarks = vec![Remark::PeriodAssumed { period_s }];
                 Ok(Uniform { period_s, start_s: 0.0, signals, remarks })
@@ -181,7 +190,7 @@ impl Mapping {
     /// Puts every channel on the given sample period if the file has another.
     fn resample(&self, recording: &mut Recording) -> Result<(), Error> {
         let file_s = recording.sample_period_s;
-        let is_other = |wanted_s: &f64| (file_s - wanted_s).abs() > SAME_PERIOD * wanted_s;
+        let is_other = |wanted_s: &f64| (file_s - wanted_s).abs() > STATED_PERIOD * wanted_s;
         let Some(project_s) = self.sample_period_s.filter(is_other) else { return Ok(()) };
         let duration_s = recording.len() as f64 * file_s;
         check_length(&recording.name, duration_s, project_s, recording.channels().count())?;

@@ -1,11 +1,8 @@
 //! What is made of a column beyond a factor and an offset: unrolled counters, slopes, another clock, another rate.
 
+use crate::tolerance::SAME_PLACE_SAMPLES;
+use crate::tolerance::WINDOW_SHIFT_SAMPLES;
 use ndarray::{Array1, ArrayView1, s};
-
-/// Places on a clock are compared with this margin, in samples: far above the rounding of their products, far below a sample.
-const PLACE: f64 = 1e-9;
-/// By this much, in samples, the window of an average is moved so that the samples at its two ends count half each.
-const END: f64 = 1e-6;
 
 /// Adds a turn wherever a counter has started again: a step of more than half a turn is not the machine's.
 pub(crate) fn unroll(mut values: Array1<f64>, turn: f64) -> Array1<f64> {
@@ -81,12 +78,14 @@ pub(crate) enum Resampling {
 pub(crate) fn resampled(kind: Resampling, values: &[f64], from_s: f64, to_s: f64) -> Array1<f64> {
     let values = ArrayView1::from(values);
     let ratio = to_s / from_s;
-    let count = ((values.len().max(1) - 1) as f64 / ratio + PLACE).floor() as usize + 1;
+    let count = ((values.len().max(1) - 1) as f64 / ratio + SAME_PLACE_SAMPLES).floor() as usize + 1;
     let at = |k: usize| {
         let place = k as f64 * ratio;
         match (kind, ratio > 1.0) {
             (Resampling::Held, true) => mean(values, place, place + ratio),
-            (Resampling::Held, false) => values[((place + PLACE) as usize).min(values.len() - 1)],
+            (Resampling::Held, false) => {
+                values[((place + SAME_PLACE_SAMPLES) as usize).min(values.len() - 1)]
+            }
             (Resampling::Read, true) => mean_about(values, place, 0.5 * ratio),
             (Resampling::Read, false) => interpolated(values, place),
         }
@@ -97,12 +96,12 @@ pub(crate) fn resampled(kind: Resampling, values: &[f64], from_s: f64, to_s: f64
 /// Returns the mean of the samples about a place; those at the two ends have half their weight.
 fn mean_about(values: ArrayView1<'_, f64>, place: f64, half: f64) -> f64 {
     let (from, to) = (place - half, place + half);
-    0.5 * (mean(values, from, to) + mean(values, from + END, to + END))
+    0.5 * (mean(values, from, to) + mean(values, from + WINDOW_SHIFT_SAMPLES, to + WINDOW_SHIFT_SAMPLES))
 }
 
 /// Returns the mean of the samples with an index from `from` up to, but not including, `to`.
 fn mean(values: ArrayView1<'_, f64>, from: f64, to: f64) -> f64 {
-    let index = |place: f64| (place - PLACE).ceil().max(0.0) as usize;
+    let index = |place: f64| (place - SAME_PLACE_SAMPLES).ceil().max(0.0) as usize;
     let first = index(from).min(values.len() - 1);
     let part = values.slice(s![first..index(to).clamp(first + 1, values.len())]);
     part.iter().sum::<f64>() / part.len() as f64
@@ -113,5 +112,5 @@ fn interpolated(values: ArrayView1<'_, f64>, place: f64) -> f64 {
     let (low, last) = (place.floor() as usize, values.len() - 1);
     let (low, high) = (low.min(last), (low + 1).min(last));
     let share = place - low as f64;
-    if share < PLACE { values[low] } else { values[low] * (1.0 - share) + values[high] * share }
+    if share < SAME_PLACE_SAMPLES { values[low] } else { values[low] * (1.0 - share) + values[high] * share }
 }

@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 
 use ndarray::Array1;
 
-use crate::decode::{self, Decoded};
 use crate::{Error, Remark, Unit};
+
+/// Names of a column that is the time without being mapped; the last one is what PlotJuggler writes.
+pub(crate) const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
 
 /// A table of numbers: named columns of one length.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,16 +32,6 @@ pub struct Column {
 }
 
 impl Table {
-    /// Reads the bytes of a recording. The format is recognised by the first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy, else CSV
-    /// with one header row `name [unit]`.
-    ///
-    /// # Errors
-    /// Returns what is wrong with the file, with row, column and value where they are known.
-    pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
-        let Decoded { columns, remarks } = decode::decoded(bytes, name)?;
-        Self { name: name.to_owned(), columns, remarks }.checked()
-    }
-
     /// Returns the table if its columns fit together.
     ///
     /// # Errors

@@ -101,7 +101,7 @@ fn factor_of(written: &str) -> Option<Unit> {
     Some(Unit::ONE.times(named(name)?, power))
 }
 
-/// A name that ends in a superscript or a plain digit: `s²`, `s2`.
+/// Returns a name that ends in a superscript or a plain digit: `s²`, `s2`.
 fn superscript(written: &str) -> (&str, i32) {
     let powers = [("²", 2), ("³", 3), ("2", 2), ("3", 3)];
     powers

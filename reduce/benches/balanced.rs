@@ -7,7 +7,7 @@ use counterpoise_reduce::{Balanced, Method, Order, balred};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
-/// Modes of falling size and damping 0.01, states mixed by a fixed rotation of neighbours.
+/// Returns modes of falling size and damping 0.01, states mixed by a fixed rotation of neighbours.
 fn structure(modes: usize) -> StateSpace {
     let n = 2 * modes;
     let mut A = Mat::zeros(n, n);

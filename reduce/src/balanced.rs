@@ -43,17 +43,17 @@ impl Balanced {
         Ok(Self { system, R, L, U: parts.U, V: parts.V, values })
     }
 
-    /// The Hankel values, largest first.
+    /// Returns the Hankel values, largest first.
     pub fn hankel(&self) -> &[f64] {
         &self.values
     }
 
-    /// The number of Hankel values above rounding: the largest order that can be asked for.
+    /// Returns the number of Hankel values above rounding: the largest order that can be asked for.
     pub fn numerical_order(&self) -> usize {
         above_rounding(&self.values)
     }
 
-    /// The system of order `r` by the given method; r at most [`Balanced::numerical_order`].
+    /// Returns the system of order `r` by the given method; r at most [`Balanced::numerical_order`].
     ///
     /// # Errors
     /// [`Error::Rounding`] where r is larger; [`Error::Matrix`] where the projection is singular.
@@ -97,7 +97,8 @@ impl Balanced {
     }
 }
 
-/// The first r states, the others at their equilibrium: x2 = -inv(A22) (A21 x1 + B2 u), A22 - I where sampled.
+/// Returns the first r states, the others at their equilibrium: x2 = -inv(A22) (A21 x1 + B2 u), A22 - I where
+/// sampled.
 fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
     let (n, m, p) = (g.order(), g.inputs(), g.outputs());
     let s = n - r;

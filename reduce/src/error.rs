@@ -69,7 +69,7 @@ pub enum Error {
 
 /// Says which step a refused matrix computation belonged to.
 pub(crate) trait During<T> {
-    /// The same result, with the step's name in its error.
+    /// Returns the same result, with the step's name in its error.
     fn during(self, what: &'static str) -> Result<T, Error>;
 }
 

@@ -96,7 +96,7 @@ fn unstable_pole(system: &StateSpace) -> Result<Option<C64>, Error> {
     Ok(counterpoise_lti::poles(system)?.into_iter().max_by(|a, b| a.re.total_cmp(&b.re)))
 }
 
-/// The structure in the first balanced directions.
+/// Returns the structure in the first balanced directions.
 fn projected(g: &LargeStructure, directions: &BalancedDirections, kept: usize) -> Result<StateSpace, Error> {
     let n = g.M.nrows();
     let scale = Mat::diag(&directions.values[..kept].iter().map(|s| 1.0 / s.sqrt()).collect::<Vec<f64>>());

@@ -1,7 +1,7 @@
 //! Model reduction with its error.
 //!
 //! In come systems (or mass, damping and stiffness) and an order or an error; out go smaller systems, each with the
-//! values by which its states were ranked, the a priori bound where there is one, the error that was measured, and
+//! values by which its states were ranked, the a priori bound if there is one, the error that was measured, and
 //! warnings.
 //!
 //! *Invariant*: nothing here knows a weight's purpose, a machine, a file, a thread or a clock. Poles on or beyond the

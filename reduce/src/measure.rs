@@ -6,7 +6,8 @@ use crate::tolerance::{EXACT_NORM, EXACT_ORDER, GRID_BEYOND, GRID_POINTS};
 use counterpoise_linalg::C64;
 use counterpoise_lti::{Peak, StateSpace, Timebase, linfnorm, parallel, poles, sigma};
 
-/// The H-infinity norm of `g - reduced` (poles that both share and that cancel do not count), and where it is taken.
+/// Returns the H-infinity norm of `g - reduced` (poles that both share and that cancel do not count), and where it
+/// is taken.
 ///
 /// Up to [`EXACT_ORDER`] states by the Hamiltonian, above on a grid of all resonances and a logarithmic one between,
 /// with a warning.
@@ -28,7 +29,7 @@ pub fn error_norm(g: &StateSpace, reduced: &StateSpace) -> Result<(Peak, Option<
     Ok((peak, Some(Warning::MeasuredOnGrid { points: rates.len() })))
 }
 
-/// The largest singular value of the difference at each frequency.
+/// Returns the largest singular value of the difference at each frequency.
 fn difference(g: &StateSpace, reduced: &StateSpace, rates: &[f64]) -> Result<Vec<f64>, Error> {
     let error = parallel(g, &reduced.negate())?;
     Ok(sigma(&error, rates)?.iter().map(|values| values.first().copied().unwrap_or(0.0)).collect())

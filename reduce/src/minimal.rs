@@ -25,7 +25,7 @@ pub struct Minimal {
     pub warnings: Vec<Warning>,
 }
 
-/// The part of a system that is reachable and seen, by orthogonal staircases on the scaled system.
+/// Returns the part of a system that is reachable and seen, by orthogonal staircases on the scaled system.
 ///
 /// A coupling counts where its singular value exceeds `tolerance` times the norm of \[A B\] (or \[A; C\]); 1e-11 suits most
 /// systems. Unstable systems too. The gap between the smallest value kept and the largest dropped is returned: a clear
@@ -73,7 +73,8 @@ impl Gap {
     }
 }
 
-/// The reachable part: each stair holds the states that the one before it drives. `scale` and `inputs` are the sizes of A and B.
+/// Returns the reachable part: each stair holds the states that the one before it drives. `scale` and `inputs` are the sizes of
+/// A and B.
 fn reachable(
     g: &StateSpace,
     (scale, inputs): (f64, f64),

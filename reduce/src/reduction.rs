@@ -132,7 +132,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// How many of the ranked values to keep, and what there is to say about it.
+/// Returns how many of the ranked values to keep, and what there is to say about it.
 pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(usize, Vec<Warning>), Error> {
     let largest = hankel.first().copied().unwrap_or(0.0);
     let numerical = above_rounding(hankel);
@@ -168,13 +168,13 @@ pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(
     Ok((kept, warnings))
 }
 
-/// How many of the ranked values, largest first, stand above rounding: n eps times the largest.
+/// Returns how many of the ranked values, largest first, stand above rounding: n eps times the largest.
 pub(crate) fn above_rounding(values: &[f64]) -> usize {
     let floor = values.len() as f64 * f64::EPSILON * values.first().copied().unwrap_or(0.0);
     values.iter().filter(|&&value| value > floor).count()
 }
 
-/// Twice the sum of the values beyond the first `kept` (Glover 1984, Enns 1984).
+/// Returns twice the sum of the values beyond the first `kept` (Glover 1984, Enns 1984).
 pub(crate) fn bound(hankel: &[f64], kept: usize) -> f64 {
     // Smallest first, so that the tail does not vanish beside its head.
     2.0 * hankel[kept..].iter().rev().sum::<f64>()

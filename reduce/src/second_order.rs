@@ -64,7 +64,7 @@ impl SecondOrder {
         })
     }
 
-    /// The structure in the coordinates x = basis q.
+    /// Returns the structure in the coordinates x = basis q.
     pub fn project(&self, basis: &Mat) -> Self {
         let both = |S: &Mat| (&basis.t() * &(S * basis)).symmetric_part();
         Self {
@@ -77,7 +77,7 @@ impl SecondOrder {
         }
     }
 
-    /// The continuous system with the states \[x; x'\].
+    /// Returns the continuous system with the states \[x; x'\].
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::Matrix`] where M is not positive definite.
@@ -94,7 +94,7 @@ impl SecondOrder {
         Ok(StateSpace::new(A, B, self.P.hstack(&self.V), D, Timebase::Continuous)?)
     }
 
-    /// Natural frequencies in rad/s, lowest first, and mass-normalised shapes.
+    /// Returns the natural frequencies in rad/s, lowest first, and mass-normalised shapes.
     fn modes(&self) -> Result<(Vec<f64>, Mat), Error> {
         let (values, shapes) = linalg::sym_gen_eigen(&self.K, &self.M).during("natural frequencies")?;
         Ok((values.iter().map(|value| value.max(0.0).sqrt()).collect(), shapes))
@@ -132,7 +132,8 @@ pub fn guyan(structure: &SecondOrder, masters: &[usize]) -> Result<SecondOrderRe
     reduction(structure, basis)
 }
 
-/// The `modes` lowest undamped modes, mass-normalised: M becomes 1, K the squares of the natural frequencies.
+/// Returns the `modes` lowest undamped modes, mass-normalised: M becomes 1, K the squares of the natural
+/// frequencies.
 ///
 /// # Errors
 /// [`Error::Shape`], [`Error::Order`] for no mode or more modes than degrees of freedom.

@@ -19,7 +19,7 @@ pub struct Split {
 }
 
 impl Split {
-    /// The sum of both parts.
+    /// Returns the sum of both parts.
     ///
     /// # Errors
     /// [`Error::System`] where the parts do not fit, which those of one split do.
@@ -51,7 +51,7 @@ pub fn split(g: &StateSpace) -> Result<Split, Error> {
     split_form(scaled, form, is_stable)
 }
 
-/// The boundary of stability in a timebase.
+/// Returns the boundary of stability in a timebase.
 fn boundary(timebase: Timebase) -> Boundary {
     match timebase {
         Timebase::Continuous => Boundary::ImaginaryAxis,
@@ -59,7 +59,7 @@ fn boundary(timebase: Timebase) -> Boundary {
     }
 }
 
-/// How far poles that belong on the boundary may lie beside it.
+/// Returns how far poles that belong on the boundary may lie beside it.
 fn cluster_radius(A: &Mat, form: &Schur, boundary: Boundary) -> Result<f64, Error> {
     let close = SUSPECT_POLE * A.norm_fro().max(1.0);
     let is_suspect = |pole: C64| boundary.excess(pole) != 0.0 && boundary.excess(pole).abs() < close;
@@ -79,7 +79,8 @@ fn cluster_radius(A: &Mat, form: &Schur, boundary: Boundary) -> Result<f64, Erro
     Ok(CLUSTER_REACH * radius)
 }
 
-/// The part with the poles that `wanted` picks (asked about one of each conjugate pair), and the part with the others.
+/// Returns the part with the poles that `wanted` picks (asked about one of each conjugate pair), and the part with the
+/// others.
 ///
 /// Scaled, brought to Schur form group by group of states (so that an integrator's pole stays exactly zero), reordered,
 /// and decoupled by a Sylvester equation.
@@ -114,7 +115,7 @@ fn split_form(g: StateSpace, mut form: Schur, wanted: impl Fn(C64) -> bool) -> R
     })
 }
 
-/// Poles that can be read off A: states that act on no state that acts on them.
+/// Returns poles that can be read off A: states that act on no state that acts on them.
 fn lone_poles(A: &Mat) -> Vec<f64> {
     components(A).iter().filter(|group| group.len() == 1).map(|group| A[(group[0], group[0])]).collect()
 }
@@ -133,7 +134,7 @@ fn snap(T: &mut Mat, exact: &[f64]) {
     }
 }
 
-/// A real Schur form put together from those of the groups of states that act on each other.
+/// Returns a real Schur form put together from those of the groups of states that act on each other.
 fn block_schur(A: &Mat) -> Result<Schur, Error> {
     let n = A.nrows();
     let groups = components(A);

@@ -64,7 +64,7 @@ pub struct ControllerReduction {
     pub closed_loop_stable: bool,
     /// Pole of that loop nearest to, or farthest beyond, the border of stability.
     pub critical_pole: C64,
-    /// Largest change of the complementary sensitivity G K inv(1 + G K); infinite where the loop is lost.
+    /// Largest change of the complementary sensitivity G K inv(1 + G K); infinite if the loop is lost.
     pub closed_loop_error: Peak,
 }
 
@@ -109,7 +109,7 @@ fn needs_stable(what: &'static str, g: &StateSpace) -> Result<(), Error> {
     }
 }
 
-/// The pole nearest to, or farthest beyond, the border of stability.
+/// Returns the pole nearest to, or farthest beyond, the border of stability.
 fn critical(g: &StateSpace) -> Result<C64, Error> {
     let size = |pole: &C64| if g.timebase == Timebase::Continuous { pole.re } else { pole.norm() };
     Ok(poles(g)?.into_iter().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or_default())

@@ -22,7 +22,8 @@ enum Damping {
     Dashpots { of_stiffness: f64, each: f64 },
 }
 
-/// A chain of masses, with cross links, held at one end; two inputs, three outputs (one of a velocity).
+/// Returns a chain of masses, with cross links, held at one end; two inputs, three outputs (one of a
+/// velocity).
 fn chain(n: usize, seed: u64, damping: Damping) -> LargeStructure {
     let mut state = seed;
     let mut random = || {
@@ -63,7 +64,7 @@ fn chain(n: usize, seed: u64, damping: Damping) -> LargeStructure {
     LargeStructure { M, C, K, F, P, V }
 }
 
-/// The same structure in first-order form.
+/// Returns the same structure in first-order form.
 fn dense(g: &LargeStructure) -> StateSpace {
     let n = g.M.nrows();
     let by_mass = |A: &Mat| linalg::solve(&g.M.to_dense(), A).unwrap();

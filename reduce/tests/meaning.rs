@@ -20,7 +20,7 @@ fn re(x: f64) -> C64 {
     C64::new(x, 0.0)
 }
 
-/// An integrator, an unstable pole, and eight lightly damped modes of falling size.
+/// Returns an integrator, an unstable pole, and eight lightly damped modes of falling size.
 fn servo() -> StateSpace {
     let mut g = zpk(&[], &[re(0.0), re(0.7)], 3.0);
     for k in 1..=8 {
@@ -176,7 +176,7 @@ fn slow_modes_stay_and_the_gain_of_the_fast_ones_can_be_kept() {
     assert!(error(&matched.system) < 1e-3 * error(&dropped.system));
 }
 
-/// A chain of n masses between springs, fixed at one end.
+/// Returns a chain of n masses between springs, fixed at one end.
 fn chain(n: usize) -> SecondOrder {
     let K = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
         0 if i + 1 == n => 1e5,

@@ -21,7 +21,7 @@ fn numbers(order: std::ops::Range<usize>, decades: i32) -> impl Strategy<Value =
     })
 }
 
-/// A stable system, two inputs and two outputs: the symmetric part of A is negative.
+/// Returns a stable system, two inputs and two outputs: the symmetric part of A is negative.
 fn stable((n, e, _): &Numbers) -> StateSpace {
     let n = *n;
     let M = Mat::from_fn(n, n, |i, j| e[i * n + j]);
@@ -31,7 +31,7 @@ fn stable((n, e, _): &Numbers) -> StateSpace {
     StateSpace::new(A, B, C, Mat::zeros(2, 2), Timebase::Continuous).unwrap()
 }
 
-/// The same system in other units.
+/// Returns the same system in other units.
 fn in_units(g: &StateSpace, (_, _, decades): &Numbers) -> StateSpace {
     g.scale_states(&decades.iter().map(|&k| 10.0_f64.powi(k)).collect::<Vec<f64>>())
 }
@@ -45,7 +45,7 @@ fn lag(pole: f64) -> StateSpace {
     StateSpace::new(one(pole), one(1.0), one(1.0), one(0.0), Timebase::Continuous).unwrap()
 }
 
-/// The largest difference of two responses at a few frequencies.
+/// Returns the largest difference of two responses at a few frequencies.
 fn apart(g: &StateSpace, h: &StateSpace) -> f64 {
     let rates = [0.01, 0.3, 1.0, 4.0, 30.0];
     let at = |rate: &f64| (response_at(g, *rate).unwrap() - response_at(h, *rate).unwrap()).norm_max();

@@ -6,7 +6,8 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, frequency_response, hinfnorm, parallel};
 use counterpoise_reduce::{Method, Order, balred, split};
 
-/// A free chain of masses, damped in proportion to its stiffness, turned into coordinates in which nothing is zero.
+/// Returns a free chain of masses, damped in proportion to its stiffness, turned into coordinates in which nothing
+/// is zero.
 fn chain(masses: &[f64], stiffness: f64, damping: f64) -> StateSpace {
     let n = masses.len();
     let K = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {

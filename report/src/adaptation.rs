@@ -5,13 +5,13 @@ use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
 use counterpoise_pipeline::studies::adaptation_trials::{Load, METHODS, Motion, Refusal, TrialRow, Trials};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// How near to the default case the hub rate must come back.
 pub const NEAR: f64 = 1.10;
 
-/// Whether the hub rate came back, where the adaptation was to bring it back.
+/// Returns whether the hub rate came back, where the adaptation was to bring it back.
 pub fn has_returned(interval: &Interval) -> bool {
     !interval.adapted || interval.over_default <= NEAR
 }
@@ -24,7 +24,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
             .removed()
             .map_or(String::new(), |share| format!(", {:.0} % of the added rate removed", 100.0 * share));
         format!(
-            "    {:13} {:9} {:20} without {:.3}, with {:.3}, told the load {:.3}{removed}",
+            "    {:13} {:9} {:20} without {:.3}, with {:.3}, load known {:.3}{removed}",
             row.method,
             motion(row.motion),
             load(row.load),
@@ -33,7 +33,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
             1e3 * row.told_rad_s
         )
     }));
-    lines.extend(tried.refused.iter().map(refusal));
+    lines.extend(tried.refused.iter().map(describe_refusal));
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
     let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
     let good = |name: &&str| tried_once(name) && !refused(name);
@@ -53,7 +53,7 @@ pub fn trial_section(tried: &Trials) -> Section {
         Column::Text("load"),
         Column::Number("without [mrad/s]"),
         Column::Number("with adaptation [mrad/s]"),
-        Column::Number("told the load [mrad/s]"),
+        Column::Number("load known [mrad/s]"),
         Column::Number("with over without"),
     ];
     let mut table = Table::new("Hub rate, RMS", &columns);
@@ -69,12 +69,12 @@ pub fn trial_section(tried: &Trials) -> Section {
     };
     table.rows = tried.rows.iter().map(row).collect();
     let mut section = Section::new("Trials of the adaptation").listing(table);
-    section.text = tried.refused.iter().map(refusal).collect();
+    section.text = tried.refused.iter().map(describe_refusal).collect();
     section
 }
 
 /// Returns the reason why a method is refused.
-pub fn refusal(refused: &Refusal) -> String {
+pub fn describe_refusal(refused: &Refusal) -> String {
     let TrialRow { method, motion: moved, load: loaded, without_rad_s, with_rad_s, .. } = refused.worst;
     format!(
         "REFUSED: {method} makes the hub rate worse than no adaptation does, {:.2} times on {} ({}): {:.3} against {:.3} mrad/s RMS",
@@ -103,8 +103,8 @@ fn load(load: Load) -> &'static str {
     }
 }
 
-/// The report.
-pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
+/// Returns the report.
+pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
     let judged: Vec<&Interval> =
         runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
     let good = judged.iter().filter(|interval| has_returned(interval)).count();
@@ -121,8 +121,8 @@ pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
             .to_owned(),
         headline: Headline { tone, text, detail },
         tiles: vec![
-            Tile::plain("worst adapted interval", short(worst), "of run (a)"),
-            Tile::plain("largest error of the estimate", short(off), "kg m")
+            Tile::plain("worst adapted interval", short_number(worst), "of run (a)"),
+            Tile::plain("largest error of the estimate", short_number(off), "kg m")
                 .noted("at the end of an interval"),
         ],
         verdicts: table(runs),

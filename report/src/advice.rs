@@ -1,12 +1,12 @@
 //! What to change where a requirement fails, in words.
 
 use counterpoise_pipeline::studies::advice::{Advice, Change, Sensitivity};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the advice for each failing requirement in a line.
-pub fn lines(all: &[Advice]) -> Vec<String> {
+pub fn advice_lines(all: &[Advice]) -> Vec<String> {
     all.iter().map(line).collect()
 }
 
@@ -15,7 +15,7 @@ fn line(advice: &Advice) -> String {
     let Some(change) = &advice.change else {
         return format!("{name}: no single weight of the design moves it");
     };
-    let then = format!("then {} {unit}, {}", short(change.value), margin(change));
+    let then = format!("then {} {unit}, {}", short_number(change.value), margin(change));
     if change.holds {
         format!("to meet {name}: {} ({then})", words(change))
     } else {
@@ -30,7 +30,7 @@ fn words(change: &Change) -> String {
 }
 
 fn margin(change: &Change) -> String {
-    let size = short(change.gain_margin_db.abs());
+    let size = short_number(change.gain_margin_db.abs());
     if change.gain_margin_db < 0.0 {
         format!("costs {size} dB of gain margin")
     } else {
@@ -39,7 +39,7 @@ fn margin(change: &Change) -> String {
 }
 
 /// Returns the section of a report; `None` if nothing fails.
-pub fn section(all: &[Advice]) -> Option<Section> {
+pub fn advice_section(all: &[Advice]) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
@@ -47,7 +47,7 @@ pub fn section(all: &[Advice]) -> Option<Section> {
         "Each weight was changed by 5 %, the controller designed again and the figure measured again. The change that is advised was \
          made and measured.",
     );
-    for line in lines(all) {
+    for line in advice_lines(all) {
         section = section.saying(format!("{}{}.", line[..1].to_uppercase(), &line[1..]));
     }
     let columns = [

@@ -7,14 +7,13 @@ use counterpoise_pipeline::studies::comparison::{
 };
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 
-use crate::bode::{BodeCurve, Phase, bode};
-use crate::design::curve;
+use crate::bode::{BodeCurve, Phase, bode_figure, response_curve};
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
 
 /// Returns the sections; none for what a project does not ask for.
-pub fn sections(found: &Comparison, families: &[ControllerFamily]) -> Vec<Section> {
+pub fn alternatives_sections(found: &Comparison, families: &[ControllerFamily]) -> Vec<Section> {
     let mut all = Vec::new();
     if found.methods.len() > 1 {
         all.push(methods(&found.methods));
@@ -92,7 +91,7 @@ fn lowered(row: &LoweredRow) -> Section {
     Section::new("A feedback of lower order")
         .saying(format!(
             "Reduced by frequency-weighted balancing; the closed loop changes by {} % at most.",
-            short(100.0 * row.loop_change)
+            short_number(100.0 * row.loop_change)
         ))
         .listing(table)
 }
@@ -114,7 +113,7 @@ fn motions(rows: &[MotionRow]) -> Section {
     Section::new("Hub and tip").listing(table)
 }
 
-/// The controllers over the states of balance.
+/// Returns the controllers over the states of balance.
 fn balance(families: &[ControllerFamily], rows: &[BalanceRow]) -> Section {
     let section = Section::new("Over the out-of-balance")
         .saying("Each state of balance has its own full design; curves that cannot be told apart lie on each other.")
@@ -122,16 +121,16 @@ fn balance(families: &[ControllerFamily], rows: &[BalanceRow]) -> Section {
     section.listing(changes(rows)).listing(laws(rows))
 }
 
-/// The response of a controller in every state of balance.
+/// Returns the response of a controller in every state of balance.
 fn family(family: &ControllerFamily) -> Figure {
     let colours = Colour::CYCLE;
     let one = |(k, response): (usize, &FrequencyResponse)| BodeCurve {
         dash: [Dash::Solid, Dash::Dashed][k / colours.len() % 2],
-        ..curve(response, colours[k % colours.len()])
+        ..response_curve(response, colours[k % colours.len()])
     };
     let curves: Vec<BodeCurve> = family.curves.iter().enumerate().map(one).collect();
     let title = format!("{} over the out-of-balance", family.name);
-    bode(&title, family.unit, &curves, Phase::Hidden, Vec::new())
+    bode_figure(&title, family.unit, &curves, Phase::Hidden, Vec::new())
 }
 
 fn changes(rows: &[BalanceRow]) -> Table {
@@ -165,7 +164,7 @@ fn changes(rows: &[BalanceRow]) -> Table {
     table
 }
 
-/// Which conditions hold in every state of balance, and what follows.
+/// Returns which conditions hold in every state of balance, and what follows.
 fn laws(rows: &[BalanceRow]) -> Table {
     let columns = [
         Column::Text("state"),
@@ -190,6 +189,6 @@ fn spillover(found: &Spillover) -> Section {
         "On the finite elements with {} flexible modes (order {}) the sampled loop is {says}: its largest pole has the modulus {}.",
         found.modes,
         found.order,
-        short(found.largest_pole)
+        short_number(found.largest_pole)
     ))
 }

@@ -1,5 +1,6 @@
 //! Bode diagrams: magnitude and phase over frequency.
 
+use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
 /// A frequency response for a Bode diagram.
@@ -22,6 +23,12 @@ pub enum Phase {
     Shown,
     /// Not at all.
     Hidden,
+}
+
+/// Returns the points of a response as a curve of a Bode diagram.
+pub fn response_curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
+    let points = response.points.rows().into_iter().map(|row| (row[0], row[1], row[2])).collect();
+    BodeCurve::new(&response.name, colour, points)
 }
 
 /// What lies below the largest magnitude by more than this is rounding noise for the reader and stretches the axis, dB.
@@ -64,7 +71,7 @@ impl BodeCurve {
 }
 
 /// Returns a Bode diagram. `unit` is that of the magnitude's reference, for example `V s/rad`; `marks` stand in the magnitude panel.
-pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
+pub fn bode_figure(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
     let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
     let magnitudes: Vec<Series> = curves.iter().map(|curve| curve.series(curve.magnitude_db())).collect();
     let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());
@@ -80,7 +87,7 @@ pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: 
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)
 }
 
-/// The part of an axis that is too long: from the top down, or lower where a mark would not be seen.
+/// Returns the part of an axis that is too long: from the top down, or lower where a mark would not be seen.
 fn window_db(highest: f64, marks: &[Mark]) -> [f64; 2] {
     let heights = marks.iter().filter_map(|mark| match mark {
         Mark::Point { y, .. } | Mark::Cross { y, .. } | Mark::Level { y, .. } => Some(*y),

@@ -1,18 +1,18 @@
 //! The stability certificate in words: what is proved, what is predicted, what the simulator shows.
 
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::certificate::{
     CaseCertificate, Certificate, Criterion, Orbit, Regime, RegimeLoop, SectorProof, Stability, Teeth,
 };
 use counterpoise_verify::structured::Joints;
 
-use crate::summary::capitalised;
+use crate::wording::capitalised;
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the verdict of a case in a sentence without its full stop.
-pub fn verdict(case: &CaseCertificate) -> String {
+pub fn describe_verdict(case: &CaseCertificate) -> String {
     match case.stability {
         Stability::Stable => match case.sector.as_ref().filter(|proof| proof.holds()) {
             Some(proof) => format!("stable: proved {}, and quiet in the runs", scope(proof)),
@@ -20,13 +20,13 @@ pub fn verdict(case: &CaseCertificate) -> String {
         },
         Stability::LimitCycle { amplitude_rad_s, frequency_hz } => format!(
             "NOT quiet at rest: a limit cycle of {} mrad/s at {} Hz",
-            short(1e3 * amplitude_rad_s),
-            short(frequency_hz)
+            short_number(1e3 * amplitude_rad_s),
+            short_number(frequency_hz)
         ),
         Stability::Unstable => "NOT stable: the motion grows".to_owned(),
         Stability::NotPredicted => format!(
             "not predicted: the runs show neither rest nor a limit cycle; at rest the hub moves {} mrad/s RMS",
-            short(1e3 * case.rest.rms_rad_s)
+            short_number(1e3 * case.rest.rms_rad_s)
         ),
     }
 }
@@ -57,25 +57,28 @@ fn sector(case: &CaseCertificate) -> String {
             "proved by the criterion {}: least eigenvalue {} of its largest, at {} Hz, over all frequencies from {} Hz to {} kHz in {} \
              intervals; aliases {} of what they may be",
             proof.criterion.key(),
-            short(proof.least),
-            short(proof.frequency_hz),
-            short(proof.range_hz[0]),
-            short(1e-3 * proof.range_hz[1]),
+            short_number(proof.least),
+            short_number(proof.frequency_hz),
+            short_number(proof.range_hz[0]),
+            short_number(1e-3 * proof.range_hz[1]),
             proof.intervals,
-            short(proof.aliases)
+            short_number(proof.aliases)
         );
     }
     if proof.least > 0.0 {
-        return format!("no proof: aliases may pass on {} times as much as they may", short(proof.aliases));
+        return format!(
+            "no proof: aliases may pass on {} times as much as they may",
+            short_number(proof.aliases)
+        );
     }
     format!(
         "no proof: the condition fails at {} Hz for every multiplier that was tried",
-        short(proof.frequency_hz)
+        short_number(proof.frequency_hz)
     )
 }
 
 /// Returns a regime in words.
-pub fn regime(regime: Regime) -> &'static str {
+pub fn name_regime(regime: Regime) -> &'static str {
     match regime {
         Regime::Presliding => "at rest (presliding friction)",
         Regime::Sliding => "sliding friction",
@@ -86,11 +89,11 @@ pub fn regime(regime: Regime) -> &'static str {
 }
 
 /// Returns the certificate in lines, for a terminal and for the section's text: the worst case first.
-pub fn lines(found: &Certificate) -> Vec<String> {
+pub fn certificate_lines(found: &Certificate) -> Vec<String> {
     let Some(worst) = found.worst() else { return Vec::new() };
-    let mut lines = vec![format!("{} (worst case: {})", verdict(worst), worst.name)];
+    let mut lines = vec![format!("{} (worst case: {})", describe_verdict(worst), worst.name)];
     if let Some(at) = worst.worst_regime() {
-        lines.push(format!("worst regime: {}, {}", regime(at.regime), loop_words(at)));
+        lines.push(format!("worst regime: {}, {}", name_regime(at.regime), loop_words(at)));
     }
     lines.push(sector(worst));
     lines.extend(worst.prediction.cycles.iter().map(|cycle| {
@@ -101,13 +104,13 @@ pub fn lines(found: &Certificate) -> Vec<String> {
         };
         format!(
             "limit cycle of {} mrad/s at {} Hz: {trust}",
-            short(1e3 * cycle.rate_rad_s),
-            short(cycle.frequency_hz)
+            short_number(1e3 * cycle.rate_rad_s),
+            short_number(cycle.frequency_hz)
         )
     }));
     lines.extend(worst.orbits.iter().filter(|orbit| orbit.rms_rad_s > 0.0).map(orbit_words));
     let others = found.cases.iter().filter(|case| case.name != worst.name);
-    lines.extend(others.map(|case| format!("{}: {}", case.name, verdict(case))));
+    lines.extend(others.map(|case| format!("{}: {}", case.name, describe_verdict(case))));
     lines
 }
 
@@ -116,29 +119,36 @@ fn loop_words(at: &RegimeLoop) -> String {
         return format!(
             "unstable: pole of modulus {:.6} at {} Hz, growing by a factor of e in {} s",
             at.pole_radius,
-            short(at.frequency_hz),
-            short(1.0 / at.growth_per_s)
+            short_number(at.frequency_hz),
+            short_number(1.0 / at.growth_per_s)
         );
     }
-    format!("gain margin {} dB, largest sensitivity {}", short(at.gain_margin_db), short(at.max_sensitivity))
+    format!(
+        "gain margin {} dB, largest sensitivity {}",
+        short_number(at.gain_margin_db),
+        short_number(at.max_sensitivity)
+    )
 }
 
 fn orbit_words(orbit: &Orbit) -> String {
     if orbit.rms_rad_s.is_infinite() {
-        return format!("simulated from {} mrad/s: the motion diverges", short(1e3 * orbit.start_rad_s));
+        return format!(
+            "simulated from {} mrad/s: the motion diverges",
+            short_number(1e3 * orbit.start_rad_s)
+        );
     }
     format!(
         "simulated from {} mrad/s at {} Hz: {} mrad/s at {} Hz stays",
-        short(1e3 * orbit.start_rad_s),
-        short(orbit.start_hz),
-        short(1e3 * orbit.amplitude_rad_s),
-        short(orbit.frequency_hz)
+        short_number(1e3 * orbit.start_rad_s),
+        short_number(orbit.start_hz),
+        short_number(1e3 * orbit.amplitude_rad_s),
+        short_number(orbit.frequency_hz)
     )
 }
 
 /// Returns the structured singular value of the further cases and regimes in lines; the design's own case in the sliding regime is the
 /// linear worst case and stands elsewhere.
-pub fn robustness(found: &[RegimeRobustness]) -> Vec<String> {
+pub fn robustness_lines(found: &[RegimeRobustness]) -> Vec<String> {
     let line = |at: &RegimeRobustness| {
         let joints = match at.joints {
             Joints::Sliding => "sliding friction",
@@ -148,7 +158,7 @@ pub fn robustness(found: &[RegimeRobustness]) -> Vec<String> {
             Some(bounds) => format!(
                 "{}, {joints}: stable within {} times the stated ranges",
                 at.case,
-                short(bounds.guaranteed)
+                short_number(bounds.guaranteed)
             ),
             None => format!("{}, {joints}: the loop is not stable without any deviation", at.case),
         }
@@ -157,9 +167,9 @@ pub fn robustness(found: &[RegimeRobustness]) -> Vec<String> {
 }
 
 /// Returns the section of a report.
-pub fn section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
+pub fn certificate_section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
     let mut section = Section::new("Stability of the exported controller");
-    for line in lines(found) {
+    for line in certificate_lines(found) {
         section = section.saying(format!("{}.", capitalised(&line)));
     }
     section = section.saying(
@@ -194,7 +204,7 @@ fn regimes(found: &Certificate) -> Table {
         for at in &case.regimes {
             table.rows.push(vec![
                 Cell::text(case.name.clone()),
-                Cell::text(regime(at.regime)),
+                Cell::text(name_regime(at.regime)),
                 Cell::text(format!("{:.6}", at.pole_radius)),
                 Cell::number(at.gain_margin_db),
                 Cell::number(at.max_sensitivity),
@@ -206,7 +216,7 @@ fn regimes(found: &Certificate) -> Table {
 
 fn bounds(found: &[RegimeRobustness]) -> Table {
     let mut table = Table::new("Stated ranges of the parameters in each regime", &[Column::Text("result")]);
-    table.rows = robustness(found).into_iter().map(|line| vec![Cell::text(line)]).collect();
+    table.rows = robustness_lines(found).into_iter().map(|line| vec![Cell::text(line)]).collect();
     table
 }
 

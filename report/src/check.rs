@@ -1,4 +1,4 @@
-//! What a project file was understood to say, and what it leaves open, in words.
+//! How a project file was read and which values are assumed, in words.
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
@@ -9,7 +9,7 @@ use crate::page::{Cell, Column, Section, Table};
 use crate::wording::learned::describe_elements;
 
 /// Returns the lines that `counterpoise check` prints.
-pub fn lines(found: &CheckResult) -> Vec<String> {
+pub fn check_lines(found: &CheckResult) -> Vec<String> {
     let mut lines = vec![heading(found)];
     lines.extend(found.plant.iter().flat_map(plant));
     lines.push(String::new());
@@ -25,7 +25,7 @@ pub fn lines(found: &CheckResult) -> Vec<String> {
     if !found.effects.is_empty() {
         lines.push(String::new());
     }
-    lines.extend(ranking(&found.effects));
+    lines.extend(ranking_lines(&found.effects));
     lines.push(String::new());
     lines.extend(found.warnings.iter().take(MOST_SHOWN).map(ToString::to_string));
     if found.warnings.len() > MOST_SHOWN {
@@ -127,7 +127,7 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
 }
 
 /// Returns how much the assumptions matter, one on a line below a heading, the largest effect first; nothing if none is ranked.
-pub fn ranking(effects: &[AssumptionEffect]) -> Vec<String> {
+pub fn ranking_lines(effects: &[AssumptionEffect]) -> Vec<String> {
     if effects.is_empty() {
         return Vec::new();
     }

@@ -1,20 +1,20 @@
 //! The report of a whole design: the verification's, then the plant that was designed for, the weights and the certificates.
 
 use counterpoise_pipeline::certificates::Certificate;
-use counterpoise_pipeline::design_views::{FrequencyResponse, PlantResponse, WeightResponses};
+use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::studies::assumptions::AssumptionEffect;
 use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
-use crate::bode::{BodeCurve, Phase, bode};
+use crate::bode::{BodeCurve, Phase, bode_figure, response_curve};
 use crate::evidence::PLANT;
 use crate::page::Origin;
 use crate::targets::{self, TargetEvidence};
 use crate::verification::{Context, of_verification};
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, alternatives};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
 use counterpoise_project::Assumption;
 
@@ -25,7 +25,7 @@ pub struct DesignRun<'a> {
     pub origin: &'a Origin,
     /// What each stage took.
     pub times: &'a [StageTime],
-    /// The compiled code beside its model.
+    /// The compiled code, compared with its model.
     pub proofs: &'a [Proof],
     /// Instructions and memory of a step.
     pub costs: &'a Costs,
@@ -41,17 +41,17 @@ pub struct DesignRun<'a> {
 pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>) -> Report {
     let stages = &designed.stages;
     let mut more = vec![
-        crate::certificate::section(&stages.stability, &[]),
+        crate::certificate::certificate_section(&stages.stability, &[]),
         reduction_section(&designed.views.plants, &stages.reduced),
         weight_section(&designed.weights, &designed.views.weights),
         certificate_section(&designed.certificates, &result.synth),
     ];
-    more.extend(run.first_design.map(crate::first_design::section));
-    more.extend(alternatives::sections(&designed.comparison, &designed.views.families));
+    more.extend(run.first_design.map(crate::first_design::first_design_section));
+    more.extend(alternatives::alternatives_sections(&designed.comparison, &designed.views.families));
     more.push(order_section(result));
     more.push(crate::check::assumptions_section(run.assumptions, run.effects));
     let evidence = TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs };
-    more.push(targets::section(&evidence));
+    more.push(targets::targets_section(&evidence));
     if !stages.left_out.is_empty() {
         let lines = stages.left_out.iter().map(ToString::to_string);
         more.push(lines.fold(Section::new("Code that was left out"), Section::saying));
@@ -74,7 +74,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
 
 /// Returns the report of a synthesis: the weights, and the design beside its alternatives.
 pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origin) -> Report {
-    let mut sections = alternatives::sections(&study.comparison, &study.views.families);
+    let mut sections = alternatives::alternatives_sections(&study.comparison, &study.views.families);
     sections.push(weight_section(&study.weights, &study.views.weights));
     let tile = |(name, order): (&String, &usize)| Tile::plain(name, order.to_string(), "states");
     let report = Report {
@@ -97,16 +97,13 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origi
     report.reproduced_by(&origin.command)
 }
 
-/// Returns the points of a response as a curve of a Bode diagram.
-pub fn curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
-    let points = response.points.rows().into_iter().map(|row| (row[0], row[1], row[2])).collect();
-    BodeCurve::new(&response.name, colour, points)
-}
-
 fn reduction_section(plants: &[PlantResponse], reduced: &Reduced) -> Section {
     let figure = |plant: &PlantResponse| {
-        let curves = [curve(&plant.full, Colour::Muted), curve(&plant.reduced, Colour::First).dashed()];
-        bode(&format!("Hub rate for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
+        let curves = [
+            response_curve(&plant.full, Colour::Muted),
+            response_curve(&plant.reduced, Colour::First).dashed(),
+        ];
+        bode_figure(&format!("Hub rate for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
     };
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
@@ -121,9 +118,9 @@ fn reduction_words(reduced: &Reduced) -> String {
         return format!("The design took the plant as it is, order {before}.");
     }
     let error = reduced.error.map_or(String::new(), |(size, rate)| {
-        format!(" Largest error {} at {} Hz", short(size), short(rate / std::f64::consts::TAU))
+        format!(" Largest error {} at {} Hz", short_number(size), short_number(rate / std::f64::consts::TAU))
     });
-    let bound = reduced.bound.map_or(String::new(), |bound| format!(", bound {}", short(bound)));
+    let bound = reduced.bound.map_or(String::new(), |bound| format!(", bound {}", short_number(bound)));
     format!("Order {before} was reduced to {after} ({:?}).{error}{bound}.", reduced.method)
 }
 
@@ -134,9 +131,13 @@ pub fn weight_section(lines: &[String], weights: &[WeightResponses]) -> Section 
 }
 
 fn weight_figure(part: &WeightResponses) -> Figure {
-    let curves: Vec<BodeCurve> =
-        part.curves.iter().zip(Colour::CYCLE).map(|(response, colour)| curve(response, colour)).collect();
-    bode(&format!("{}: weights", part.part), "", &curves, Phase::Hidden, Vec::new())
+    let curves: Vec<BodeCurve> = part
+        .curves
+        .iter()
+        .zip(Colour::CYCLE)
+        .map(|(response, colour)| response_curve(response, colour))
+        .collect();
+    bode_figure(&format!("{}: weights", part.part), "", &curves, Phase::Hidden, Vec::new())
 }
 
 fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Section {

@@ -3,7 +3,7 @@
 use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable, LimitsResult};
 use counterpoise_pipeline::tuning::{BlockResult, WeightsResult};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
@@ -41,9 +41,10 @@ pub const LEGEND: [&str; 4] = [
     "Control: RMS of the control about its mean under the motion.",
 ];
 
-/// Returns the cells of a row after its name, with the time that its design took in s; empty text where there is no number.
-pub fn cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
-    let number = |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short);
+/// Returns the cells of a row after its name, with the time that its design took in s; empty text if there is no number.
+pub fn design_cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
+    let number =
+        |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short_number);
     let linear = |of: fn(&counterpoise_pipeline::tuning::LoopMeasuresResult) -> f64| {
         number(row.linear.as_ref().map(of))
     };
@@ -88,17 +89,18 @@ pub fn limits_words(limits: &LimitsResult) -> String {
         ("delay margin", limits.delay_margin_s, "s"),
         ("decay", limits.decay_rad_s, "rad/s"),
     ];
-    let above = pairs.into_iter().filter_map(|(name, limit)| Some(format!("{name} <= {}", short(limit?))));
+    let above =
+        pairs.into_iter().filter_map(|(name, limit)| Some(format!("{name} <= {}", short_number(limit?))));
     let below = lower
         .into_iter()
-        .filter_map(|(name, limit, unit)| Some(format!("{name} >= {} {unit}", short(limit?))));
+        .filter_map(|(name, limit, unit)| Some(format!("{name} >= {} {unit}", short_number(limit?))));
     above.chain(below).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns a block with its values in words.
 pub fn block_words(block: &BlockResult) -> String {
     let values: Vec<String> =
-        block.values.iter().map(|(key, value)| format!("{key} {}", short(*value))).collect();
+        block.values.iter().map(|(key, value)| format!("{key} {}", short_number(*value))).collect();
     format!("{} ({})", block.kind, values.join(", "))
 }
 
@@ -108,13 +110,13 @@ pub fn weight_words(weights: &WeightsResult) -> String {
         "error weight {}; control weight {}; measurement noise {} (rad/s)^2 s; loop recovery {} V^2 s",
         weights.error,
         weights.control,
-        short(weights.measurement_noise),
-        short(weights.loop_recovery)
+        short_number(weights.measurement_noise),
+        short_number(weights.loop_recovery)
     )
 }
 
 /// Returns the remarks on a row: limits, blocks, what is missed, or why there is no controller.
-pub fn remarks(row: &DesignRow) -> Vec<String> {
+pub fn design_remarks(row: &DesignRow) -> Vec<String> {
     let mut all = Vec::new();
     all.extend(row.limits.as_ref().map(|limits| format!("tuned under {}", limits_words(limits))));
     if !row.blocks.is_empty() {
@@ -124,33 +126,33 @@ pub fn remarks(row: &DesignRow) -> Vec<String> {
     if let (Some(bound), Some(linear)) = (&row.bound, &row.linear) {
         let gap = 100.0 * (linear.residual_rad_s / bound.lower_bound - 1.0);
         let half = bound.half_basis.map_or("keeps no such limits".to_owned(), |value| {
-            format!("is {} % above it", short(100.0 * (value / linear.residual_rad_s - 1.0)))
+            format!("is {} % above it", short_number(100.0 * (value / linear.residual_rad_s - 1.0)))
         });
         all.push(format!(
             "a bound, not a controller: {} functions, limits of S, T, KS, noise gain and effort verified at {} frequencies; its value is {} % above the dual bound of the basis, and half the basis {half}",
             bound.basis,
             bound.frequencies,
-            short(gap)
+            short_number(gap)
         ));
     }
     if row.missed > 0.0 {
-        all.push(format!("A LIMIT IS MISSED by {} %", short(100.0 * row.missed)));
+        all.push(format!("A LIMIT IS MISSED by {} %", short_number(100.0 * row.missed)));
     }
     all.extend(row.why.as_ref().map(|why| format!("no controller: {why}")));
     all
 }
 
 /// Returns the table in Markdown, with its legend.
-pub fn markdown(table: &DesignTable, times_s: &[f64]) -> String {
+pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
     let mut text = format!("| design | {} |\n", COLUMNS.join(" | "));
     text += &format!("|---|{}\n", "---|".repeat(COLUMNS.len()));
     for (k, row) in table.rows.iter().enumerate() {
-        let cells = cells(row, times_s.get(k).copied());
+        let cells = design_cells(row, times_s.get(k).copied());
         text += &format!("| {} {} | {} |\n", k + 1, row.name, cells.join(" | "));
     }
     text.push('\n');
     for (k, row) in table.rows.iter().enumerate() {
-        let words = remarks(row);
+        let words = design_remarks(row);
         if !words.is_empty() {
             text += &format!("{}. {}: {}.\n", k + 1, row.name, words.join("; "));
         }
@@ -163,18 +165,18 @@ pub fn markdown(table: &DesignTable, times_s: &[f64]) -> String {
 }
 
 /// Returns the page.
-pub fn report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
+pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
     let mut columns = vec![Column::Text("design")];
     columns.extend(COLUMNS.map(Column::Number));
     let mut shown = Table::new("Designs", &columns);
     for (k, row) in table.rows.iter().enumerate() {
         let mut line = vec![Cell::text(row.name.clone())];
-        line.extend(cells(row, times_s.get(k).copied()).into_iter().map(Cell::text));
+        line.extend(design_cells(row, times_s.get(k).copied()).into_iter().map(Cell::text));
         shown.rows.push(line);
     }
     let mut details = Section::new("What each design is");
-    for row in table.rows.iter().filter(|row| !remarks(row).is_empty()) {
-        details = details.saying(format!("{}: {}.", row.name, remarks(row).join("; ")));
+    for row in table.rows.iter().filter(|row| !design_remarks(row).is_empty()) {
+        details = details.saying(format!("{}: {}.", row.name, design_remarks(row).join("; ")));
     }
     let legend = LEGEND.iter().fold(Section::new("Columns"), |section, line| section.saying(*line));
     let best = best_row(table);
@@ -197,7 +199,7 @@ pub fn report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
     report.reproduced_by(&origin.command)
 }
 
-/// Every simulated design: hub rate against noise gain, each with its number.
+/// Returns every simulated design: hub rate against noise gain, each with its number.
 fn figure(table: &DesignTable) -> Option<Figure> {
     const COLOURS: [Colour; 4] = [Colour::First, Colour::Second, Colour::Third, Colour::Fourth];
     let mut marks = Vec::new();
@@ -229,7 +231,7 @@ fn figure(table: &DesignTable) -> Option<Figure> {
     Some(Figure::new("Hub rate against noise gain", x, vec![panel]).with_caption(caption))
 }
 
-/// The row of the least hub rate under the motion.
+/// Returns the row of the least hub rate under the motion.
 fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     let moved =
         |row: &DesignRow| row.nonlinear.as_ref().map(|run| run.motion_rad_s.unwrap_or(run.sines_rad_s));
@@ -241,11 +243,11 @@ fn tiles(row: &DesignRow) -> Vec<Tile> {
     let mut all = Vec::new();
     if let Some(run) = &row.nonlinear {
         let moved = run.motion_rad_s.unwrap_or(run.sines_rad_s);
-        all.push(Tile::plain("hub rate under the motion", short(1e3 * moved), "mrad/s RMS"));
+        all.push(Tile::plain("hub rate under the motion", short_number(1e3 * moved), "mrad/s RMS"));
     }
     if let Some(linear) = &row.linear {
-        all.push(Tile::plain("largest sensitivity", short(linear.max_sensitivity), ""));
-        all.push(Tile::plain("noise gain", short(linear.noise_gain), "V s/rad"));
+        all.push(Tile::plain("largest sensitivity", short_number(linear.max_sensitivity), ""));
+        all.push(Tile::plain("noise gain", short_number(linear.noise_gain), "V s/rad"));
     }
     all
 }

@@ -1,13 +1,14 @@
-//! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
+//! The report of a diagnosis: the answer first, then how the fit improved, the localisation, and the candidates.
 
 use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
+use crate::wording::name_in_words;
 use counterpoise_diagnose::findings::answer::{Channels, Verdict};
 
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::learned::learned_section;
-use crate::where_when::where_section;
+use crate::localisation::localisation_section;
 use counterpoise_pipeline::Consequence;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
 use counterpoise_pipeline::recordings::tracks::Track;
@@ -15,7 +16,7 @@ use counterpoise_pipeline::recordings::tracks::Track;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, difference, residual};
 
 /// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
-pub fn report(
+pub fn diagnosis_report(
     machine: &str,
     command: &str,
     found: &DiagnosedRecordings,
@@ -25,9 +26,9 @@ pub fn report(
     let tracks = &found.tracks;
     let mut sections = vec![fit_section(answer, tracks)];
     sections.extend(answer.learned.as_ref().map(learned_section));
-    sections.extend(consequence.map(difference::consequence));
-    sections.extend(residual::sections(tracks, &found.residuals));
-    sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
+    sections.extend(consequence.map(difference::consequence_section));
+    sections.extend(residual::residual_sections(tracks, &found.residuals));
+    sections.extend([localisation_section(answer), tried_section(answer), cannot_tell(answer)]);
     Report {
         title: format!("Diagnosis of {machine}"),
         subtitle: "where the simulation departs from the recordings, and what explains it".to_owned(),
@@ -44,8 +45,11 @@ pub fn report(
 }
 
 fn headline(answer: &AnswerText) -> Headline {
-    let names: Vec<String> =
-        answer.findings.iter().map(|f| format!("{} {}", f.component, words(f.effect.name()))).collect();
+    let names: Vec<String> = answer
+        .findings
+        .iter()
+        .map(|f| format!("{} {}", f.component, name_in_words(f.effect.name())))
+        .collect();
     let named = names.join(", ");
     let (tone, text) = match answer.verdict {
         Verdict::Consistent => (Tone::Good, "The model explains the recordings: nothing found".to_owned()),
@@ -64,10 +68,6 @@ fn headline(answer: &AnswerText) -> Headline {
     Headline { tone, text, detail }
 }
 
-pub(super) fn words(effect: &str) -> String {
-    effect.replace('_', " ")
-}
-
 fn tiles(answer: &AnswerText) -> Vec<Tile> {
     let worst = |channels: &Channels| channels.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
     let mut out = vec![
@@ -75,7 +75,7 @@ fn tiles(answer: &AnswerText) -> Vec<Tile> {
             .noted("worst channel, all recordings"),
         Tile::plain("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "")
             .noted("1 is perfect"),
-        Tile::plain("on data not fitted", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
+        Tile::plain("on held-out data", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
             .noted("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
@@ -106,11 +106,13 @@ fn findings_table(findings: &[FindingText]) -> Table {
                 p.before
             )
         });
-        let others =
-            finding.alternatives.iter().map(|a| format!("{} {}", a.component, words(a.effect.name())));
+        let others = finding
+            .alternatives
+            .iter()
+            .map(|a| format!("{} {}", a.component, name_in_words(a.effect.name())));
         table.rows.push(vec![
             Cell::text(finding.component.name()),
-            Cell::text(words(finding.effect.name())),
+            Cell::text(name_in_words(finding.effect.name())),
             Cell::text(format!("{:.0} %", 100.0 * finding.probability)),
             Cell::text(parameters.collect::<Vec<_>>().join("; ")),
             Cell::text(others.collect::<Vec<_>>().join(", ")),
@@ -128,8 +130,7 @@ fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
         Column::Number("held out, before"),
         Column::Number("held out, after"),
     ];
-    let mut table =
-        Table::new("RMS error per channel over all recordings, and on what was not fitted", &columns);
+    let mut table = Table::new("RMS error per channel over all recordings, and on held-out data", &columns);
     for (channel, before) in &answer.fit.before {
         let number = |channels: &Channels| {
             channels.get(channel).map_or_else(|| Cell::text(""), |c| Cell::number(c.rms_error))
@@ -161,13 +162,13 @@ fn tried_section(answer: &AnswerText) -> Section {
     let mut table = Table::new("Every hypothesis that was fitted in the simulator", &columns);
     for h in &answer.hypotheses {
         let beside: Vec<String> =
-            h.beside.iter().map(|b| format!("{} {}", b.component, words(b.effect.name()))).collect();
+            h.beside.iter().map(|b| format!("{} {}", b.component, name_in_words(b.effect.name()))).collect();
         let verdict =
             if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
         table.rows.push(vec![
             Cell::text(h.stage.to_string()),
             Cell::text(h.component.name()),
-            Cell::text(words(h.effect.name())),
+            Cell::text(name_in_words(h.effect.name())),
             Cell::text(beside.join(", ")),
             Cell::number(h.log_likelihood_gain),
             Cell::text(format!("{:.3}", h.distance)),
@@ -185,12 +186,12 @@ fn cannot_tell(answer: &AnswerText) -> Section {
         Table::new("Effects of which these recordings cannot say whether they are there", &columns);
     for n in &answer.not_excited {
         let size = match n.smallest_detectable {
-            Some(size) => format!("{} {} {}", n.parameter, short(size), n.unit),
+            Some(size) => format!("{} {} {}", n.parameter, short_number(size), n.unit),
             None => "nothing: it does not move them".to_owned(),
         };
         table.rows.push(vec![
             Cell::text(n.component.name()),
-            Cell::text(words(n.effect.name())),
+            Cell::text(name_in_words(n.effect.name())),
             Cell::text(size),
         ]);
     }
@@ -203,7 +204,7 @@ fn cannot_tell(answer: &AnswerText) -> Section {
     remarks.fold(section, |section, remark| section.saying(remark.clone()))
 }
 
-/// The track whose error was largest against the measurement.
+/// Returns the track whose error was largest against the measurement.
 pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
     let error = |t: &Track| {
         let sum: f64 = t.measured.iter().zip(&t.before).map(|(m, b)| (m - b).powi(2)).sum();

@@ -4,13 +4,11 @@ use counterpoise_pipeline::Consequence;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::Change;
 
+use crate::tolerance::SAME_FIGURE;
 use crate::{Cell, Column, Section, Table, Tone};
 
-/// Relative change below which a figure counts as the same.
-const SAME: f64 = 1e-6;
-
-/// Every figure that changed, those whose verdict turned first.
-pub fn section(before: &str, changes: &[Change]) -> Section {
+/// Returns every figure that changed, those whose verdict turned first.
+pub fn changes_section(before: &str, changes: &[Change]) -> Section {
     let columns = [
         Column::Text("figure"),
         Column::Number("before"),
@@ -28,8 +26,8 @@ pub fn section(before: &str, changes: &[Change]) -> Section {
         .listing(table)
 }
 
-/// The difference in one line: verdicts that turned, and how many figures changed.
-pub fn headline(before: &str, changes: &[Change]) -> String {
+/// Returns the difference in one line: verdicts that turned, and how many figures changed.
+pub fn summarise_changes(before: &str, changes: &[Change]) -> String {
     let way = |found| changes.iter().filter(|change| change.turned() && change.holds == Some(found)).count();
     let figures = changes.iter().filter(|change| has_changed(change)).count();
     let turned = match (way(true), way(false)) {
@@ -41,32 +39,33 @@ pub fn headline(before: &str, changes: &[Change]) -> String {
     format!("Against {before}: {turned}; {figures} of {} figures changed.", changes.len())
 }
 
-/// What an improved model means for the controller that was designed on the one before.
-pub fn consequence(found: &Consequence) -> Section {
+/// Returns what an improved model means for the controller that was designed on the one before.
+pub fn consequence_section(found: &Consequence) -> Section {
     let counted = |v: &Verification| {
         let (hold, fail, _) = v.counts();
         format!("{hold} requirements hold, {fail} fail")
     };
     let anew = match &found.redesigned {
-        Some(redesigned) => format!("Designed anew on the improved model: {}.", counted(redesigned)),
-        None => "Designed anew on the improved model: the weights give no controller.".to_owned(),
+        Some(redesigned) => format!("Redesigned on the improved model: {}.", counted(redesigned)),
+        None => "Redesigned on the improved model: the weights give no controller.".to_owned(),
     };
     let text = format!(
         "The controller designed on the model as it was: {} there, {} on the improved model. {anew}",
         counted(&found.before),
         counted(&found.kept)
     );
-    let table = section("the model as it was", &found.changes);
+    let table = changes_section("the model as it was", &found.changes);
     Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
 }
 
-/// Whether a figure changed at all.
+/// Returns whether a figure changed at all.
 pub fn has_changed(change: &Change) -> bool {
-    change.turned() || change.relative().is_none_or(|part| part.abs() > SAME) && change.before != change.after
+    change.turned()
+        || change.relative().is_none_or(|part| part.abs() > SAME_FIGURE) && change.before != change.after
 }
 
-/// The verdict's way, in words.
-pub fn verdict(change: &Change) -> (Tone, &'static str) {
+/// Returns the verdict's way, in words.
+pub fn classify_change(change: &Change) -> (Tone, &'static str) {
     match (change.held, change.holds) {
         (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
         (Some(false), Some(true)) => (Tone::Good, "now holds"),
@@ -76,8 +75,9 @@ pub fn verdict(change: &Change) -> (Tone, &'static str) {
     }
 }
 
-/// The change as a person reads it: percent, or the difference where a figure is in decibels or degrees.
-pub fn size(change: &Change) -> String {
+/// Returns the change as a person reads it: percent, or the difference where a figure is in decibels or
+/// degrees.
+pub fn describe_size(change: &Change) -> String {
     let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
     match change.figure.unit() {
         unit @ ("dB" | "deg" | "%") if (after - before).abs() < 0.005 => format!("under 0.01 {unit}"),
@@ -89,7 +89,7 @@ pub fn size(change: &Change) -> String {
 
 fn row(change: &Change) -> Vec<Cell> {
     let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
-    let (tone, word) = verdict(change);
+    let (tone, word) = classify_change(change);
     let unit = change.figure.unit();
     let name =
         if unit.is_empty() { change.figure.name() } else { format!("{} [{unit}]", change.figure.name()) };
@@ -98,7 +98,7 @@ fn row(change: &Change) -> Vec<Cell> {
         Cell::text(name),
         number(change.before),
         number(change.after),
-        Cell::text(size(change).replace('-', "\u{2212}")),
+        Cell::text(describe_size(change).replace('-', "\u{2212}")),
         requirement,
     ]
 }
@@ -124,14 +124,14 @@ mod tests {
             change(8.0, 14.0, [false, true]),
             change(8.0, 8.0, [true, true]),
         ];
-        let told = headline("before.toml", &all);
+        let told = summarise_changes("before.toml", &all);
         assert!(told.contains("now holds what did not: 1, no longer holds: 1; 2 of 3 figures"), "{told}");
-        assert!(headline("x", &all[2..]).contains("no verdict turned; 0 of 1"), "nothing changed");
+        assert!(summarise_changes("x", &all[2..]).contains("no verdict turned; 0 of 1"), "nothing changed");
     }
 
     #[test]
     fn a_change_too_small_to_print_is_not_printed_as_minus_nothing() {
-        assert_eq!(size(&change(14.0, 13.999, [true, true])), "under 0.01 dB");
-        assert_eq!(size(&change(14.0, 13.5, [true, true])), "-0.50 dB");
+        assert_eq!(describe_size(&change(14.0, 13.999, [true, true])), "under 0.01 dB");
+        assert_eq!(describe_size(&change(14.0, 13.5, [true, true])), "-0.50 dB");
     }
 }

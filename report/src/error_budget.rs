@@ -11,7 +11,7 @@ const MICRO: f64 = 1e6;
 const PER_MILLIMETRE: f64 = 1e-3;
 
 /// Returns the section on the line of sight; `None` if the verification did not ask for it.
-pub fn section(found: &Verification) -> Option<Section> {
+pub fn budget_section(found: &Verification) -> Option<Section> {
     let budget = found.error_budget.as_ref()?;
     let settled = format!("The figures are read from {} s on.", found.evidence.procedure.sight_settle_s());
     let start = Section::new("Line of sight").saying(summary(budget, exposure_s(found))).saying(settled);
@@ -27,7 +27,7 @@ pub fn section(found: &Verification) -> Option<Section> {
 }
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.
-pub fn lines(found: &Verification) -> Vec<String> {
+pub fn budget_lines(found: &Verification) -> Vec<String> {
     let mut purposes = purposes(found);
     let Some(budget) = &found.error_budget else { return purposes };
     let total = total_square(budget, SightFigure::Hub);

@@ -3,11 +3,11 @@
 use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
-use crate::bode::{BodeCurve, Phase, bode};
-use crate::summary::capitalised;
+use crate::bode::{BodeCurve, Phase, bode_figure};
 use crate::triangle;
+use crate::wording::capitalised;
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
 const ARRANGEMENTS: [(Arrangement, &str, Colour); 3] = [
@@ -27,7 +27,7 @@ const SOURCES: [(Source, &str); 4] = [
 pub const PLANT: &str = "Plant";
 
 /// Sections in the order in which a reader asks.
-pub fn sections(found: &Verification) -> Vec<Section> {
+pub fn evidence_sections(found: &Verification) -> Vec<Section> {
     let first = [loop_section(found), step_section(found)];
     let rest = [
         disturbance_section(found),
@@ -35,7 +35,7 @@ pub fn sections(found: &Verification) -> Vec<Section> {
         controller_section(found),
         plant_section(found),
     ];
-    first.into_iter().chain(triangle::section(found)).chain(rest).collect()
+    first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
 fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<(f64, f64, f64)> {
@@ -53,7 +53,8 @@ fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
 fn loop_section(found: &Verification) -> Section {
     let curves = &found.evidence.curves;
     let broken = bode_curves(found, std::slice::from_ref(&curves.broken));
-    let mut figure = bode("Loop broken at the plant's input", "", &broken, Phase::Shown, gain_marks(found));
+    let mut figure =
+        bode_figure("Loop broken at the plant's input", "", &broken, Phase::Shown, gain_marks(found));
     if let Some(phase) = figure.panels_mut().get_mut(1) {
         phase.marks = phase_marks(found);
     }
@@ -62,18 +63,27 @@ fn loop_section(found: &Verification) -> Section {
     let peak = Mark::Point {
         x: ms.rate_rad_s / std::f64::consts::TAU,
         y: 20.0 * ms.value.log10(),
-        text: format!("Ms {} at {} Hz", short(ms.value), short(ms.rate_rad_s / std::f64::consts::TAU)),
+        text: format!(
+            "Ms {} at {} Hz",
+            short_number(ms.value),
+            short_number(ms.rate_rad_s / std::f64::consts::TAU)
+        ),
         colour: Colour::Second,
     };
-    let sensitivity =
-        bode("Sensitivity and complementary sensitivity", "", &sensitivities, Phase::Hidden, vec![peak]);
+    let sensitivity = bode_figure(
+        "Sensitivity and complementary sensitivity",
+        "",
+        &sensitivities,
+        Phase::Hidden,
+        vec![peak],
+    );
     Section::new("Loop and margins")
         .saying("The discrete controller as exported, with the plant and its sensors sampled exactly.")
         .showing([figure, sensitivity])
         .listing(margin_table(found))
 }
 
-/// The nearest crossings of -180 degrees, as points of the magnitude.
+/// Returns the nearest crossings of -180 degrees, as points of the magnitude.
 fn gain_marks(found: &Verification) -> Vec<Mark> {
     let margins = &found.evidence.margins;
     let nearest = [margins.gain_increase(), margins.gain_decrease()];
@@ -87,16 +97,20 @@ fn gain_marks(found: &Verification) -> Vec<Mark> {
         nearest.into_iter().flatten().filter(|gain| gain.rate_rad_s > 0.0 && gain.rate_rad_s.is_finite());
     let marks = all.map(|gain| {
         let hz = gain.rate_rad_s / std::f64::consts::TAU;
-        point(gain.db, gain.rate_rad_s, format!("gain margin {} dB at {} Hz", short(gain.db), short(hz)))
+        point(
+            gain.db,
+            gain.rate_rad_s,
+            format!("gain margin {} dB at {} Hz", short_number(gain.db), short_number(hz)),
+        )
     });
     marks.chain([Mark::Level { y: 0.0, text: String::new() }]).collect()
 }
 
-/// The crossing of 0 dB with the smallest phase margin, as a point of the phase.
+/// Returns the crossing of 0 dB with the smallest phase margin, as a point of the phase.
 fn phase_marks(found: &Verification) -> Vec<Mark> {
     let Some(phase) = found.evidence.margins.phase_margin() else { return Vec::new() };
     let hz = phase.rate_rad_s / std::f64::consts::TAU;
-    let text = format!("phase margin {} deg at {} Hz", short(phase.deg), short(hz));
+    let text = format!("phase margin {} deg at {} Hz", short_number(phase.deg), short_number(hz));
     let at = Mark::Point { x: hz, y: -180.0 + phase.deg, text, colour: Colour::Third };
     vec![at, Mark::Level { y: -180.0, text: String::new() }]
 }
@@ -149,7 +163,7 @@ fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
     time_s.iter().copied().zip(column.iter().copied()).collect()
 }
 
-/// Hub rate after a step, on both plants.
+/// Returns the hub rate after a step, on both plants.
 pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
@@ -189,8 +203,8 @@ fn disturbance_section(found: &Verification) -> Section {
     section
 }
 
-/// Hub rate while the platform moves, in the three arrangements; the second panel leaves out the one without control, whose size
-/// would hide the others.
+/// Returns the hub rate while the platform moves, in the three arrangements; the second panel leaves out the one without
+/// control, whose size would hide the others.
 pub fn disturbance_figure(found: &Verification, model: Model, source: Source, height: f64) -> Option<Figure> {
     let run = |arrangement| found.history(model, Experiment::Disturbance(source, arrangement));
     let series: Vec<Series> = ARRANGEMENTS
@@ -222,7 +236,7 @@ fn rejection_section(found: &Verification) -> Section {
                 rejection_curve(found, source, *arrangement, name, *colour)
             })
             .collect();
-        bode(title, unit, &curves, Phase::Hidden, marks)
+        bode_figure(title, unit, &curves, Phase::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
     Section::new("Disturbance rejection ratio")
@@ -257,7 +271,7 @@ fn controller_section(found: &Verification) -> Section {
         .filter(|(curve, _)| curve.response.iter().any(|h| h.norm() > 0.0));
     let figures = present.map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
-        bode(
+        bode_figure(
             &capitalised(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
@@ -276,12 +290,12 @@ fn plant_section(found: &Verification) -> Section {
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         let title = format!("Hub rate for {}", curve.name);
-        bode(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
+        bode_figure(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
     });
     Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
 }
 
-/// Every figure with its key: what a requirement can name.
+/// Returns every figure with its key: what a requirement can name.
 pub fn figure_section(found: &Verification) -> Section {
     let mut table = Table::new(
         "",

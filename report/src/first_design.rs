@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::LimitRow;
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 
 use crate::page::{Cell, Column, Section, Table};
 
 /// Returns the section on weights that were chosen because the project file states none.
-pub fn section(first: &FirstDesignResult) -> Section {
+pub fn first_design_section(first: &FirstDesignResult) -> Section {
     let columns = [
         Column::Text("limit"),
         Column::Number("allows alone [rad/s]"),
@@ -28,13 +28,13 @@ fn row(limit: &LimitRow) -> Vec<Cell> {
 }
 
 /// Returns what limits the bandwidth and by how much, as a clause.
-pub fn limitation(first: &FirstDesignResult) -> String {
+pub fn describe_limitation(first: &FirstDesignResult) -> String {
     let lifted = first.limits.first().and_then(|limit| limit.lifted_rad_s);
     match lifted {
         Some(rate) => format!(
             "{}; without this limit it would be {} rad/s, {:.2} times as high",
             first.limited_by,
-            short(rate),
+            short_number(rate),
             rate / first.bandwidth_rad_s
         ),
         None => format!("{}; lifting one limit alone does not raise it", first.limited_by),
@@ -45,12 +45,12 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
     let mut lines = vec![format!(
         "The project file states no weights, so they are chosen for the highest bandwidth (the highest frequency at which the loop's gain is 1). \
          The bandwidth is {} rad/s ({} Hz), limited by: {}.",
-        short(first.bandwidth_rad_s),
-        short(first.bandwidth_rad_s / TAU),
-        limitation(first)
+        short_number(first.bandwidth_rad_s),
+        short_number(first.bandwidth_rad_s / TAU),
+        describe_limitation(first)
     )];
     if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
-        lines.push(format!("{} rad/s are asked for.", short(asked)));
+        lines.push(format!("{} rad/s are asked for.", short_number(asked)));
     }
     lines.push(format!(
         "The margins are {:.1} dB and {:.1} deg, and the largest sensitivity is {:.2}; with every lightly damped mode off by 15 % it is {:.2}.",
@@ -90,7 +90,7 @@ mod tests {
             max_sensitivity_modes_shifted: 1.9,
             left_out: Vec::new(),
         };
-        let section = section(&first);
+        let section = first_design_section(&first);
         let text = section.text.join(" ");
         for said in [
             "20 rad/s (3.183 Hz)",

@@ -2,9 +2,9 @@
 
 use counterpoise_pipeline::studies::fra::{Map, Point};
 
-use crate::bode::{BodeCurve, Phase, bode};
+use crate::bode::{BodeCurve, Phase, bode_figure};
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
 /// How long the measuring of a map took.
@@ -17,14 +17,14 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// How many times as fast as the first of a list, which is on one thread.
+    /// Returns how many times as fast as the first of a list, which is on one thread.
     pub fn speed_up(&self, all: &[Pace]) -> f64 {
         all.first().map_or(1.0, |first| first.seconds / self.seconds)
     }
 }
 
-/// The report of one or more maps of one machine, and of how fast they were measured.
-pub fn report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
+/// Returns the report of one or more maps of one machine, and of how fast they were measured.
+pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
     Report {
@@ -51,11 +51,11 @@ fn headline(maps: &[Map]) -> Headline {
     };
     let spread = maps.first().map_or(0.0, widest_spread);
     let detail =
-        format!("At one frequency the gain changes with the amplitude by up to {} dB.", short(spread));
+        format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
 }
 
-/// The points of each amplitude, in the order of the map.
+/// Returns the points of each amplitude, in the order of the map.
 fn families(map: &Map) -> Vec<(f64, Vec<&Point>)> {
     let mut out: Vec<(f64, Vec<&Point>)> = Vec::new();
     if map.recording.is_some() {
@@ -74,7 +74,7 @@ fn label(map: &Map, amplitude: f64) -> String {
     if amplitude.is_nan() {
         "recorded".to_owned()
     } else {
-        format!("{} {}", short(amplitude), map.around.unit())
+        format!("{} {}", short_number(amplitude), map.around.unit())
     }
 }
 
@@ -83,12 +83,12 @@ fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
 }
 
-/// What the magnitude is relative to.
+/// Returns what the magnitude is relative to.
 fn reference(map: &Map) -> &'static str {
     if map.around.unit() == "V" { "rad/s per V" } else { "" }
 }
 
-/// All amplitudes in one diagram, the linear model dashed.
+/// Returns all amplitudes in one diagram, the linear model dashed.
 fn overview(map: &Map, command: &str) -> Figure {
     let families = families(map);
     let mut curves: Vec<BodeCurve> = families
@@ -101,7 +101,8 @@ fn overview(map: &Map, command: &str) -> Figure {
     if let Some((_, points)) = families.first() {
         curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed());
     }
-    let figure = bode("Measured at every amplitude", reference(map), &curves, Phase::Shown, Vec::new());
+    let figure =
+        bode_figure("Measured at every amplitude", reference(map), &curves, Phase::Shown, Vec::new());
     let figure = figure.with_caption("Dashed: the linear model without dry friction, sampled exactly.");
     Figure { command: command.to_owned(), ..figure }
 }
@@ -124,7 +125,7 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
     vec![beside, harmonics, Section::new("Every point").listing(points_table(map))]
 }
 
-/// How fast the maps were measured; nothing for recordings, which were not simulated.
+/// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
 fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
     let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
     let columns = [
@@ -133,7 +134,8 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
         Column::Number("times real time"),
         Column::Number("times as fast as on the first row"),
     ];
-    let mut table = Table::new(&format!("{} s of motion were simulated", short(simulated_s)), &columns);
+    let mut table =
+        Table::new(&format!("{} s of motion were simulated", short_number(simulated_s)), &columns);
     for pace in speed {
         table.rows.push(vec![
             Cell::text(pace.threads.to_string()),
@@ -159,7 +161,7 @@ fn beside_models(map: &Map, (amplitude, points): &(f64, Vec<&Point>), colour: Co
         curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed(),
     ];
     let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
-    bode(&name, reference(map), &kept, Phase::Shown, Vec::new())
+    bode_figure(&name, reference(map), &kept, Phase::Shown, Vec::new())
 }
 
 fn harmonics(map: &Map, command: &str) -> Figure {
@@ -184,7 +186,7 @@ fn db(h: [f64; 2]) -> f64 {
     20.0 * h[0].hypot(h[1]).log10()
 }
 
-/// Largest difference of gain between amplitudes at one frequency, dB.
+/// Returns the largest difference of gain between amplitudes at one frequency, dB.
 fn widest_spread(map: &Map) -> f64 {
     let families = families(map);
     let count = families.iter().map(|(_, points)| points.len()).min().unwrap_or(0);
@@ -201,13 +203,14 @@ fn tiles(map: &Map) -> Vec<Tile> {
     let unit = if map.around.unit() == "V" { "dB re rad/s per V" } else { "dB" };
     vec![
         Tile::plain("points", map.points.len().to_string(), ""),
-        Tile::plain("largest gain", short(largest), unit),
-        Tile::plain("spread over amplitudes", short(widest_spread(map)), "dB").noted("0 on a linear machine"),
-        Tile::plain("largest harmonics", short(100.0 * distortion), "%").noted("of the fundamental"),
+        Tile::plain("largest gain", short_number(largest), unit),
+        Tile::plain("spread over amplitudes", short_number(widest_spread(map)), "dB")
+            .noted("0 on a linear machine"),
+        Tile::plain("largest harmonics", short_number(100.0 * distortion), "%").noted("of the fundamental"),
     ]
 }
 
-/// One row an amplitude: where the gain is largest, and how far the models are from the measurement.
+/// Returns one row an amplitude: where the gain is largest, and how far the models are from the measurement.
 fn extremes(map: &Map) -> Table {
     let columns = [
         Column::Text("amplitude"),

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use crate::style::PAGE_CSS;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::svg::{self, escape};
-use counterpoise_plot::{Figure, Theme, theme};
+use counterpoise_plot::svg::{self, escape_xml};
+use counterpoise_plot::{Figure, Theme, css};
 
-/// The report as a page that needs nothing else. Deterministic.
-pub fn html(report: &Report) -> String {
+/// Returns the report as a page that needs nothing else. Deterministic.
+pub fn html_page(report: &Report) -> String {
     let mut page = Page::default();
     page.head(&report.title);
     page.first_screen(report);
@@ -42,8 +42,8 @@ impl Page {
         self.put("<meta name=\"color-scheme\" content=\"light dark\">\n");
         self.form(format_args!(
             "<title>{}</title>\n<style>\n{}{PAGE_CSS}@media print{{{}}}\n</style></head><body><main>\n",
-            escape(title),
-            theme::css(),
+            escape_xml(title),
+            css::style_sheet(),
             Theme::Light.properties()
         ));
     }
@@ -51,8 +51,8 @@ impl Page {
     fn first_screen(&mut self, report: &Report) {
         self.form(format_args!(
             "<header><h1>{}</h1><p class=\"soft\">{}</p></header>\n",
-            escape(&report.title),
-            escape(&report.subtitle)
+            escape_xml(&report.title),
+            escape_xml(&report.subtitle)
         ));
         self.headline(&report.headline);
         self.put("<div class=\"tiles\">\n");
@@ -63,7 +63,7 @@ impl Page {
         self.verdicts_beside_glance(report);
     }
 
-    /// The verdicts with pictures beside them, or over the whole width where there are none.
+    /// The verdicts with pictures beside them, or over the whole width if there are none.
     fn verdicts_beside_glance(&mut self, report: &Report) {
         if report.glance.is_empty() {
             return self.table(&report.verdicts);
@@ -81,10 +81,10 @@ impl Page {
         let (class, sign) = class_and_sign(headline.tone);
         self.form(format_args!(
             "<div class=\"headline {class}\"><span class=\"sign\">{sign}</span><div><strong>{}</strong>",
-            escape(&headline.text)
+            escape_xml(&headline.text)
         ));
         if !headline.detail.is_empty() {
-            self.form(format_args!("<br><span>{}</span>", escape(&headline.detail)));
+            self.form(format_args!("<br><span>{}</span>", escape_xml(&headline.detail)));
         }
         self.put("</div></div>\n");
     }
@@ -93,17 +93,17 @@ impl Page {
         let (class, _) = class_and_sign(tile.tone);
         self.form(format_args!(
             "<div class=\"tile {class}\"><span class=\"label\">{}</span><span class=\"value\">{}<small> {}</small></span><span class=\"soft\">{}</span></div>\n",
-            escape(&tile.label),
-            escape(&tile.value),
-            escape(&tile.unit),
-            escape(&tile.note)
+            escape_xml(&tile.label),
+            escape_xml(&tile.value),
+            escape_xml(&tile.unit),
+            escape_xml(&tile.note)
         ));
     }
 
     fn contents(&mut self, sections: &[Section]) {
         self.put("<nav>");
         for (number, section) in sections.iter().enumerate() {
-            self.form(format_args!("<a href=\"#s{}\">{}</a>", number + 1, escape(&section.heading)));
+            self.form(format_args!("<a href=\"#s{}\">{}</a>", number + 1, escape_xml(&section.heading)));
         }
         self.put("</nav>\n");
     }
@@ -112,10 +112,10 @@ impl Page {
         self.form(format_args!(
             "<section id=\"s{0}\"><h2>{0}. {1}</h2>\n",
             number + 1,
-            escape(&section.heading)
+            escape_xml(&section.heading)
         ));
         for paragraph in &section.text {
-            self.form(format_args!("<p>{}</p>\n", escape(paragraph)));
+            self.form(format_args!("<p>{}</p>\n", escape_xml(paragraph)));
         }
         self.put("<div class=\"figures\">\n");
         for figure in &section.figures {
@@ -129,11 +129,15 @@ impl Page {
     }
 
     fn figure(&mut self, figure: &Figure) {
-        self.form(format_args!("<figure><h3>{}</h3>\n{}", escape(&figure.title), svg::inline(figure)));
+        self.form(format_args!(
+            "<figure><h3>{}</h3>\n{}",
+            escape_xml(&figure.title),
+            svg::inline_svg(figure)
+        ));
         if !figure.caption.is_empty() || !figure.command.is_empty() {
-            self.form(format_args!("<figcaption>{}", escape(&figure.caption)));
+            self.form(format_args!("<figcaption>{}", escape_xml(&figure.caption)));
             if !figure.command.is_empty() {
-                self.form(format_args!(" <code>{}</code>", escape(&figure.command)));
+                self.form(format_args!(" <code>{}</code>", escape_xml(&figure.command)));
             }
             self.put("</figcaption>");
         }
@@ -143,12 +147,12 @@ impl Page {
     fn table(&mut self, table: &Table) {
         self.put("<div class=\"table\"><table>");
         if !table.caption.is_empty() {
-            self.form(format_args!("<caption>{}</caption>", escape(&table.caption)));
+            self.form(format_args!("<caption>{}</caption>", escape_xml(&table.caption)));
         }
         self.put("<thead><tr>");
         for column in &table.columns {
             let (class, name) = class_and_name(*column);
-            self.form(format_args!("<th class=\"{class}\">{}</th>", escape(&unit_in_one_piece(name))));
+            self.form(format_args!("<th class=\"{class}\">{}</th>", escape_xml(&unit_in_one_piece(name))));
         }
         self.put("</tr></thead><tbody>\n");
         for row in &table.rows {
@@ -169,7 +173,7 @@ impl Page {
     fn provenance(&mut self, pairs: &[(String, String)]) {
         self.put("<footer><dl>");
         for (name, value) in pairs {
-            self.form(format_args!("<dt>{}</dt><dd>{}</dd>", escape(name), escape(value)));
+            self.form(format_args!("<dt>{}</dt><dd>{}</dd>", escape_xml(name), escape_xml(value)));
         }
         self.put("</dl></footer>\n");
     }
@@ -177,23 +181,23 @@ impl Page {
 
 fn cell_markup(cell: &Cell) -> String {
     match cell {
-        Cell::Text(text) => escape(text),
+        Cell::Text(text) => escape_xml(text),
         Cell::Verdict(tone, text) => {
             let (class, sign) = class_and_sign(*tone);
-            format!("<span class=\"chip {class}\">{sign}\u{A0}{}</span>", escape(text))
+            format!("<span class=\"chip {class}\">{sign}\u{A0}{}</span>", escape_xml(text))
         }
         Cell::Room(tone, part, text) => {
             let (class, _) = class_and_sign(*tone);
             let percent = (100.0 * part.clamp(0.0, 1.0)).round();
             format!(
                 "<span class=\"pair-of\"><span class=\"room {class}\"><i style=\"width:{percent}%\"></i></span>{}</span>",
-                escape(text)
+                escape_xml(text)
             )
         }
     }
 }
 
-/// The name with no line break inside its unit, which stands in brackets at its end.
+/// Returns the name with no line break inside its unit, which stands in brackets at its end.
 fn unit_in_one_piece(name: &str) -> String {
     match name.rsplit_once('[') {
         Some((words, unit)) => format!("{words}[{}", unit.replace(' ', "\u{A0}")),
@@ -208,7 +212,7 @@ fn class_and_name(column: Column) -> (&'static str, &'static str) {
     }
 }
 
-/// The class of a tone and the sign that says the same without colour.
+/// Returns the class of a tone and the sign that says the same without colour.
 fn class_and_sign(tone: Tone) -> (&'static str, &'static str) {
     match tone {
         Tone::Good => ("good", "\u{2713}"),
@@ -245,7 +249,7 @@ mod tests {
 
     #[test]
     fn the_page_is_closed_escaped_and_needs_nothing_else() {
-        let page = html(&report());
+        let page = html_page(&report());
         for tag in ["main", "section", "table", "figure", "svg", "div", "nav", "footer"] {
             let (opened, closed) =
                 (page.matches(&format!("<{tag}")).count(), page.matches(&format!("</{tag}>")).count());
@@ -257,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_failure_is_seen_before_the_evidence() {
-        let page = html(&report());
+        let page = html_page(&report());
         let (headline, evidence) = (page.find("1 of 1 fails"), page.find("<section"));
         assert!(headline.is_some() && headline < evidence);
     }

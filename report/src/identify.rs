@@ -5,14 +5,19 @@ use counterpoise_diagnose::identification::{Estimate, GainPoint, Loop};
 use counterpoise_pipeline::recordings::AxisUnits;
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
 /// Its name in tables; a peak, so that it is not held against the project's level.
 const BREAKAWAY: &str = "highest after a reversal";
 
-/// The report.
-pub fn report(machine: &str, command: &str, found: &IdentificationText, units: &AxisUnits) -> Report {
+/// Returns the report.
+pub fn identification_report(
+    machine: &str,
+    command: &str,
+    found: &IdentificationText,
+    units: &AxisUnits,
+) -> Report {
     let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
@@ -55,7 +60,7 @@ fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
     Headline { tone: Tone::Neutral, text, detail }
 }
 
-/// Every estimate with its name and unit.
+/// Returns every estimate with its name and unit.
 fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Estimate, &'static str)> {
     let mut out = Vec::new();
     for (state, b) in found.balances.iter().enumerate() {
@@ -80,7 +85,8 @@ fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Es
 
 fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<Tile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
-        Tile::plain(name, short(e.value), unit).noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
+        Tile::plain(name, short_number(e.value), unit)
+            .noted(&format!("± {}", short_number(0.5 * (e.ci95[1] - e.ci95[0]))))
     };
     named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }
@@ -131,7 +137,7 @@ fn loop_figure(picture: &Loop, found: &IdentificationText, command: &str) -> Fig
     Figure { command: command.to_owned(), ..figure }
 }
 
-/// The same figure with how it is read.
+/// Returns the same figure with how it is read.
 fn explained(figure: &Figure, found: &IdentificationText) -> Figure {
     let l = &found.lobes;
     figure.clone().with_caption(&format!(
@@ -200,7 +206,7 @@ fn curve_table(points: &[GainPoint]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::html;
+    use crate::html_page;
     use counterpoise_diagnose::identification::{Balance, Lobes};
 
     fn found() -> IdentificationText {
@@ -235,7 +241,7 @@ mod tests {
             slope: "V s/rad",
             position: "rad",
         };
-        let page = html(&report("rig", "counterpoise identify rig", &found(), &rotary));
+        let page = html_page(&identification_report("rig", "counterpoise identify rig", &found(), &rotary));
         assert!(page.contains("Not as in the project: out-of-balance, Coulomb friction"), "headline");
         assert!(page.contains("control against hub rate") && page.contains("the control stays large"));
         assert!(!page.contains("NaN"));

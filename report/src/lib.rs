@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here computes, measures or judges; results come in complete from the pipeline. Nothing here reads a file, a clock
 //! or the network. Same report, same bytes.
 //!
-//! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
+//! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
 //! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
@@ -29,6 +29,7 @@ pub mod fra;
 pub mod html;
 pub mod identify;
 mod learned;
+mod localisation;
 pub mod loop_charts;
 pub mod model;
 pub mod page;
@@ -41,13 +42,13 @@ pub mod style;
 pub mod summary;
 pub mod sweep;
 pub mod targets;
+mod tolerance;
 pub mod trade_off;
 pub mod triangle;
 pub mod verification;
-mod where_when;
 pub mod wording;
 
 pub use design::{of_design, of_synthesis};
-pub use html::html;
+pub use html::html_page;
 pub use page::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
 pub use verification::{Context, of_verification};

@@ -2,14 +2,14 @@
 
 use counterpoise_controller::READING_NAMES;
 use counterpoise_pipeline::loop_view::{LocusView, LoopView, MarginPoint, Points};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::Verification;
 use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::Section;
-use crate::bode::{BodeCurve, Phase, bode};
+use crate::bode::{BodeCurve, Phase, bode_figure};
 
 /// Ends of the Nichols chart's modulus, dB: beyond them nothing is near the critical point.
 const NICHOLS_DB: [f64; 2] = [-40.0, 40.0];
@@ -21,7 +21,7 @@ const DAMPINGS: [f64; 3] = [0.3, 0.5, 0.7];
 const HEIGHT: f64 = 380.0;
 
 /// Returns the section with the charts of the plane and the responses of the closed loop.
-pub fn section(found: &Verification, view: &LoopView) -> Section {
+pub fn charts_section(found: &Verification, view: &LoopView) -> Section {
     Section::new("The loop in the complex plane")
         .saying(
             "The same loop as above. The curve has to pass the critical point, -1 or -180 degrees and 0 dB, outside the outlined region; \
@@ -40,7 +40,7 @@ fn pairs(points: &Points) -> impl Iterator<Item = (f64, f64)> + '_ {
 }
 
 fn outline_name(largest: f64) -> String {
-    format!("|S| = {} ({} dB)", short(largest), short(20.0 * largest.log10()))
+    format!("|S| = {} ({} dB)", short_number(largest), short_number(20.0 * largest.log10()))
 }
 
 /// Margins as rings at the points of a chart.
@@ -50,13 +50,17 @@ fn margin_marks(view: &LoopView, of: fn(&MarginPoint) -> &Points) -> Vec<Mark> {
             MarginKind::Gain => ("gain margin", "dB", Colour::Second),
             MarginKind::Phase => ("phase margin", "deg", Colour::Third),
         };
-        let text = format!("{name} {} {unit} at {} Hz", short(margin.size), short(margin.frequency_hz));
+        let text = format!(
+            "{name} {} {unit} at {} Hz",
+            short_number(margin.size),
+            short_number(margin.frequency_hz)
+        );
         pairs(of(margin)).map(move |(x, y)| Mark::Point { x, y, text: text.clone(), colour })
     });
     marks.collect()
 }
 
-/// A cross at the critical point.
+/// Returns a cross at the critical point.
 fn critical(x: f64) -> Mark {
     Mark::Cross { x, y: 0.0, text: String::new(), colour: Colour::Muted }
 }
@@ -80,7 +84,7 @@ fn nyquist_chart(view: &LoopView, disk_margin: f64) -> Figure {
         Series::dashed(&outline, Colour::Muted, pairs(&view.outline.nyquist)),
     ];
     if let Some(disk) = &view.disk {
-        let name = format!("disk margin {}", short(disk_margin));
+        let name = format!("disk margin {}", short_number(disk_margin));
         series.push(Series::dashed(&name, Colour::Fourth, pairs(&disk.nyquist)));
     }
     let path = &view.path.nyquist;
@@ -124,7 +128,7 @@ fn locus_chart(locus: &LocusView) -> Figure {
         )
 }
 
-/// The responses of the closed loop, those with the same unit in one figure.
+/// Returns the responses of the closed loop, those with the same unit in one figure.
 fn response_charts(found: &Verification) -> Vec<Figure> {
     let curves = &found.evidence.curves;
     let chart = |title: &str, unit: &str, wanted: &dyn Fn(&LoopResponse) -> bool| {
@@ -136,7 +140,7 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
                 BodeCurve::new(&cause_name(response.cause), colour, points.collect())
             })
             .collect();
-        (!drawn.is_empty()).then(|| bode(title, unit, &drawn, Phase::Hidden, Vec::new()))
+        (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, Phase::Hidden, Vec::new()))
     };
     let of =
         |cause: LoopCause, effect: LoopEffect| move |r: &LoopResponse| (r.cause, r.effect) == (cause, effect);

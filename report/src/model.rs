@@ -7,11 +7,16 @@ use counterpoise_pipeline::studies::accuracy::Accuracy;
 use crate::check::assumptions_section;
 use crate::learned::elements_section;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
-/// The report.
-pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], command: &str) -> Report {
+/// Returns the report.
+pub fn model_report(
+    result: &ModelResult,
+    views: &PlantViews,
+    accuracy: &[Accuracy],
+    command: &str,
+) -> Report {
     let mut sections: Vec<Section> = Vec::new();
     if !views.modes.is_empty() {
         sections.push(modes_section(&views.modes, command));
@@ -34,8 +39,8 @@ pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], c
             text: format!("Linear plant of order {}", result.order),
             detail: format!(
                 "Out-of-balance {} kg m, held by {} V.",
-                short(result.out_of_balance_kg_m),
-                short(result.holding_v)
+                short_number(result.out_of_balance_kg_m),
+                short_number(result.holding_v)
             ),
         },
         tiles: tiles(result, views),
@@ -52,7 +57,7 @@ pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], c
 fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<Tile> {
     let tile = |label: String, value: f64, unit: &str| Tile {
         label,
-        value: short(value),
+        value: short_number(value),
         unit: unit.to_owned(),
         note: String::new(),
         tone: Tone::Neutral,
@@ -112,7 +117,7 @@ fn modes_section(sets: &[ModeSet], command: &str) -> Section {
 fn shapes(set: &ModeSet, command: &str) -> Figure {
     let series = set.modes.iter().zip(Colour::CYCLE).map(|(mode, colour)| {
         let points = mode.shape.iter().map(|p| (p[0], p[1]));
-        Series::solid(&format!("{} Hz", short(mode.frequency_hz)), colour, points)
+        Series::solid(&format!("{} Hz", short_number(mode.frequency_hz)), colour, points)
     });
     let panel = Panel::new(Axis::linear("deflection", ""), series.collect()).with_height(240.0);
     let title = format!("Mode shapes, hub {}", set.support);
@@ -129,7 +134,7 @@ fn meshes_section(meshes: &Meshes, command: &str) -> Section {
         let filled = values.into_iter().chain(std::iter::repeat(String::new())).take(columns.len() - 1);
         std::iter::once(name).chain(filled).map(Cell::text).collect()
     };
-    let hertz = meshes.reference_hz.iter().map(|hz| short(*hz)).collect();
+    let hertz = meshes.reference_hz.iter().map(|hz| short_number(*hz)).collect();
     table.rows.push(row(format!("{} tapered [Hz]", meshes.reference), hertz));
     for mesh in &meshes.columns {
         let ratios = mesh.ratios.iter().map(|r| format!("{r:.4}")).collect();
@@ -191,7 +196,7 @@ fn accuracy_section(all: &[Accuracy], command: &str) -> Section {
 /// Name of the case in which teeth part and meet.
 const CONTACT: &str = "contact";
 
-/// Points of a line of errors: the step in milliseconds; an error of exactly 0 has no logarithm.
+/// Returns points of a line of errors: the step in milliseconds; an error of exactly 0 has no logarithm.
 fn line(steps: &[f64], errors: &[f64]) -> Vec<(f64, f64)> {
     let pairs = steps.iter().zip(errors).map(|(s, e)| (1e3 * s, *e));
     pairs.filter(|(_, e)| *e > 0.0 && e.is_finite()).collect()
@@ -245,11 +250,13 @@ fn accuracy_table(all: &[Accuracy]) -> Table {
     table
 }
 
-/// The longest and the shortest sample in words.
+/// Returns the longest and the shortest sample in words.
 fn span(all: &[Accuracy]) -> String {
     let steps = all.first().map_or(&[][..], |law| &law.step_s[..]);
     match (steps.first(), steps.last()) {
-        (Some(long), Some(brief)) => format!("{} to {} ms", short(1e3 * long), short(1e3 * brief)),
+        (Some(long), Some(brief)) => {
+            format!("{} to {} ms", short_number(1e3 * long), short_number(1e3 * brief))
+        }
         _ => "no length".to_owned(),
     }
 }
@@ -283,10 +290,11 @@ fn torques(series: Vec<Series>) -> Panel {
 }
 
 fn swing(one: &FrictionLoop) -> String {
-    format!("\u{B1} {} mrad", short(1e3 * one.amplitude_rad))
+    format!("\u{B1} {} mrad", short_number(1e3 * one.amplitude_rad))
 }
 
-/// The loops through presliding over the angle, all loops over their own swing, and over their own largest rate.
+/// Returns the loops through presliding over the angle, all loops over their own swing, and over their own
+/// largest rate.
 fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
     let curves = |many: usize, of: &dyn Fn(&FrictionLoop) -> Vec<(f64, f64)>| -> Panel {
         let named = loops.iter().zip(Colour::CYCLE).take(many);

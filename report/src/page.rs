@@ -136,13 +136,13 @@ impl Report {
 }
 
 impl Tile {
-    /// A number that is neither good nor bad, without a remark.
+    /// Returns a number that is neither good nor bad, without a remark.
     pub fn plain(label: &str, value: String, unit: &str) -> Self {
         let (label, unit) = (label.to_owned(), unit.to_owned());
         Self { label, value, unit, note: String::new(), tone: Tone::Neutral }
     }
 
-    /// The tile with a remark under it.
+    /// Returns the tile with a remark under it.
     pub fn noted(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);
         self
@@ -150,36 +150,36 @@ impl Tile {
 }
 
 impl Cell {
-    /// A cell of text.
+    /// Returns a cell of text.
     pub fn text(text: impl Into<String>) -> Self {
         Cell::Text(text.into())
     }
 
-    /// A number with four significant digits.
+    /// Returns a number with four significant digits.
     pub fn number(value: f64) -> Self {
-        Cell::Text(counterpoise_plot::number::short(value))
+        Cell::Text(counterpoise_plot::number::short_number(value))
     }
 }
 
 impl Section {
-    /// A section without content.
+    /// Returns a section without content.
     pub fn new(heading: &str) -> Self {
         Self { heading: heading.to_owned(), text: Vec::new(), figures: Vec::new(), tables: Vec::new() }
     }
 
-    /// The same section with one more paragraph.
+    /// Returns the same section with one more paragraph.
     pub fn saying(mut self, text: impl Into<String>) -> Self {
         self.text.push(text.into());
         self
     }
 
-    /// The same section with more figures.
+    /// Returns the same section with more figures.
     pub fn showing(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
         self.figures.extend(figures);
         self
     }
 
-    /// The same section with one more table.
+    /// Returns the same section with one more table.
     pub fn listing(mut self, table: Table) -> Self {
         self.tables.push(table);
         self
@@ -187,7 +187,7 @@ impl Section {
 }
 
 impl Table {
-    /// A table without rows.
+    /// Returns a table without rows.
     pub fn new(caption: &str, columns: &[Column]) -> Self {
         Self { caption: caption.to_owned(), columns: columns.to_vec(), rows: Vec::new() }
     }

@@ -15,7 +15,12 @@ use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 const FITS: f64 = 1.5;
 
 /// Returns the report of replayed recordings and their result.
-pub fn report(title: &str, command: &str, result: &ReplayResult, replayed: &[ReplayedRecording]) -> Report {
+pub fn replay_report(
+    title: &str,
+    command: &str,
+    result: &ReplayResult,
+    replayed: &[ReplayedRecording],
+) -> Report {
     let all: Vec<Track> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
     Report {
         title: title.to_owned(),
@@ -32,13 +37,13 @@ pub fn report(title: &str, command: &str, result: &ReplayResult, replayed: &[Rep
     }
 }
 
-/// The largest error over its floor, and its channel.
+/// Returns the largest error over its floor, and its channel.
 fn largest(channels: &BTreeMap<&'static str, ChannelResult>) -> Option<(f64, &'static str)> {
     let ratios = channels.iter().map(|(name, c)| (c.rms_error / c.floor, *name));
     ratios.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// The largest of all recordings, with its recording.
+/// Returns the largest of all recordings, with its recording.
 fn worst(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
     let each = result.recordings.iter().filter_map(|r| {
         let (ratio, channel) = largest(&r.channels)?;
@@ -47,7 +52,7 @@ fn worst(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
     each.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// A file without its folders.
+/// Returns a file without its folders.
 fn name(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }

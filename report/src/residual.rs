@@ -17,7 +17,7 @@ const DRAWN: usize = 4;
 const COHERENT: f64 = 0.5;
 
 /// Returns every section on what the models leave unexplained.
-pub fn sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
+pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
     let mut out = Vec::new();
     let loops: Vec<Figure> =
         recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();

@@ -3,11 +3,11 @@
 use counterpoise_verify::structured::{Destabilising, RobustStability};
 
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
-/// What was found, a line each: for a terminal and for the section's text.
-pub fn lines(found: &RobustStability) -> Vec<String> {
+/// Returns what was found, a line each: for a terminal and for the section's text.
+pub fn robustness_lines(found: &RobustStability) -> Vec<String> {
     let unstable = found.found.as_ref().is_some_and(|nearest| nearest.scale < 1.0);
     let word = match (found.guaranteed >= 1.0, unstable) {
         (true, _) => "robust",
@@ -16,9 +16,9 @@ pub fn lines(found: &RobustStability) -> Vec<String> {
     };
     let mut lines = vec![format!(
         "{word}: stable for every mechanism within {} times the stated ranges{} (upper bound of mu, largest at {} Hz)",
-        short(found.guaranteed),
+        short_number(found.guaranteed),
         errors(found),
-        short(found.worst_hz)
+        short_number(found.worst_hz)
     )];
     lines.push(
         found.found.as_ref().map_or(
@@ -29,7 +29,7 @@ pub fn lines(found: &RobustStability) -> Vec<String> {
     if let Some(rate) = found.dry_friction_at_rad_s {
         lines.push(format!(
             "dry friction counts as the viscous friction that takes as much work at a hub rate of {} rad/s",
-            short(rate)
+            short_number(rate)
         ));
     }
     if !found.left_out.is_empty() {
@@ -43,7 +43,7 @@ fn errors(found: &RobustStability) -> String {
     let names = ["the plant's gain at its input", "the hub gyroscope's reading"];
     let present = names.iter().zip(found.errors).filter(|(_, error)| *error > 0.0);
     let words: Vec<String> =
-        present.map(|(name, error)| format!("{} % of {name}", short(100.0 * error))).collect();
+        present.map(|(name, error)| format!("{} % of {name}", short_number(100.0 * error))).collect();
     if words.is_empty() {
         String::new()
     } else {
@@ -51,12 +51,12 @@ fn errors(found: &RobustStability) -> String {
     }
 }
 
-/// The nearest mechanism at the limit of stability.
+/// Returns the nearest mechanism at the limit of stability.
 fn nearest(found: &Destabilising) -> String {
     let mut parts: Vec<String> = found
         .factors
         .iter()
-        .map(|(varied, factor)| format!("{} x {}", varied.key(), short(*factor)))
+        .map(|(varied, factor)| format!("{} x {}", varied.key(), short_number(*factor)))
         .collect();
     for (name, error) in ["plant's input", "hub gyroscope"].iter().zip(found.errors) {
         if error.norm() > 0.0 {
@@ -65,22 +65,22 @@ fn nearest(found: &Destabilising) -> String {
     }
     format!(
         "nearest limit that was found: {} times the ranges, oscillating at {} Hz: {}; the loop closed with it has a pole of modulus {:.6}",
-        short(found.scale),
-        short(found.frequency_hz),
+        short_number(found.scale),
+        short_number(found.frequency_hz),
         parts.join(", "),
         found.pole.norm()
     )
 }
 
-/// A complex relative error from its modulus and angle in radians.
+/// Returns a complex relative error from its modulus and angle in radians.
 fn polar((modulus, angle): (f64, f64)) -> String {
-    format!("{} % at {:.0} deg", short(100.0 * modulus), angle.to_degrees())
+    format!("{} % at {:.0} deg", short_number(100.0 * modulus), angle.to_degrees())
 }
 
-/// The section: the lines, the bounds over frequency, the nearest mechanism.
-pub fn section(found: &RobustStability) -> Section {
+/// Returns the section: the lines, the bounds over frequency, the nearest mechanism.
+pub fn robustness_section(found: &RobustStability) -> Section {
     let mut section = Section::new("Linear worst case");
-    for line in lines(found) {
+    for line in robustness_lines(found) {
         let first = line.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
         section = section.saying(format!("{first}{}.", line.chars().skip(1).collect::<String>()));
     }

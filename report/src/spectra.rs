@@ -9,8 +9,9 @@ use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 /// Frequencies that are drawn, Hz: a vehicle has little above.
 const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
-/// Hub rate over pitch and over heave on the road, with confidence and coherence; nothing without a road.
-pub fn section(all: &[Spectral]) -> Option<Section> {
+/// Returns the hub rate over pitch and over heave on the road, with confidence and coherence; nothing without
+/// a road.
+pub fn spectra_section(all: &[Spectral]) -> Option<Section> {
     if all.is_empty() {
         return None;
     }

@@ -8,8 +8,8 @@ use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 /// Hypotheses whose errors are drawn.
 const DRAWN: usize = 2;
 
-/// The report.
-pub fn report(machine: &str, command: &str, answer: &StructureAnswer) -> Report {
+/// Returns the report.
+pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) -> Report {
     Report {
         title: format!("Structure of {machine}"),
         subtitle: "natural frequencies, measured and modelled".to_owned(),
@@ -33,7 +33,7 @@ const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that
 
 fn tile(tried: &counterpoise_pipeline::recordings::measured_modes::TriedStructure) -> Tile {
     Tile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
-        .noted("RMS of modes that were not fitted")
+        .noted("RMS error of held-out modes")
 }
 
 fn errors(answer: &StructureAnswer, command: &str) -> Figure {
@@ -80,7 +80,7 @@ fn tried(answer: &StructureAnswer) -> Table {
         Column::Text("hypothesis"),
         Column::Text("fitted"),
         Column::Number("RMS error [%]"),
-        Column::Number("not fitted [%]"),
+        Column::Number("held out [%]"),
     ];
     let mut table = Table::new("Hypotheses, best first below the model as it is", &columns);
     for t in &answer.tried {

@@ -6,11 +6,12 @@ use counterpoise_verify::{
 };
 
 use crate::evidence::{disturbance_figure, step_figure};
+use crate::wording::capitalised;
 use crate::{Cell, Column, Headline, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 
-/// The answer.
-pub fn headline(found: &Verification) -> Headline {
+/// Returns the answer.
+pub fn summarise_verdicts(found: &Verification) -> Headline {
     let (holds, fails, open) = found.counts();
     let all = holds + fails + open;
     let stable = found.evidence.margins.closed_loop_stable;
@@ -40,35 +41,29 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
     Some(format!(
         "{}: {} {unit} where {} {unit} is asked ({}).",
         capitalised(&requirement.figure.name()),
-        short(*value),
+        short_number(*value),
         words_of(*limit),
         found.acceptance(&requirement.figure).basis
     ))
 }
 
-/// The text with its first letter made large.
-pub fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// `\u{2265} 12`.
 fn sign_of(limit: Limit) -> String {
     match limit {
-        Limit::AtLeast(value) => format!("\u{2265} {}", short(value)),
-        Limit::AtMost(value) => format!("\u{2264} {}", short(value)),
+        Limit::AtLeast(value) => format!("\u{2265} {}", short_number(value)),
+        Limit::AtMost(value) => format!("\u{2264} {}", short_number(value)),
     }
 }
 
 /// `at least 12`.
 pub fn words_of(limit: Limit) -> String {
     match limit {
-        Limit::AtLeast(value) => format!("at least {}", short(value)),
-        Limit::AtMost(value) => format!("at most {}", short(value)),
+        Limit::AtLeast(value) => format!("at least {}", short_number(value)),
+        Limit::AtMost(value) => format!("at most {}", short_number(value)),
     }
 }
 
-/// Every requirement with what was measured.
+/// Returns every requirement with what was measured.
 pub fn verdict_table(found: &Verification) -> Table {
     let columns = [
         Column::Text("requirement"),
@@ -97,13 +92,13 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
     let part = |room: f64| room / requirement.limit.value().abs().max(f64::MIN_POSITIVE);
     let (measured, room, verdict) = match verdict {
         Verdict::Holds { value, margin, .. } => (
-            short(*value),
-            Cell::Room(Tone::Good, part(*margin), short(*margin)),
+            short_number(*value),
+            Cell::Room(Tone::Good, part(*margin), short_number(*margin)),
             Cell::Verdict(Tone::Good, "holds".to_owned()),
         ),
         Verdict::Fails { value, by, .. } => (
-            short(*value),
-            Cell::Room(Tone::Bad, part(*by), short(-by)),
+            short_number(*value),
+            Cell::Room(Tone::Bad, part(*by), short_number(-by)),
             Cell::Verdict(Tone::Bad, "fails".to_owned()),
         ),
         Verdict::NotApplicable { why } => {
@@ -115,7 +110,7 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
 }
 
 /// Returns every requirement with its source, the run that judged it, and the test on the machine that would; `None` without requirements.
-pub fn traceability(found: &Verification) -> Option<Section> {
+pub fn traceability_section(found: &Verification) -> Option<Section> {
     let columns = [
         Column::Text("requirement"),
         Column::Text("source"),
@@ -139,8 +134,8 @@ pub fn traceability(found: &Verification) -> Option<Section> {
     (!table.rows.is_empty()).then(|| Section::new("Traceability").saying(says).listing(table))
 }
 
-/// The numbers that a reader wants first.
-pub fn tiles(found: &Verification) -> Vec<Tile> {
+/// Returns the numbers that a reader wants first.
+pub fn summary_tiles(found: &Verification) -> Vec<Tile> {
     let model = nonlinear_if_run(found);
     let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
     let drr = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
@@ -156,7 +151,7 @@ pub fn tiles(found: &Verification) -> Vec<Tile> {
     wanted.into_iter().filter_map(|(label, figure)| tile(found, label, figure)).collect()
 }
 
-/// The nonlinear plant where it was simulated, otherwise the linear one.
+/// Returns the nonlinear plant where it was simulated, otherwise the linear one.
 pub fn nonlinear_if_run(found: &Verification) -> Model {
     if found.history(Model::Nonlinear, Experiment::Step).is_some() { Model::Nonlinear } else { Model::Linear }
 }
@@ -180,7 +175,7 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
         (Some(limit), None) => limit,
         (None, kind) => kind.unwrap_or_else(|| kind_of.to_owned()),
     };
-    Some(Tile { label: label.to_owned(), value: short(value), unit: unit.to_owned(), note, tone })
+    Some(Tile { label: label.to_owned(), value: short_number(value), unit: unit.to_owned(), note, tone })
 }
 
 /// At which amplitude a rejection ratio holds, with the linear one beside the nonlinear one; `None` for any other figure.
@@ -192,8 +187,8 @@ fn rejection_note(found: &Verification, figure: Figure) -> Option<String> {
         return Some("linear, at any amplitude".to_owned());
     }
     let beside = Figure::Disturbance(Model::Linear, source, arrangement, Quantity::Rejection);
-    let linear = found.value(beside).map_or(String::new(), |db| format!("; linear {} dB", short(db)));
-    Some(format!("nonlinear, at {} {unit}{linear}", short(history.motion_amplitude()?)))
+    let linear = found.value(beside).map_or(String::new(), |db| format!("; linear {} dB", short_number(db)));
+    Some(format!("nonlinear, at {} {unit}{linear}", short_number(history.motion_amplitude()?)))
 }
 
 /// Returns a sentence for each motion of the platform under which the feedforwards make the hub rate worse.
@@ -215,8 +210,8 @@ pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
             let plant = if model == Model::Nonlinear { "nonlinear" } else { "linear" };
             lines.push(format!(
                 "On the {plant} plant the feedforwards make the residual hub rate under {name} worse: {} mrad/s RMS with them, {} without",
-                short(1e3 * with),
-                short(1e3 * without)
+                short_number(1e3 * with),
+                short_number(1e3 * without)
             ));
         }
     }
@@ -241,7 +236,7 @@ fn tone_of(verdict: &Verdict) -> Tone {
     }
 }
 
-/// The two pictures beside the verdicts: the step, and the liveliest disturbance.
+/// Returns the two pictures beside the verdicts: the step, and the liveliest disturbance.
 pub fn summary_figures(found: &Verification) -> Vec<counterpoise_plot::Figure> {
     let model = nonlinear_if_run(found);
     let source = if found

@@ -7,22 +7,27 @@ use counterpoise_verify::{Limit, Requirement, Value, Verification};
 use serde::Serialize;
 
 use crate::verification::Context;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary as first};
-use counterpoise_plot::number::short;
+use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary};
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// Returns the report: shares of the campaign on the first screen. `project` is the project as the command line names it.
-pub fn report(nominal: &Verification, found: &CampaignResult, project: &str, context: Context) -> Report {
+pub fn campaign_report(
+    nominal: &Verification,
+    found: &CampaignResult,
+    project: &str,
+    context: Context,
+) -> Report {
     let (good, all) = (found.passing, found.samples());
     let tone = if good == all { Tone::Good } else { Tone::Bad };
     let text = format!("{good} of {all} mechanisms meet every requirement");
     let detail = format!(
         "The nominal design: {}.{}",
-        first::headline(nominal).text.to_lowercase(),
+        summary::summarise_verdicts(nominal).text.to_lowercase(),
         outside_samples(found)
     );
     let mut sections = vec![worst(found, project)];
-    sections.extend(found.stability.as_ref().map(robust::section));
+    sections.extend(found.stability.as_ref().map(robust::robustness_section));
     sections.extend(statistics(found));
     sections.extend(context.more);
     Report {
@@ -56,7 +61,8 @@ fn statistics(found: &CampaignResult) -> Vec<Section> {
     vec![distributions, sensitivity, members]
 }
 
-/// What is known outside the samples, for the headline: the worst cases, and how far the linear loop is from its limit.
+/// Returns what is known outside the samples, for the headline: the worst cases, and how far the linear loop is from
+/// its limit.
 fn outside_samples(found: &CampaignResult) -> String {
     let both = found.requirements.iter().zip(&found.worst);
     let fails = both.filter(|(requirement, worst)| {
@@ -68,7 +74,10 @@ fn outside_samples(found: &CampaignResult) -> String {
         some => format!(" In its worst case {some} of {} requirements fail.", found.worst.len()),
     };
     let stable = found.stability.as_ref().map_or(String::new(), |found| {
-        format!(" The linear loop is stable within {} times the stated ranges.", short(found.guaranteed))
+        format!(
+            " The linear loop is stable within {} times the stated ranges.",
+            short_number(found.guaranteed)
+        )
     });
     searched + &stable
 }
@@ -149,7 +158,8 @@ pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
     format!("--sample {} --factors {}", worst.sample, words.join(","))
 }
 
-/// The worst case of each requirement beside its worst sample, with the factors that matter most for it.
+/// Returns the worst case of each requirement beside its worst sample, with the factors that matter most for
+/// it.
 fn worst(found: &CampaignResult, project: &str) -> Section {
     let columns = [
         Column::Text("requirement"),
@@ -165,11 +175,11 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
         let limit = found.requirements[k].limit;
         let verdict = match limit.distance_to_limit(worst.value) {
             room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
-            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short(-room))),
+            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short_number(-room))),
         };
         let both = found.variations.iter().zip(&worst.factors);
         let words: Vec<String> = both
-            .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short(*factor)))
+            .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short_number(*factor)))
             .collect();
         table.rows.push(vec![
             Cell::text(format!("{} {}", name(found, k), bound(limit))),
@@ -228,7 +238,7 @@ fn shares(found: &CampaignResult) -> Table {
     table
 }
 
-/// The share of mechanisms below each value.
+/// Returns the share of mechanisms below each value.
 fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let mut values: Vec<f64> =
         found.values.column(requirement).iter().copied().filter(|v| v.is_finite()).collect();
@@ -237,7 +247,7 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all));
     let figure = found.requirements[requirement].figure;
     let limit = found.requirements[requirement].limit.value();
-    let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short(limit)) }];
+    let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short_number(limit)) }];
     let panel = Panel::new(
         Axis::linear("mechanisms below", "%").over(0.0, 100.0),
         vec![Series::solid("", Colour::First, points)],
@@ -251,7 +261,7 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     Figure::new(&figure.name(), axis, vec![panel.with_marks(marks).with_height(150.0)])
 }
 
-/// The rank correlation that chance alone exceeds in about one case of twenty.
+/// Returns the rank correlation that chance alone exceeds in about one case of twenty.
 fn chance(found: &CampaignResult) -> f64 {
     2.0 / (found.samples().max(1) as f64).sqrt()
 }
@@ -281,7 +291,7 @@ fn matters(found: &CampaignResult, requirement: usize, most: usize) -> String {
     if words.is_empty() { "nothing that stands out".to_owned() } else { words }
 }
 
-/// A mechanism a row: how many requirements hold, and what fails.
+/// Returns a mechanism a row: how many requirements hold, and what fails.
 fn member_summary(found: &CampaignResult) -> Table {
     let columns = [Column::Text("mechanism"), Column::Text("requirements"), Column::Text("what fails")];
     let mut table = Table::new("Verdicts", &columns);
@@ -306,19 +316,19 @@ fn member_summary(found: &CampaignResult) -> Table {
 
 fn failure(requirement: &Requirement, value: f64) -> String {
     let figure = requirement.figure;
-    let value = format!("{} {}", short(value), figure.unit());
+    let value = format!("{} {}", short_number(value), figure.unit());
     format!("{}: {} ({})", figure.name(), value.trim_end(), bound(requirement.limit))
 }
 
-/// A limit with its sign.
+/// Returns a limit with its sign.
 fn bound(limit: Limit) -> String {
     match limit {
-        Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
-        Limit::AtMost(limit) => format!("\u{2264} {}", short(limit)),
+        Limit::AtLeast(limit) => format!("\u{2265} {}", short_number(limit)),
+        Limit::AtMost(limit) => format!("\u{2264} {}", short_number(limit)),
     }
 }
 
-/// A figure and its room; NaN where it could not be measured.
+/// Returns a figure and its room; NaN if it could not be measured.
 fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
     match value {
         Value::Is(number) => (*number, requirement.limit.distance_to_limit(*number)),
@@ -337,7 +347,7 @@ fn member_table(found: &CampaignResult) -> Table {
             let (tone, word) = match room {
                 r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
                 r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
-                r => (Tone::Bad, format!("fails by {}", short(-r))),
+                r => (Tone::Bad, format!("fails by {}", short_number(-r))),
             };
             table.rows.push(vec![
                 Cell::text(member.name.clone()),

@@ -14,14 +14,14 @@ use crate::{Cell, Column, Section, Table};
 pub struct TargetEvidence<'a> {
     /// The controller in every kind of numbers.
     pub study: &'a TargetStudy,
-    /// The compiled code beside its model.
+    /// The compiled code, compared with its model.
     pub proofs: &'a [Proof],
     /// Instructions and memory.
     pub costs: &'a Costs,
 }
 
-/// The section of a report that sets the targets side by side.
-pub fn section(evidence: &TargetEvidence<'_>) -> Section {
+/// Returns the section of a report that sets the targets side by side.
+pub fn targets_section(evidence: &TargetEvidence<'_>) -> Section {
     let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
                  Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
                  small numbers cost is against double; for heave, pitch and road it is what the rejection ratio loses.";
@@ -60,7 +60,7 @@ fn work(operations: Operations) -> String {
     )
 }
 
-/// The closed loop in each experiment, a column for each code.
+/// Returns the closed loop in each experiment, a column for each code.
 fn loops(evidence: &TargetEvidence<'_>) -> Table {
     let mut columns = vec![Column::Text("experiment")];
     for (figures, proof) in codes(evidence) {
@@ -80,7 +80,7 @@ fn loops(evidence: &TargetEvidence<'_>) -> Table {
     table
 }
 
-/// Each code with the figures of its numbers.
+/// Returns each code with the figures of its numbers.
 fn codes<'a>(evidence: &TargetEvidence<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
     let figures = |proof: &Proof| evidence.study.compared.figures.iter().find(|f| f.numbers == proof.numbers);
     evidence.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
@@ -132,9 +132,10 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
 }
 
 fn proof_table(proofs: &[Proof]) -> Table {
-    let columns = [Column::Text("code"), Column::Text("compiled and run on this machine, beside its model")];
+    let columns =
+        [Column::Text("code"), Column::Text("compiled and run on this machine, compared with its model")];
     let mut table =
-        Table::new("Compiled code beside its model, for all readings of its closed loops", &columns);
+        Table::new("Compiled code compared with its model, for all readings of its closed loops", &columns);
     let said = |answered: &Answered| match answered {
         Answered::Alike { samples } => format!("{samples} samples equal to the last bit"),
         Answered::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),
@@ -172,7 +173,7 @@ fn form_table(forms: &[PathForms]) -> Table {
     table
 }
 
-/// The controller with every path in each form.
+/// Returns the controller with every path in each form.
 fn by_form(figures: &[FormFigures]) -> Table {
     let columns = [
         Column::Text("every path"),
@@ -197,7 +198,7 @@ fn by_form(figures: &[FormFigures]) -> Table {
     table
 }
 
-/// How far the control is from the reference for the same readings.
+/// Returns how far the control is from the reference for the same readings.
 fn deviations(targets: &Targets) -> Table {
     let columns = [
         Column::Text("numbers"),

@@ -6,7 +6,7 @@ use counterpoise_synth::{Figures, Found};
 
 use crate::design::weight_section;
 use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// The verdicts on the weights of a point of the trade-off curve.
@@ -25,7 +25,7 @@ pub struct VerifiedPoint {
 }
 
 /// Returns the report of a search for weights; `points` are the verdicts on the answer and on the points of its curve.
-pub fn report(
+pub fn trade_off_report(
     identity: &ProjectIdentity,
     found: &Searched,
     points: &[VerifiedPoint],
@@ -89,10 +89,10 @@ fn verified_table(points: &[VerifiedPoint]) -> Table {
 
 fn tiles(f: &Figures) -> Vec<Tile> {
     vec![
-        Tile::plain("rejection |S|", short(f.rejection), ""),
-        Tile::plain("largest sensitivity", short(f.ms), ""),
-        Tile::plain("gain margin", short(f.gain_margin_db), "dB"),
-        Tile::plain("noise gain", short(f.noise_gain), "V s/rad"),
+        Tile::plain("rejection |S|", short_number(f.rejection), ""),
+        Tile::plain("largest sensitivity", short_number(f.ms), ""),
+        Tile::plain("gain margin", short_number(f.gain_margin_db), "dB"),
+        Tile::plain("noise gain", short_number(f.noise_gain), "V s/rad"),
     ]
 }
 

@@ -12,7 +12,7 @@ const MODELS: [(Model, &str, Colour, Dash); 2] = [
 ];
 
 /// Draws hub rate, error and control while the demand is a triangle, and control against rate. Returns `None` if no triangle was run.
-pub fn section(found: &Verification) -> Option<Section> {
+pub fn triangle_section(found: &Verification) -> Option<Section> {
     let runs: Vec<Run<'_>> = MODELS.iter().filter_map(|dress| run(found, dress)).collect();
     let first = runs.first()?.history;
     let text = "With a triangle, control against hub rate shows the out-of-balance as an offset, Coulomb friction as a step at zero rate, \

@@ -24,16 +24,16 @@ pub struct Context {
 /// Returns the report: the verdicts on the first screen, then the evidence, then what `context` adds. `on_road` are the rejection ratios
 /// from the time histories on the road.
 pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Context) -> Report {
-    let mut sections = evidence::sections(found);
+    let mut sections = evidence::evidence_sections(found);
     if let Some(view) = &context.loop_view {
-        sections.insert(1, loop_charts::section(found, view));
+        sections.insert(1, loop_charts::charts_section(found, view));
     }
-    sections.extend(spectra::section(on_road));
-    sections.extend(error_budget::section(found));
+    sections.extend(spectra::spectra_section(on_road));
+    sections.extend(error_budget::budget_section(found));
     sections.extend(context.more);
-    sections.extend(summary::traceability(found));
+    sections.extend(summary::traceability_section(found));
     sections.push(evidence::figure_section(found));
-    let mut headline = summary::headline(found);
+    let mut headline = summary::summarise_verdicts(found);
     for line in summary::worse_feedforwards(found) {
         headline.detail = format!("{} {line}.", headline.detail).trim().to_owned();
     }
@@ -41,7 +41,7 @@ pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Cont
         title: context.title,
         subtitle: context.subtitle,
         headline,
-        tiles: summary::tiles(found),
+        tiles: summary::summary_tiles(found),
         verdicts: summary::verdict_table(found),
         glance: summary::summary_figures(found),
         sections,

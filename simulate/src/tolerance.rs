@@ -204,3 +204,14 @@ pub(crate) const CONTROLLER_STATE_ITERATIONS: usize = 6;
 pub(crate) const CONTROLLER_STATE_STEP: f64 = 1e-3;
 /// Standard deviation of a recorded control that the fit assumes, V: the rounding of a 12-bit converter over +/- 10 V is 1.4 mV.
 pub(crate) const CONTROLLER_STATE_NOISE_V: f64 = 1.4e-3;
+
+/// Least damping of a Levenberg-Marquardt step of a start or a window, relative to the curvature: below it the step is a Gauss-Newton step up
+/// to rounding.
+pub const LEAST_DAMPING: f64 = 1e-9;
+/// Step of an angle by which the slopes of a fitted start are taken, rad: far above the simulator's error, within a presliding deflection.
+pub const START_ANGLE_STEP_RAD: f64 = 1e-5;
+/// Least bend of the gear, rad, by which the slopes of a window's start are taken: without dry friction nothing bends it at rest.
+pub const LEAST_BEND_RAD: f64 = 1e-7;
+/// Size of the impulse by which the responses of a recorded controller are taken, V and rad/s: it keeps friction observers in presliding and
+/// the limiter out of the way.
+pub const SMALL_IMPULSE: f64 = 1e-6;

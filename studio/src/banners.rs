@@ -4,7 +4,7 @@ use egui::{RichText, Ui};
 
 use crate::command::{BrowsePurpose, Command};
 use crate::studio::Studio;
-use crate::text_difference::{DifferenceLine, difference};
+use crate::text_difference::{DifferenceLine, line_differences};
 use crate::theme::{Theme, space};
 
 /// Largest height of the shown difference, points.
@@ -66,7 +66,7 @@ fn show_read_only_banner(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, p
 
 /// Shows which lines differ between the file and the project.
 fn show_difference(ui: &mut Ui, theme: &Theme, theirs: &str, mine: &str) {
-    let lines = difference(theirs, mine);
+    let lines = line_differences(theirs, mine);
     ui.label(RichText::new("- in the file     + here").small().monospace().color(theme.weak));
     egui::ScrollArea::vertical().id_salt("difference").max_height(DIFFERENCE_HEIGHT).show(ui, |ui| {
         ui.set_width(ui.available_width());

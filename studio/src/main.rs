@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         size: arguments.size,
         state: None,
         surface: if arguments.no_window { Surface::Headless } else { Surface::Window },
-        library: Some(unit_library::library),
+        library: Some(unit_library::compile_library),
     };
     match native_window::run(options) {
         Ok(()) => ExitCode::SUCCESS,

@@ -38,7 +38,7 @@ pub struct OffscreenStudio {
 }
 
 impl OffscreenStudio {
-    /// Starts a studio that keeps its own files in `state`, in a window of a size that nobody sees.
+    /// Starts a studio that keeps its own files in `state`, in a window of the given size that is not shown.
     pub fn new(state: &Path, size: [f32; 2]) -> Self {
         let (wake, woken) = channel();
         let wake = std::sync::Mutex::new(wake);

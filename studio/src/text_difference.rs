@@ -12,7 +12,7 @@ pub enum DifferenceLine {
 }
 
 /// Returns the lines in which two texts differ, by their longest common subsequence; empty if they are equal.
-pub fn difference(first: &str, second: &str) -> Vec<DifferenceLine> {
+pub fn line_differences(first: &str, second: &str) -> Vec<DifferenceLine> {
     let (a, b): (Vec<&str>, Vec<&str>) = (first.lines().collect(), second.lines().collect());
     if a == b {
         return Vec::new();
@@ -71,11 +71,11 @@ mod tests {
     fn changed_added_and_removed_lines_are_found() {
         let removed = |text: &str| DifferenceLine::Removed(text.to_owned());
         let added = |text: &str| DifferenceLine::Added(text.to_owned());
-        let found = difference("a\nb\nc\nd\ne\n", "a\nB\nc\ne\nf\n");
+        let found = line_differences("a\nb\nc\nd\ne\n", "a\nB\nc\ne\nf\n");
         let gap = DifferenceLine::Gap(1);
         let expected = [gap.clone(), removed("b"), added("B"), gap.clone(), removed("d"), gap, added("f")];
         assert_eq!(found, expected);
-        assert!(difference("same\n", "same\n").is_empty());
-        assert_eq!(difference("", "x\n"), [added("x")]);
+        assert!(line_differences("same\n", "same\n").is_empty());
+        assert_eq!(line_differences("", "x\n"), [added("x")]);
     }
 }

@@ -8,7 +8,6 @@ mod crash_recovery;
 mod file_commands;
 mod frame_times;
 mod journal_fuzz;
-mod module_cycles;
 mod page_contents;
 mod pages;
 mod pictures;

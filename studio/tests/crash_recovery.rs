@@ -45,7 +45,7 @@ fn session_that_is_killed() {
     }
 }
 
-/// The error weight's gain in a project's text, which must be whole.
+/// Returns the error weight's gain in a project's text, which must be whole.
 fn found(text: &str) -> f64 {
     let document = Document::parse(text, "project.toml");
     let project = Project::resolve(&document, &Attachments::none()).expect("the project is whole").project;

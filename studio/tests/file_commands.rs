@@ -191,22 +191,19 @@ fn given() -> Option<PathBuf> {
 
 /// Runs one of the tests here in a process of its own, through a command that narrows what it may do.
 fn apart(narrow: &[&str], test: &str, folder: &Path) {
-    let mut words = narrow.iter().map(std::ffi::OsStr::new).chain(
-        [std::env::current_exe().unwrap().as_os_str()]
-            .map(|s| Box::leak(s.to_owned().into_boxed_os_str()) as &std::ffi::OsStr),
-    );
-    let mut process = std::process::Command::new(words.next().unwrap());
+    let (program, words) = narrow.split_first().unwrap();
     let test = format!("file_commands::{test}");
-    process.args(words).args(["--exact", &test, "--nocapture"]).env(FOLDER, folder);
-    let Ok(output) = process.output() else { return eprintln!("skipped: {narrow:?} cannot be run here") };
+    let mut process = std::process::Command::new(program);
+    process.args(words).arg(std::env::current_exe().unwrap());
+    process.args(["--exact", &test, "--nocapture"]).env(FOLDER, folder);
+    let Ok(output) = process.output() else {
+        return common::skipped(&format!("{narrow:?} cannot be run here"));
+    };
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let results = String::from_utf8_lossy(&output.stdout);
     assert!(results.contains("1 passed"), "{test} did not run: {results}");
-    eprintln!(
-        "{}",
-        said.lines().filter(|l| l.starts_with("skipped") || l.starts_with("tried")).collect::<String>()
-    );
+    said.lines().filter_map(|line| line.strip_prefix("skipped: ")).for_each(common::skipped);
 }
 
 #[test]
@@ -237,7 +234,7 @@ fn session_on_a_disk_that_fills_up() {
     let id = std::process::id().to_string();
     let room = std::process::Command::new("prlimit").args(["--pid", &id, "--fsize=unlimited"]).status();
     if !room.is_ok_and(|status| status.success()) {
-        return eprintln!("skipped: no prlimit here to make room");
+        return common::skipped("no prlimit here to make room");
     }
     until(&mut bench, "the journal", |s| {
         s.view.notice.as_ref().is_some_and(|n| n.text.contains("are kept again"))

@@ -6,7 +6,7 @@ mod mutate;
 
 use std::path::Path;
 
-use counterpoise_studio::editing::journal::recover;
+use counterpoise_studio::editing::journal::recover_journal;
 use mutate::fuzz;
 
 #[test]
@@ -17,11 +17,11 @@ fn damaged_journals() {
     let stored = vec![(path.clone(), whole.as_bytes().to_vec()), (path.clone(), Vec::new())];
     fuzz("journal", &stored, &words, &|bytes| {
         std::fs::write(&path, bytes).unwrap();
-        drop(recover(&path));
+        drop(recover_journal(&path));
     });
     let count = |length: usize| {
         std::fs::write(&path, &whole.as_bytes()[..length]).unwrap();
-        recover(&path).map_or(0, |found| found.commands.len())
+        recover_journal(&path).map_or(0, |found| found.commands.len())
     };
     let counts: Vec<usize> = (0..=whole.len()).map(count).collect();
     assert!(counts.windows(2).all(|pair| pair[0] <= pair[1] + 1));

@@ -20,7 +20,7 @@ fn edited(folder: &Path, from: &str, to: &str) {
     std::fs::write(path, text.replacen(from, to, 1)).unwrap();
 }
 
-/// The names of what has the focus while Tab goes round once.
+/// Returns the names of what has the focus while Tab goes round once.
 fn tabbed(bench: &mut Bench) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut first = None;

@@ -6,7 +6,7 @@ use crate::common;
 use std::sync::Arc;
 
 use common::{filed, rig, settle, studio};
-use counterpoise_host::files::{Folder, Native, read};
+use counterpoise_host::files::{Folder, Native, read_project};
 use counterpoise_pipeline as pipeline;
 use counterpoise_studio::command::{Command, DesignSlot, Page};
 use counterpoise_studio::main_window;
@@ -53,7 +53,7 @@ fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
     settle(&mut window);
     window.run(&Command::Save);
     filed(&mut window);
-    let (text, _) = read(&Native, &folder.join("project.toml")).unwrap();
+    let (text, _) = read_project(&Native, &folder.join("project.toml")).unwrap();
     let project = counterpoise_project::Project::parse(&text, "project.toml").unwrap().project;
     let made = pipeline::run_stages(&project, &Folder(folder.clone())).unwrap();
     for file in &made.files {

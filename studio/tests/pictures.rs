@@ -1,5 +1,5 @@
 //! A log of commands, and what the window then looks like: painted without a graphics card, compared with `tests/pictures/*.png`.
-//! `UPDATE_PICTURES=1 cargo test` takes them anew.
+//! `UPDATE_PICTURES=1 cargo test` takes them again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;

@@ -37,10 +37,10 @@ fn example(name: &str) -> PathBuf {
 
 /// The JSON of recordings replayed in the studio, and as the command line replays them.
 fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
-    let project = projects::load(folder, Purpose::Replay).unwrap().project;
+    let project = projects::load_project(folder, Purpose::Replay).unwrap().project;
     let controller = recording_controller(&project).unwrap();
     let controller = controller.as_ref();
-    let files = projects::recordings(&paths).unwrap();
+    let files = projects::read_recordings(&paths).unwrap();
     let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
     let expected = replay(&project, &read, &loop_of(controller), ReplayLength::Automatic).unwrap();
     let expected: Vec<_> = expected.iter().map(describe_replay).collect();
@@ -112,7 +112,7 @@ fn every_example_replays_in_the_studio_as_on_the_command_line() {
     let scratch = files::scratch_folder().unwrap();
     let mut replayed = 0;
     for folder in all.filter(|path| path.join("project.toml").exists() && !with_recordings(path)) {
-        let Ok(loaded) = projects::load(&folder, Purpose::Replay) else { continue };
+        let Ok(loaded) = projects::load_project(&folder, Purpose::Replay) else { continue };
         let path = scratch.path().join(format!("{replayed}.csv"));
         files::write(&path, recorded(&loaded.project).as_bytes()).unwrap();
         let [found, expected] = both_ways(&folder, vec![path]);
@@ -127,8 +127,8 @@ fn every_example_replays_in_the_studio_as_on_the_command_line() {
 fn a_recording_without_the_demand_does_not_change_how_the_others_are_replayed() {
     let folder = example("left-out-friction");
     let scratch = files::scratch_folder().unwrap();
-    let project = projects::load(&folder, Purpose::Replay).unwrap().project;
-    let file = projects::recordings(&[folder.join("triangle.parquet")]).unwrap();
+    let project = projects::load_project(&folder, Purpose::Replay).unwrap().project;
+    let file = projects::read_recordings(&[folder.join("triangle.parquet")]).unwrap();
     let mut whole = read(&project, None, &file, Gaps::AsWritten).unwrap().remove(0).recording;
     let written = |name: &str, recording: &Recording| {
         let path = scratch.path().join(name);
@@ -155,8 +155,8 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let road = std::fs::read(example("reference-rig").join("sandy-loam.parquet")).unwrap();
     files::write(&folder.join("road.parquet"), &road).unwrap();
     files::write(&folder.join("project.toml"), whole.as_bytes()).unwrap();
-    let project = projects::load(&folder, Purpose::Design).unwrap().project;
-    let modelled = counterpoise_pipeline::model(&project).unwrap();
+    let project = projects::load_project(&folder, Purpose::Design).unwrap().project;
+    let modelled = model(&project).unwrap();
     let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
     let made = counterpoise_pipeline::synthesise(&project, &modelled, &reduced).unwrap();
     let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
@@ -166,9 +166,9 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let named = "\n[recording_controller]\nkind = \"exported\"\nfile = \"controller.json\"\n";
     let text = format!("{whole}{named}");
     files::write(&folder.join("project.toml"), text.as_bytes()).unwrap();
-    let project = projects::load(&folder, Purpose::Model).unwrap().project;
+    let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
     let source = example("left-out-friction").join("triangle.parquet");
-    let file = projects::recordings(&[source]).unwrap();
+    let file = projects::read_recordings(&[source]).unwrap();
     let recorded = read(&project, None, &file, Gaps::AsWritten).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&recorded[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
@@ -185,7 +185,7 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
-/// The first seconds of a recording as CSV: enough for an answer, and quick.
+/// Returns the first seconds of a recording as CSV: enough for an answer, and quick.
 fn excerpt(recording: &Recording, samples: usize) -> String {
     let part = recording.part(0..samples);
     let channels = [Channel::Demand, Channel::Control, Channel::HubRate, Channel::MotorRate];
@@ -205,14 +205,14 @@ fn excerpt(recording: &Recording, samples: usize) -> String {
 fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     let folder = std::env::temp_dir().join(format!("counterpoise-same-diagnosis-{}", std::process::id()));
     let source = example("left-out-friction");
-    let project = projects::load(&source, Purpose::Model).unwrap().project;
-    let files = projects::recordings(&[source.join("triangle.parquet")]).unwrap();
+    let project = projects::load_project(&source, Purpose::Model).unwrap().project;
+    let files = projects::read_recordings(&[source.join("triangle.parquet")]).unwrap();
     let whole = read(&project, None, &files, Gaps::AsWritten).unwrap();
     files::write(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap()).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&whole[0].recording, 2500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
     let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::Progress::Quiet);
-    let expected = diagnose(&project, &projects::recordings(&paths).unwrap(), &workers).unwrap();
+    let expected = diagnose(&project, &projects::read_recordings(&paths).unwrap(), &workers).unwrap();
     let mut window = studio(&folder);
     settle(&mut window);
     window.run(&Command::Recordings { paths });

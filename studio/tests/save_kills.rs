@@ -8,7 +8,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
@@ -41,7 +40,7 @@ fn session_that_saves() {
     fs::write(folder.join("saved"), b"").unwrap();
 }
 
-/// A folder with the example's project.
+/// Returns a folder with the example's project.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("save_kills_{name}"));
     let _ = fs::remove_dir_all(&folder);
@@ -88,14 +87,14 @@ fn traced(folder: &Path, kill_at: Option<&Place>) -> BTreeSet<Place> {
     passed
 }
 
-/// The places that are tried, spread evenly.
+/// Returns the places that are tried, spread evenly.
 fn tried(places: &BTreeSet<Place>) -> Vec<&Place> {
     let wanted = std::env::var("KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(12_usize);
     let step = places.len().div_ceil(wanted.clamp(1, places.len().max(1)));
     places.iter().step_by(step.max(1)).collect()
 }
 
-/// The value of the edited key when the project is opened again, the journal included.
+/// Returns the value of the edited key when the project is opened again, the journal included.
 fn value_after(folder: &Path) -> f64 {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });
@@ -110,8 +109,7 @@ fn value_after(folder: &Path) -> f64 {
 fn a_save_that_is_killed_leaves_a_whole_project() {
     let there = Process::new("strace").args(["-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
     if !there.is_ok_and(|status| status.success()) {
-        let _ = writeln!(std::io::stderr(), "skipped: no strace: no kills at the system calls of a save");
-        return;
+        return common::skipped("no strace: no kills at the system calls of a save");
     }
     let whole = folder("whole");
     let old = fs::read(whole.join("project.toml")).unwrap();

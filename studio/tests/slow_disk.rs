@@ -75,7 +75,7 @@ fn journalled(folder: &Path, text: &str) {
     }
 }
 
-/// A copy of the reference rig, open in a window at rest, on a disk that is not held yet.
+/// Returns a copy of the reference rig, open in a window at rest, on a disk that is not held yet.
 fn opened(name: &str) -> (PathBuf, Arc<Held>, Bench) {
     let (folder, disk) = (rig(name), Arc::new(Held::default()));
     let mut bench = on(&disk, &folder);

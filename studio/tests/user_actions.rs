@@ -205,7 +205,8 @@ fn weights_that_no_controller_meets_say_why_in_place_and_the_last_good_design_st
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// The example with recordings that the model does not explain, given the weights of the reference rig, and short windows.
+/// Returns the example with recordings that the model does not explain, given the weights of the reference rig, and short
+/// windows.
 fn left_out(name: &str) -> PathBuf {
     let folder = rig(name);
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");

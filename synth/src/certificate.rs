@@ -20,9 +20,9 @@ pub struct Equation {
 /// A cost as predicted by the equations and as found on the assembled loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// From the solutions of the Riccati and Sylvester equations; `None` where it has no bound.
+    /// From the solutions of the Riccati and Sylvester equations; `None` if it has no bound.
     pub predicted: Option<f64>,
-    /// From a Lyapunov equation of the assembled loop; `None` where that is not stable or not strictly proper.
+    /// From a Lyapunov equation of the assembled loop; `None` if that is not stable or not strictly proper.
     pub achieved: Option<f64>,
 }
 
@@ -84,7 +84,7 @@ fn mode_of(reason: &linalg::Reason) -> Option<C64> {
     }
 }
 
-/// The square of the H2 norm: the mean square of the outputs under unit white noise; `None` where the system is not
+/// The square of the H2 norm: the mean square of the outputs under unit white noise; `None` if the system is not
 /// strictly stable, or passes white noise on.
 pub(crate) fn mean_square(system: &StateSpace) -> Result<Option<f64>, Error> {
     let norm = h2norm(system)?;

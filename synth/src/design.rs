@@ -209,7 +209,7 @@ impl Design {
         D
     }
 
-    /// The largest relative difference between predicted and achieved cost over the three parts; `None` where none of
+    /// The largest relative difference between predicted and achieved cost over the three parts; `None` if none of
     /// them has both.
     pub fn worst_cost_difference(&self) -> Option<f64> {
         let parts = [self.heave.as_ref(), self.pitch.as_ref()];

@@ -1,6 +1,6 @@
 //! From the continuous design to the sampled controller that runs.
 
-use counterpoise_controller::sensitivity::realise;
+use counterpoise_controller::sensitivity::realise_form;
 use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
 use counterpoise_lti::{StateSpace, c2d};
 
@@ -110,11 +110,11 @@ pub(crate) fn heave_module(design: &Design, sampling: &Sampling) -> Result<Heave
     };
     if sampling.method != SamplingMethod::SampledData {
         let converted = c2d(&continuous, sampling.period_s, sampling.method.conversion())?;
-        return Ok(Some((realise(&converted, sampling.form)?, None)));
+        return Ok(Some((realise_form(&converted, sampling.form)?, None)));
     }
     let mut modules = drafts(design, sampling)?.modules.into_iter();
     let Some((_, module)) = modules.find(|(channel, _)| *channel == Channel::Heave) else { return Ok(None) };
-    Ok(Some((realise(&module.system.select(&[0], &[0]), sampling.form)?, Some(module.certified))))
+    Ok(Some((realise_form(&module.system.select(&[0], &[0]), sampling.form)?, Some(module.certified))))
 }
 
 fn place(channel: Channel, sampling: &Sampling) -> (&'static str, Signal, Scaling) {
@@ -152,7 +152,7 @@ fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) ->
         Reference::Error => vec![Signal::RateError],
         Reference::WeightOnly => vec![Signal::Demand, Signal::HubRate],
     };
-    let system = realise(feedback, sampling.form)?;
+    let system = realise_form(feedback, sampling.form)?;
     let plant = sampled_plant(&design.plant, sampling)?;
     let anti_windup = match design.plant.rate_loop {
         Some(_) => anti_windup_of(&system, &plant, &[0])?,
@@ -162,7 +162,7 @@ fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) ->
 }
 
 fn feedforward_path(channel: Channel, module: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
-    let system = realise(module, sampling.form)?;
+    let system = realise_form(module, sampling.form)?;
     let (name, input, scaling) = place(channel, sampling);
     let anti_windup = vec![0.0; system.order()];
     Ok(Path { name: name.into(), inputs: vec![input], system, anti_windup, scaling })
@@ -178,7 +178,7 @@ fn joint_path(design: &Design, joint: &StateSpace, sampling: &Sampling) -> Resul
     }
     let measured = design.joint.iter().flat_map(|joint| &joint.channels);
     inputs.extend(measured.map(|channel| place(*channel, sampling).1));
-    let system = realise(joint, sampling.form)?;
+    let system = realise_form(joint, sampling.form)?;
     let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
     Ok(Path { name: "joint".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }

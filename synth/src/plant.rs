@@ -27,7 +27,7 @@ pub struct DesignPlant {
     pub pitch: Vec<usize>,
     /// Which output is the rate that is measured and controlled.
     pub rate: usize,
-    /// Measured rate over true rate, one input and one output; `None` where the sensor is perfect.
+    /// Measured rate over true rate, one input and one output; `None` if the sensor is perfect.
     pub hub_sensor: Option<StateSpace>,
     /// Measured heave over true heave.
     pub heave_sensor: Option<StateSpace>,

@@ -92,8 +92,9 @@ fn factors(roots: &[C64]) -> Result<Vec<Factor>, Error> {
             out.push(vec![-root.re]);
             continue;
         }
-        let partner =
-            open.iter().position(|other| (other - root.conj()).norm() <= REAL_ROOT * root.norm().max(1e-300));
+        let partner = open
+            .iter()
+            .position(|other| (other - root.conj()).norm() <= REAL_ROOT * root.norm().max(f64::MIN_POSITIVE));
         let Some(index) = partner else {
             let problem = "a complex root lacks its conjugate";
             return Err(counterpoise_lti::Error::Rational { what: "weight", problem }.into());

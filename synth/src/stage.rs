@@ -136,7 +136,7 @@ impl Stage {
     }
 
     /// Mean cost of a period that the equations predict: under q = -F x of what is known, which innovations drive through
-    /// `gain`, and of what is not known; `None` where that has no bound.
+    /// `gain`, and of what is not known; `None` if that has no bound.
     pub fn predicted(
         &self,
         F: &Mat,
@@ -155,7 +155,7 @@ impl Stage {
     }
 
     /// Mean cost of a period of the assembled loop: a controller from the reading to (q, v), v costing `price` times its
-    /// square; `None` where the loop is not stable.
+    /// square; `None` if the loop is not stable.
     pub fn achieved(
         &self,
         controller: &StateSpace,
@@ -182,7 +182,7 @@ impl Stage {
     }
 }
 
-/// Covariance of x+ = A x + w with covariance W of w; `None` where it has no bound.
+/// Covariance of x+ = A x + w with covariance W of w; `None` if it has no bound.
 pub(crate) fn stationary(A: &Mat, W: &Mat) -> Result<Option<Mat>, Error> {
     if eigenvalues(A)?.iter().any(|pole| pole.norm() >= 1.0) {
         return Ok(None);

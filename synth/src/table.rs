@@ -110,7 +110,7 @@ impl Problem {
         Self { order, centre, points: points.collect(), grid: grid.collect() }
     }
 
-    /// P and Q within `db` of the table, with the largest room to zero; `None` where there are none.
+    /// P and Q within `db` of the table, with the largest room to zero; `None` if there are none.
     fn solve(&self, db: f64) -> Result<Option<Coefficients>, Error> {
         let factor = 10f64.powf(db / 10.0);
         let (n, mut rows) = (self.order + 1, Vec::new());

@@ -164,3 +164,11 @@ pub(crate) const TABLE_MOST_DB: f64 = 80.0;
 
 /// The norm of the assembled loop may exceed the bound by this, relatively: the accuracy of the norm itself.
 pub const HINF_VERIFIED: f64 = 1e-6;
+
+/// Modulus below which a zero of the plant adds no function to the basis of the best feedback: near the origin it is a delay, which the basis
+/// has already.
+pub(crate) const SMALLEST_ZERO: f64 = 1e-6;
+
+/// Least response of the plant, relative to its largest, by which the usual range of a gain is bounded: keeps the range finite at a zero of
+/// the plant on the grid.
+pub(crate) const LEAST_RESPONSE: f64 = 1e-12;

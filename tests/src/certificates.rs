@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_pipeline::studies::certificate::certificate;
+use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
@@ -92,8 +92,8 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     if let Some(synth) = &mut alone.synth {
         synth.options.schedule = None;
     }
-    let found =
-        certificate(&alone, &modelled, &made, &procedure).unwrap_or_else(|error| panic!("{seed}: {error}"));
+    let found = certify_controller(&alone, &modelled, &made, &procedure)
+        .unwrap_or_else(|error| panic!("{seed}: {error}"));
     let controller = &made.sampled.controller;
     let truth = machine(&modelled.parameters);
     let still = |_: f64| Platform::default();

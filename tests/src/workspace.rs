@@ -57,6 +57,13 @@ pub fn imports(code: &str) -> Vec<String> {
     all
 }
 
+/// Returns the paths of an import, its groups resolved: `a::{b, c::d}` gives `a::b` and `a::c::d`.
+pub fn grouped_paths(import: &str) -> Vec<String> {
+    let mut all = Vec::new();
+    resolve("", import, &mut all);
+    all
+}
+
 /// Takes one group of braces after the other apart.
 fn resolve(prefix: &str, path: &str, all: &mut Vec<String>) {
     let Some((head, group)) = path.split_once('{') else {

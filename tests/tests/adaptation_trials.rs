@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::VerifyResult;
 use counterpoise_pipeline::studies::adaptation_trials::{Load, Motion, Trials, own_trials};
-use counterpoise_pipeline::{model, procedure, reduce, synthesise, verify};
+use counterpoise_pipeline::{model, project_procedure, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_tests::Beside;
 use counterpoise_tests::workspace::root;
@@ -32,7 +32,7 @@ fn trials(project: &Project) -> (Trials, VerifyResult) {
     let modelled = model(project).unwrap();
     let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
     let beside = Beside(folder());
-    let procedure = procedure(project, &beside).unwrap();
+    let procedure = project_procedure(project, &beside).unwrap();
     let tried = own_trials(project, &modelled, &made, &procedure).unwrap().unwrap();
     let verified = verify(project, &modelled, &made, &beside).unwrap();
     let measured_on = verified_loop(&modelled.plant, verified.controller(), &procedure).unwrap();
@@ -96,7 +96,7 @@ fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there()
         let (project, beside) = adapting_by_default(case);
         let modelled = model(&project).unwrap();
         let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
-        let procedure = procedure(&project, &beside).unwrap();
+        let procedure = project_procedure(&project, &beside).unwrap();
         let tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
         for row in &tried.rows {
             let [without, with, told] =

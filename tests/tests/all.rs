@@ -15,6 +15,7 @@ mod kinds_diagnosed;
 mod large_steps;
 mod machine_kinds;
 mod map;
+mod module_circles;
 mod plants;
 mod practice;
 mod random_machines;

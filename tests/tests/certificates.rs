@@ -1,7 +1,7 @@
 //! Stability certificates against an independent simulator: a small share of what `.ci/evidence` runs.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_pipeline::studies::certificate::certificate;
+use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
@@ -20,7 +20,7 @@ fn certified(project: &Project) -> CaseCertificate {
     let modelled = model(project).unwrap();
     let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
     let procedure = Procedure { road: None, ..project.verify.as_ref().unwrap().procedure.clone() };
-    certificate(project, &modelled, &made, &procedure).unwrap().cases[0].clone()
+    certify_controller(project, &modelled, &made, &procedure).unwrap().cases[0].clone()
 }
 
 #[test]

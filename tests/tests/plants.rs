@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use counterpoise_linalg::Mat;
 use counterpoise_models::structure::{FeModel, Support, modes};
 use counterpoise_pipeline::{
-    Synthesised, World, finite_elements, model, procedure, reduce, synthesise, verify_on,
+    Synthesised, World, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, Setting, StructureChoice};
 use counterpoise_verify::{Figure, Verification};
@@ -58,7 +58,7 @@ fn verified(
     let mut other = project.clone();
     other.model.structure = structure;
     let plant = model(&other).unwrap().plant;
-    let procedure = procedure(project, &Beside(folder(example))).unwrap();
+    let procedure = project_procedure(project, &Beside(folder(example))).unwrap();
     verify_on(project, &plant, made, &procedure).unwrap().into_parts().1
 }
 

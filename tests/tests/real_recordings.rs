@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_pipeline::recordings::read::{control_for, read_table, recording_controller};
-use counterpoise_pipeline::road::road;
+use counterpoise_pipeline::road::road_from_table;
 use counterpoise_project::{PlatformSource, Project};
 use counterpoise_recordings::{Channel, ChannelSource, Mapping, Remark, Table};
 use counterpoise_simulate::replay::replay;
@@ -101,7 +101,7 @@ fn a_recorded_platform_serves_as_a_road() {
     let file = root().join("project/tests/data/rig.toml");
     let project = Project::from_bytes(&fs::read(file).unwrap(), "rig.toml").unwrap().project;
     let Some(PlatformSource::Recording(source)) = project.verify.unwrap().road else { panic!("a recording") };
-    let made = road(&source, &table).unwrap();
+    let made = road_from_table(&source, &table).unwrap();
     assert!((made.sample_period_s - 0.01).abs() < 1e-3, "{}", made.sample_period_s);
     let peak = made.heave_m_s2.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     assert!(peak > 0.05 && peak < 5.0, "{peak} m/s^2");

@@ -7,7 +7,7 @@ use std::process::Command;
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::forms::{PathForm, in_form};
 use counterpoise_export::{Options, Ranges, Source, c99, single_precision};
-use counterpoise_pipeline::export::forms;
+use counterpoise_pipeline::export::path_forms;
 use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, VerifiedController};
@@ -74,7 +74,7 @@ fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
     {
         let verified = verified(&[(KEY, &format!("{KEY}\nrealisation = \"{name}\""))]);
         let controller = verified.controller();
-        for each in forms(&verified).unwrap() {
+        for each in path_forms(&verified).unwrap() {
             let chosen = each.candidates.iter().find(|one| one.form == each.chosen).unwrap();
             let least = each.candidates.iter().map(|one| one.predicted).fold(f64::INFINITY, f64::min);
             println!(

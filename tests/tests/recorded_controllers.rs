@@ -11,7 +11,7 @@ use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_export::Ranges;
-use counterpoise_export::fixed::{Fixed, FixedError, FixedRunner, plan};
+use counterpoise_export::fixed::{Fixed, FixedError, FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
@@ -156,7 +156,7 @@ fn fixed_point(plant: &Plant, controller: &Controller) -> Result<Fixed, FixedErr
     let readings = (0..recording.len()).map(row).collect::<Vec<_>>();
     let ranges = Ranges::from_readings(controller, &[readings], RANGE_MARGIN);
     let half_step_v = 10.0 / f64::from(plant.parameters().interface.output_bits).exp2();
-    plan(controller, &ranges, half_step_v, recording.len())
+    plan_fixed_point(controller, &ranges, half_step_v, recording.len())
 }
 
 #[test]

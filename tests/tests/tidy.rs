@@ -250,3 +250,61 @@ fn no_crate_passes_on_the_items_of_another() {
         }
     }
 }
+
+/// Files with numbers below 1e-5 that decide nothing: units, physical values, ends of axes, and a probability that follows from its neighbour.
+const SMALL_NUMBERS: [&str; 13] = [
+    "claims/src/structure.rs",
+    "diagnose/src/library/drive.rs",
+    "export/src/rounding.rs",
+    "linalg/src/compact.rs",
+    "pipeline/src/reduction_views.rs",
+    "recordings/src/clock.rs",
+    "recordings/src/decode/numpy.rs",
+    "recordings/src/time_unit.rs",
+    "recordings/src/unit.rs",
+    "report/src/targets.rs",
+    "studio/src",
+    "verify/src/image_motion.rs",
+    "verify/src/signals/iso_road.rs",
+];
+
+/// Returns whether a line of code has a number below 1e-5.
+fn has_small_number(line: &str) -> bool {
+    let code = line.split("//").next().unwrap();
+    code.match_indices("e-").any(|(at, _)| {
+        let is_number = code[..at].ends_with(|letter: char| letter.is_ascii_digit());
+        let exponent: String = code[at + 2..].chars().take_while(char::is_ascii_digit).collect();
+        is_number && exponent.parse::<u32>().is_ok_and(|exponent| exponent > 5)
+    })
+}
+
+#[test]
+fn tolerances_stand_in_the_tolerance_file_of_their_crate() {
+    let mut wrong = Vec::new();
+    for folder in members() {
+        for (file, code) in sources(&folder) {
+            let path = file.strip_prefix(root()).unwrap().to_str().unwrap().replace('\\', "/");
+            let is_exempt = SMALL_NUMBERS.iter().any(|exempt| path.starts_with(exempt));
+            if is_exempt || path.contains("tolerance") || path.ends_with("tests.rs") || folder == "tests" {
+                continue;
+            }
+            let lines = code.lines().enumerate().filter(|(_, line)| has_small_number(line));
+            wrong.extend(lines.map(|(number, line)| format!("{path}:{}: {}", number + 1, line.trim())));
+        }
+    }
+    assert!(wrong.is_empty(), "numbers that may decide, outside of a tolerance file:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn comments_say_if_and_not_where_for_a_condition() {
+    let mut wrong = Vec::new();
+    for folder in members() {
+        for file in rust_files(&root().join(folder).join("src")) {
+            let text = fs::read_to_string(&file).unwrap();
+            let says = |line: &&str| line.contains("`None` where") || line.contains("None where");
+            wrong
+                .extend(text.lines().filter(says).map(|line| format!("{}: {}", file.display(), line.trim())));
+        }
+    }
+    assert!(wrong.is_empty(), "write \"returns `None` if\":\n{}", wrong.join("\n"));
+}

@@ -346,3 +346,6 @@ pub const MOST_PATH_POINTS: usize = 3000;
 
 /// Beyond so many standard deviations the tail of a normal distribution is below half a unit in the last place of 1.
 pub const FARTHEST_DEVIATIONS: f64 = 8.3;
+
+/// Relative distance of two frequencies of a path below which no point is added between them: a jump of the response is then an edge.
+pub const SAME_FREQUENCY: f64 = 1e-6;

@@ -3,14 +3,14 @@
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::results::AdaptResult;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
-use counterpoise_pipeline::studies::adaptation_trials::trials;
+use counterpoise_pipeline::studies::adaptation_trials::run_trials;
 use counterpoise_project::Purpose;
 
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise_report::adaptation::{self, has_returned, report};
-use counterpoise_report::html;
+use counterpoise_report::adaptation::{self, adaptation_report, has_returned};
+use counterpoise_report::html_page;
 
 use crate::exit::{Done, verdict_code};
 use crate::options::Outputs;
@@ -29,21 +29,29 @@ pub struct AdaptOptions {
 
 /// Runs the command.
 pub fn run(options: &AdaptOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Verify)?;
-    output::warnings(&loaded, options.outputs.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Verify)?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
     let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
     let runs = adapt(&loaded.project, &modelled, &made)?;
     let world = Surroundings::of(&loaded, options.outputs.results.progress());
-    let tried = trials(&loaded.project, &modelled, &made, &pipeline::procedure(&loaded.project, &world)?)?;
+    let tried = run_trials(
+        &loaded.project,
+        &modelled,
+        &made,
+        &pipeline::project_procedure(&loaded.project, &world)?,
+    )?;
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());
-        projects::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
+        projects::write_file(
+            path,
+            html_page(&adaptation_report(&loaded.project.plant.name, &command, &runs)).as_bytes(),
+        )?;
     }
     let result = AdaptResult { runs, trials: tried };
     let (runs, tried) = (&result.runs, &result.trials);
-    if !output::json(&options.outputs.results, &result)? {
+    if !output::write_json(&options.outputs.results, &result)? {
         print(runs);
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));

@@ -1,4 +1,4 @@
-//! `counterpoise check`: what a project file is understood to say, what it leaves open, and its migration to the present format.
+//! `counterpoise check`: how a project file is read, which values are assumed, and its migration to the present format.
 
 use anyhow::{Context, bail};
 use clap::Args;
@@ -6,7 +6,7 @@ use counterpoise_host::files::project_file;
 use counterpoise_host::projects::{self, BadProject};
 use counterpoise_pipeline::check::check;
 use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
-use counterpoise_report::check::lines;
+use counterpoise_report::check::check_lines;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -44,14 +44,14 @@ pub fn run(options: &CheckOptions) -> Done {
     match Project::resolve(&document, &attachments) {
         Ok(parsed) => {
             let found = check(&document, &parsed, options.results.loop_systems());
-            if !output::json(&options.results, &found)? {
-                lines(&found).iter().for_each(|line| say!("{line}"));
+            if !output::write_json(&options.results, &found)? {
+                check_lines(&found).iter().for_each(|line| say!("{line}"));
             }
             Ok(Exit::SUCCESS)
         }
         Err(errors) => {
             let refused = Refused { file: document.name(), errors: &errors };
-            if output::json(&options.results, &refused)? {
+            if output::write_json(&options.results, &refused)? {
                 return Ok(Exit::BAD_INPUT);
             }
             Err(BadProject { errors, document }.into())
@@ -74,7 +74,7 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
     if !same {
         bail!("{} would mean something else in format {FORMAT}; nothing was written", document.name());
     }
-    projects::write(std::path::Path::new(document.name()), migrated.text().as_bytes())?;
+    projects::write_file(std::path::Path::new(document.name()), migrated.text().as_bytes())?;
     say!("{} is of format {FORMAT} now", document.name());
     Ok(Exit::SUCCESS)
 }

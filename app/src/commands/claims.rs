@@ -7,10 +7,10 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use clap::Args;
 use counterpoise_claims::page;
-use counterpoise_claims::{Agreement, Claim, Criterion, Finding, claims, ids};
+use counterpoise_claims::{Agreement, Claim, Criterion, Finding, claim_ids, measure_claims};
 use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
-use counterpoise_report::{Context, Origin, evidence, html};
+use counterpoise_report::{Context, Origin, evidence, html_page};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::exit::{Done, verdict_code};
@@ -66,7 +66,7 @@ struct CriterionRow<'a> {
 /// Runs the command.
 pub fn run(options: &ClaimsOptions) -> Done {
     let wanted = wanted(&options.only)?;
-    let loaded = projects::load(&options.project, Purpose::Design)?;
+    let loaded = projects::load_project(&options.project, Purpose::Design)?;
     let world = Surroundings::of(&loaded, Progress::Quiet);
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} claims, {elapsed}")?);
@@ -75,13 +75,13 @@ pub fn run(options: &ClaimsOptions) -> Done {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
     };
-    let rows = claims(&loaded.project, &world, &|id| wanted.contains(&id), &progress)?;
+    let rows = measure_claims(&loaded.project, &world, &|id| wanted.contains(&id), &progress)?;
     bar.finish_and_clear();
     let title = format!("The thesis' claims on the {}", loaded.project.plant.name);
     let designed = run_stages(&loaded.project, &world)?;
     let command = format!("counterpoise claims {}", options.project.display());
     let mut more = if options.only.is_empty() {
-        evidence::sections(designed.verified.verification())
+        evidence::evidence_sections(designed.verified.verification())
     } else {
         Vec::new()
     };
@@ -97,9 +97,9 @@ pub fn run(options: &ClaimsOptions) -> Done {
         more,
         provenance: origin.provenance(&ProjectIdentity::of(&loaded.project, &loaded.folder())),
     };
-    let report = page::report(&rows, context, &|id| format!("{command} --only {id}"));
+    let report = page::claims_report(&rows, context, &|id| format!("{command} --only {id}"));
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
-    projects::write(&path, html(&report).as_bytes())?;
+    projects::write_file(&path, html_page(&report).as_bytes())?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
     if !output::json_list(&options.results, "claims", &table)? {
         table.iter().for_each(print);
@@ -108,15 +108,16 @@ pub fn run(options: &ClaimsOptions) -> Done {
     Ok(verdict_code(rows.iter().map(|claim| claim.finding() != Finding::Fails)))
 }
 
-/// Where the page goes where nobody says: rows alone do not take the place of the whole table.
+/// Returns the default path of the page. A page of selected claims has a name of its own, so that it does not overwrite the page of all
+/// claims.
 fn page_of(only: &[String]) -> PathBuf {
     let name: String = only.iter().map(|id| format!("-{}", id.trim().to_uppercase())).collect();
     PathBuf::from(format!("out/claims{name}.html"))
 }
 
-/// The rows that are asked for; all where none is named.
+/// Returns the names of the claims that are asked for, or of all claims if none is named.
 fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
-    let all: Vec<&'static str> = ids().collect();
+    let all: Vec<&'static str> = claim_ids().collect();
     if only.is_empty() {
         return Ok(all);
     }
@@ -172,7 +173,7 @@ fn print(row: &Row<'_>) {
             "     {}: {} {} (thesis: {})",
             one.agreement,
             one.what,
-            output::figure(one.measured),
+            output::format_figure(one.measured),
             one.thesis
         );
     }

@@ -6,7 +6,7 @@ use counterpoise_host::projects::{self, Surroundings};
 use counterpoise_pipeline::Step;
 use counterpoise_pipeline::studies::designs::{ComparisonRequest, DesignTable, design_table};
 use counterpoise_project::Purpose;
-use counterpoise_report::{Origin, designs, html};
+use counterpoise_report::{Origin, designs, html_page};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -46,8 +46,8 @@ struct Timed<'a> {
 /// Runs the command.
 pub fn run(options: &CompareOptions) -> Done {
     let further = options.limits.iter().map(|text| limits(text)).collect::<Result<_>>()?;
-    let loaded = projects::load(&options.project, Purpose::Compare)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Compare)?;
+    output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let table = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
     let times = world.times();
@@ -57,13 +57,16 @@ pub fn run(options: &CompareOptions) -> Done {
     let asked: String = options.limits.iter().map(|limits| format!(" --limits {limits}")).collect();
     let origin = Origin { command: format!("counterpoise compare {project}{asked}"), project };
     if let Some(path) = &options.markdown {
-        let text = format!("`{}`\n\n{}", origin.command, designs::markdown(&table, &times_s));
-        projects::write(path, text.as_bytes())?;
+        let text = format!("`{}`\n\n{}", origin.command, designs::markdown_table(&table, &times_s));
+        projects::write_file(path, text.as_bytes())?;
     }
     if let Some(path) = &options.report {
-        projects::write(path, html(&designs::report(&table, &times_s, &origin)).as_bytes())?;
+        projects::write_file(
+            path,
+            html_page(&designs::comparison_report(&table, &times_s, &origin)).as_bytes(),
+        )?;
     }
-    if !output::json(&options.results, &Timed { table: &table, design_time_s: &times_s })? {
+    if !output::write_json(&options.results, &Timed { table: &table, design_time_s: &times_s })? {
         print(&table, &times_s);
         options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
@@ -101,13 +104,17 @@ fn print(table: &DesignTable, times_s: &[f64]) {
     say!();
     for (k, row) in table.rows.iter().enumerate() {
         say!("{}  {}", k + 1, row.name);
-        designs::remarks(row).iter().for_each(|line| say!("     {line}"));
+        designs::design_remarks(row).iter().for_each(|line| say!("     {line}"));
     }
     say!();
     let heads: String = (1..=table.rows.len()).map(|k| format!("{k:>11}")).collect();
     say!("{:27}{heads}", "");
-    let columns: Vec<Vec<String>> =
-        table.rows.iter().enumerate().map(|(k, row)| designs::cells(row, times_s.get(k).copied())).collect();
+    let columns: Vec<Vec<String>> = table
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(k, row)| designs::design_cells(row, times_s.get(k).copied()))
+        .collect();
     for (line, name) in designs::COLUMNS.iter().enumerate() {
         let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
         say!("{name:27}{cells}");

@@ -3,17 +3,17 @@
 use crate::output::say;
 use counterpoise_export::File;
 use counterpoise_host::compilers::{processor, proofs};
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
-use counterpoise_report::adaptation::refusal;
+use counterpoise_report::adaptation::describe_refusal;
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html, of_design};
+use counterpoise_report::{Origin, html_page, of_design};
 use counterpoise_verify::{Limit, Verdict, Verification};
 use serde::Serialize;
 
@@ -34,8 +34,8 @@ struct Whole<'a> {
 
 /// Runs the command.
 pub fn run(options: &DesignOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Design)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Design)?;
+    output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
     let mut result = DesignResult::from(&designed);
@@ -43,7 +43,8 @@ pub fn run(options: &DesignOptions) -> Done {
         result.verify.leave_histories_out();
     }
     let code = &designed.targets.code;
-    let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
+    let (proofs, costs) =
+        (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
     let compiled = compiled(&proofs, &costs);
     let systems = options.results.loop_systems();
     let ranked = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions, systems);
@@ -61,20 +62,24 @@ pub fn run(options: &DesignOptions) -> Done {
         effects: &ranked.effects,
         first_design: first_design.as_ref(),
     };
-    let page = html(&of_design(&designed, &result, &run));
+    let page = html_page(&of_design(&designed, &result, &run));
     result.model.assumptions = assumptions;
     (result.model.assumption_effects, result.model.assumed_loop) = (ranked.effects, ranked.assumed_loop);
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
     let report = File { name: "report.html".to_owned(), text: page };
-    export::write(&options.output, &designed.stages.files, &[export::controller_file(&controller)?, report])?;
-    if !output::json(&options.results, &Whole { design: &result, first_design })? {
-        first_design::print(&loaded);
+    export::write_code(
+        &options.output,
+        &designed.stages.files,
+        &[export::controller_file(&controller)?, report],
+    )?;
+    if !output::write_json(&options.results, &Whole { design: &result, first_design })? {
+        first_design::print_first_design(&loaded);
         print(options, &designed.stages);
     }
-    compiled.said.iter().for_each(|line| tell(line));
+    compiled.said.iter().for_each(|line| print_message(line));
     let made = &designed.stages;
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
-    refused.clone().for_each(|why| tell(&refusal(why)));
+    refused.clone().for_each(|why| print_message(&describe_refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     Ok(verdict_code([holds, compiled.differing == 0]))
 }
@@ -87,7 +92,7 @@ struct CompiledCode {
     said: Vec<String>,
 }
 
-/// What is to be said of code that was compiled and run, or could not be.
+/// Returns what is to be said of code that was compiled and run, or could not be.
 fn compiled(proofs: &[Proof], costs: &Costs) -> CompiledCode {
     let mut code = CompiledCode { differing: 0, said: Vec::new() };
     for proof in proofs {
@@ -113,7 +118,7 @@ fn compiled(proofs: &[Proof], costs: &Costs) -> CompiledCode {
 
 fn print(options: &DesignOptions, made: &Stages) {
     print_verdicts(made.verified.verification());
-    certificate::lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
+    certificate::certificate_lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();
     say!("report  {}", options.output.join("report.html").display());
     for file in &made.files {
@@ -134,7 +139,7 @@ pub fn print_verdicts(found: &Verification) {
                 say!("  holds  {name}: {value} ({sign} {limit}; {basis})");
             }
             Verdict::Fails { value, limit, by } => {
-                let by = output::figure(*by);
+                let by = output::format_figure(*by);
                 say!(
                     "  FAILS  {name}: {} ({} {}; {basis}), by {by}",
                     with_unit(*value, unit),
@@ -150,7 +155,7 @@ pub fn print_verdicts(found: &Verification) {
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
-    let number = output::figure(value);
+    let number = output::format_figure(value);
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 

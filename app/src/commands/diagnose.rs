@@ -3,7 +3,7 @@
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
-use counterpoise_pipeline::recordings::configuration::in_configuration;
+use counterpoise_pipeline::configuration::in_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
@@ -16,7 +16,7 @@ use counterpoise_report::wording::answer::{
 use counterpoise_report::wording::held_out::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
-use counterpoise_report::{diagnosis, difference, html};
+use counterpoise_report::{diagnosis, difference, html_page};
 use counterpoise_verify::Verification;
 
 use crate::exit::{Done, Exit};
@@ -29,15 +29,15 @@ use counterpoise_host::workers::Workers;
 
 /// Runs the command.
 pub fn run(options: &DiagnoseOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Diagnose)?;
-    output::warnings(&loaded, options.outputs.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Diagnose)?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
     super::replay::tell_other_export(&loaded);
-    let files = projects::recordings(&options.recordings)?;
+    let files = projects::read_recordings(&options.recordings)?;
     let workers = Workers::new(options.outputs.results.progress());
-    let watch = interrupt::watch();
+    let watch = interrupt::watch_interrupts();
     let diagnosed = diagnose(&loaded.project, &files, &workers);
     drop(watch);
     workers.finish();
@@ -50,7 +50,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         confirmed = confirm(&loaded, &files, found)?;
     }
     if !options.held_out.is_empty() {
-        let held_out = projects::recordings(&options.held_out)?;
+        let held_out = projects::read_recordings(&options.held_out)?;
         let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
         let replayed = replay_held_out(&loaded.project, &found.improved, &held_out).map_err(refused)?;
         answer.held_out_recordings = describe_held_out(&replayed);
@@ -59,10 +59,10 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let name = &loaded.project.plant.name;
-        let page = diagnosis::report(name, &command, &diagnosed, &answer, consequence.as_ref());
-        projects::write(path, html(&page).as_bytes())?;
+        let page = diagnosis::diagnosis_report(name, &command, &diagnosed, &answer, consequence.as_ref());
+        projects::write_file(path, html_page(&page).as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &answer)? {
+    if !output::write_json(&options.outputs.results, &answer)? {
         print(&answer);
         print_confirmation(&confirmed);
         print_held_out(&answer.held_out_recordings);
@@ -126,7 +126,8 @@ fn print_held_out(recordings: &[HeldOutText]) {
     }
 }
 
-/// What the improved model means for the project's design; `None` if nothing was found or the project has no design.
+/// Returns what the improved model means for the project's design; `None` if nothing was found or the project has no
+/// design.
 fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::Result<Option<Consequence>> {
     if found.improved == loaded.project.plant {
         return Ok(None);
@@ -137,8 +138,8 @@ fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::R
 fn print_consequence(found: &Consequence) {
     say!("the project's design on the improved model:");
     for change in found.changes.iter().filter(|change| change.turned()) {
-        let (_, word) = difference::verdict(change);
-        say!("  {word}: {} ({})", change.figure.name(), difference::size(change));
+        let (_, word) = difference::classify_change(change);
+        say!("  {word}: {} ({})", change.figure.name(), difference::describe_size(change));
     }
     let line = |name: &str, v: &Verification| {
         let (hold, fail, _) = v.counts();
@@ -205,7 +206,7 @@ fn print_learned(learned: &LearnedText) {
     say!("  {}", learned.summary);
 }
 
-/// Effects that are shown where none is certain.
+/// Effects that are shown if none is certain.
 const SHOWN_CANDIDATES: usize = 3;
 
 /// Prints the effects of the library that explain most, each with its size and what it leaves, if no name explains everything.

@@ -15,8 +15,8 @@ use crate::output::{self, say};
 
 /// Runs the command.
 pub fn run(options: &ExperimentOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Replay)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Replay)?;
+    output::print_warnings(&loaded, options.results.progress());
     let findings = options.findings.as_ref().map(|path| -> anyhow::Result<Findings> {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         serde_json::from_slice(&bytes).with_context(|| {
@@ -37,9 +37,9 @@ pub fn run(options: &ExperimentOptions) -> Done {
     let period_s = loaded.project.plant.interface.sample_period_s;
     let text = describe_plan(&planned);
     if let Some(best) = planned.experiments.first() {
-        projects::write(&options.output, csv(&best.demand, period_s).as_bytes())?;
+        projects::write_file(&options.output, csv(&best.demand, period_s).as_bytes())?;
     }
-    if !output::json(&options.results, &text)? {
+    if !output::write_json(&options.results, &text)? {
         print(&text, options);
     }
     Ok(Exit::SUCCESS)

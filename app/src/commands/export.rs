@@ -3,10 +3,10 @@
 use crate::output::say;
 use std::path::{Path, PathBuf};
 
-use counterpoise_export::{Checked, File, check};
+use counterpoise_export::{Checked, File, check_file};
 use counterpoise_host::compilers::unit_library;
 use counterpoise_host::json::json_text;
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::print_message;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::exchange::ControllerResult;
@@ -20,8 +20,8 @@ use counterpoise_host::projects::{self, Surroundings};
 
 /// Writes the code, or checks files.
 pub fn run(options: &ExportOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Export)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Export)?;
+    output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let made = pipeline::run_stages(&loaded.project, &world)?;
     if !options.check.is_empty() {
@@ -29,21 +29,21 @@ pub fn run(options: &ExportOptions) -> Done {
     }
     let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
     let controller = ControllerResult::new(&identity, made.verified.controller());
-    let written = write(&options.output, &made.files, &[controller_file(&controller)?])?;
+    let written = write_code(&options.output, &made.files, &[controller_file(&controller)?])?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    made.left_out.iter().for_each(|code| tell(&format!("left out  {code}")));
+    made.left_out.iter().for_each(|code| print_message(&format!("left out  {code}")));
     Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
 }
 
 /// Writes generated files and those that belong to them as one set, and packs FMI units; with a library inside where this machine has a C
 /// compiler.
-pub fn write(folder: &Path, code: &[File], with: &[File]) -> anyhow::Result<Vec<PathBuf>> {
+pub fn write_code(folder: &Path, code: &[File], with: &[File]) -> anyhow::Result<Vec<PathBuf>> {
     let set = [code, with].concat();
-    let written =
-        code_files::write(folder, &set, unit_library::library, &|| true).map_err(anyhow::Error::msg)?;
+    let written = code_files::write_code(folder, &set, unit_library::compile_library, &|| true)
+        .map_err(anyhow::Error::msg)?;
     Ok(written.unwrap_or_default())
 }
 
@@ -71,7 +71,7 @@ fn checked(options: &ExportOptions, code: &[File]) -> Done {
     Ok(verdict_code(outcomes.iter().map(|outcome| outcome.same)))
 }
 
-/// What became of one file; a file that cannot be read does not keep the others from being checked.
+/// Returns what became of one file; a file that cannot be read does not keep the others from being checked.
 fn outcome(path: &Path, code: &[File]) -> Outcome {
     let file = path.display().to_string();
     let bytes = match files::read_file(path) {
@@ -91,7 +91,8 @@ fn outcome(path: &Path, code: &[File]) -> Outcome {
     Outcome { file, same, unread: false, says }
 }
 
-/// A packed unit holds its files as they are; the library that was compiled from them is not compared.
+/// Returns whether a packed unit contains the files of `code` unchanged, with a sentence that says so. The library that was
+/// compiled from them is not compared.
 fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let inside = format!("{name}/");
@@ -108,12 +109,12 @@ fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
     }
 }
 
-/// Whether bytes stand in an archive.
+/// Returns whether bytes stand in an archive.
 fn holds(archive: &[u8], part: &[u8]) -> bool {
     archive.windows(part.len().max(1)).any(|window| window == part)
 }
 
-/// The file of the project whose path ends like the given one: the longest match of whole components.
+/// Returns the file of the project whose path ends like the given one: the longest match of whole components.
 fn expected<'a>(path: &Path, code: &'a [File]) -> Option<&'a File> {
     let matches = code
         .iter()
@@ -126,7 +127,7 @@ fn text_outcome(text: &str, expected: Option<&File>) -> (bool, String) {
         return (false, "the project generates no file of this name".to_owned());
     };
     let line = |line: Option<String>| line.unwrap_or_else(|| "(end of file)".to_owned());
-    match check(text, expected) {
+    match check_file(text, expected) {
         Checked::Same => (true, "is what the project gives".to_owned()),
         Checked::NotGenerated => (false, "is no generated file".to_owned()),
         Checked::OtherProject { found, expected } => {

@@ -5,11 +5,11 @@ use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::{LimitRow, falls_short};
 
 use crate::output::say;
-use counterpoise_plot::number::short;
-use counterpoise_report::first_design::limitation;
+use counterpoise_plot::number::short_number;
+use counterpoise_report::first_design::describe_limitation;
 
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
-pub fn print(loaded: &Loaded) {
+pub fn print_first_design(loaded: &Loaded) {
     let Some(first) = &loaded.first_design else { return };
     let result = FirstDesignResult::from(first);
     say!(
@@ -17,12 +17,12 @@ pub fn print(loaded: &Loaded) {
     );
     say!(
         "bandwidth {} rad/s ({} Hz), limited by: {}",
-        short(result.bandwidth_rad_s),
-        short(result.bandwidth_rad_s / std::f64::consts::TAU),
-        limitation(&result)
+        short_number(result.bandwidth_rad_s),
+        short_number(result.bandwidth_rad_s / std::f64::consts::TAU),
+        describe_limitation(&result)
     );
     if let Some(asked) = result.asked_rad_s.filter(|_| falls_short(first)) {
-        say!("warning: {} rad/s are asked for and CANNOT BE REACHED", short(asked));
+        say!("warning: {} rad/s are asked for and CANNOT BE REACHED", short_number(asked));
     }
     result.limits.iter().for_each(print_limit);
     for fact in &result.unknown {
@@ -41,11 +41,11 @@ pub fn print(loaded: &Loaded) {
 }
 
 fn print_limit(row: &LimitRow) {
-    let without = row.lifted_rad_s.map(|rate| format!("; without it {} rad/s", short(rate)));
+    let without = row.lifted_rad_s.map(|rate| format!("; without it {} rad/s", short_number(rate)));
     let without = without.unwrap_or_default();
     match (row.bandwidth_rad_s, row.over_reached) {
         (Some(rate), Some(over)) => {
-            let (rate, over) = (short(rate), short(over));
+            let (rate, over) = (short_number(rate), short_number(over));
             say!("  {:26} allows {rate:>9} rad/s, {over} times what is reached{without}", row.limit);
         }
         _ => say!("  {:26} allows every bandwidth that was looked at{without}", row.limit),

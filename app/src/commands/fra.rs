@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
 use counterpoise_project::{Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, report};
-use counterpoise_report::html;
+use counterpoise_report::fra::{Pace, fra_report};
+use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::describe_column_remark;
 use counterpoise_simulate::fra::Measurement;
 
@@ -90,15 +90,15 @@ impl From<LoopName> for Around {
 
 const CONTROL_AMPLITUDES_V: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 const RATE_AMPLITUDES_RAD_S: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
-/// From, to (Hz) and count where nothing is said.
+/// Lowest and highest frequency in Hz, and the number of frequencies, by default.
 const FREQUENCIES: (f64, f64, usize) = (0.3, 30.0, 25);
 /// Most frequencies of one map.
 const MOST_FREQUENCIES: usize = 10_000;
 
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.outputs.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Model)?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
         simulated(&loaded, &plan, options)?
@@ -110,7 +110,7 @@ pub fn run(options: &FraOptions) -> Done {
             .chain(std::env::args().skip_while(|argument| argument != "fra"))
             .collect::<Vec<_>>()
             .join(" ");
-        projects::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
+        projects::write_file(path, html_page(&fra_report(&maps, &speed, &command)).as_bytes())?;
     }
     if !output::json_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(print);
@@ -119,7 +119,8 @@ pub fn run(options: &FraOptions) -> Done {
     Ok(Exit::SUCCESS)
 }
 
-/// The map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for, on fewer.
+/// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
+/// on fewer.
 fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<Pace>)> {
     let modelled = pipeline::model(&loaded.project)?;
     let project = &loaded.project;
@@ -146,7 +147,8 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     Ok((vec![analyser.compare(&measured, &Workers::new(Progress::Quiet))?], speed))
 }
 
-/// The time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the last bit.
+/// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
+/// last bit.
 fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
     let all = rayon::current_num_threads();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
@@ -187,7 +189,7 @@ fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Ma
     let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
     let mut maps = Vec::new();
     let controller = recording_controller(&loaded.project)?;
-    let files = projects::recordings(&options.recording)?;
+    let files = projects::read_recordings(&options.recording)?;
     for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired)? {
         let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
         map.recording = Some(item.file);

@@ -4,8 +4,8 @@ use crate::output::say;
 use counterpoise_diagnose::identification::{Estimate, improved};
 use counterpoise_pipeline::recordings::{AxisUnits, identify};
 use counterpoise_project::Purpose;
-use counterpoise_report::html;
-use counterpoise_report::identify::report;
+use counterpoise_report::html_page;
+use counterpoise_report::identify::identification_report;
 use counterpoise_report::wording::identification::{
     AmplifierText, IdentificationText, describe_identified_recordings,
 };
@@ -18,9 +18,10 @@ use counterpoise_host::projects;
 
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.outputs.results.progress());
-    let (first, second) = (projects::recordings(&options.recordings)?, projects::recordings(&options.other)?);
+    let loaded = projects::load_project(&options.project, Purpose::Model)?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
+    let (first, second) =
+        (projects::read_recordings(&options.recordings)?, projects::read_recordings(&options.other)?);
     let identified = identify(&loaded.project, &[&first, &second])
         .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
     let found = describe_identified_recordings(&identified);
@@ -29,10 +30,15 @@ pub fn run(options: &IdentifyOptions) -> Done {
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
-        let page = html(&report(&loaded.project.plant.name, &command, &found, &identified.units));
-        projects::write(path, page.as_bytes())?;
+        let page = html_page(&identification_report(
+            &loaded.project.plant.name,
+            &command,
+            &found,
+            &identified.units,
+        ));
+        projects::write_file(path, page.as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &found)? {
+    if !output::write_json(&options.outputs.results, &found)? {
         print(&found, &identified.units);
     }
     Ok(Exit::SUCCESS)

@@ -5,12 +5,12 @@ use counterpoise_pipeline::check::rank_assumptions;
 use counterpoise_pipeline::exchange::StructureResult;
 use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, view_plant};
 use counterpoise_pipeline::results::ModelResult;
-use counterpoise_pipeline::studies::accuracy::accuracy;
+use counterpoise_pipeline::studies::accuracy::simulation_accuracy;
 use counterpoise_pipeline::{self as pipeline, PipelineError};
 use counterpoise_project::Purpose;
-use counterpoise_report::check::ranking;
-use counterpoise_report::html;
-use counterpoise_report::model::report;
+use counterpoise_report::check::ranking_lines;
+use counterpoise_report::html_page;
+use counterpoise_report::model::model_report;
 use std::path::PathBuf;
 
 use crate::exit::{Done, Exit};
@@ -35,10 +35,10 @@ pub struct ModelOptions {
 
 /// Runs the command.
 pub fn run(options: &ModelOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Model)?;
+    output::print_warnings(&loaded, options.results.progress());
     let watched = Workers::new(options.results.progress());
-    let watch = interrupt::watch();
+    let watch = interrupt::watch_interrupts();
     let modelled = pipeline::model_watched(&loaded.project, &watched);
     drop(watch);
     watched.finish();
@@ -59,12 +59,12 @@ pub fn run(options: &ModelOptions) -> Done {
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
         let workers = Workers::new(options.results.progress());
-        let accuracy = accuracy(&modelled, &workers);
+        let accuracy = simulation_accuracy(&modelled, &workers);
         workers.finish();
-        let page = report(&result, &views, &accuracy?, &command);
-        projects::write(path, html(&page).as_bytes())?;
+        let page = model_report(&result, &views, &accuracy?, &command);
+        projects::write_file(path, html_page(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &result)? {
+    if !output::write_json(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());
         assumed(&result);
         if let Some(why) = unranked {
@@ -108,7 +108,7 @@ fn assumed(result: &ModelResult) {
         0 => say!("assumed: {count} values (`counterpoise check` lists them)"),
         _ => say!("assumed: {count} values, among them {} (`counterpoise check` lists all)", open.join(", ")),
     }
-    ranking(&result.assumption_effects).iter().for_each(|line| say!("{line}"));
+    ranking_lines(&result.assumption_effects).iter().for_each(|line| say!("{line}"));
 }
 
 fn modes(sets: &[ModeSet]) {

@@ -1,7 +1,7 @@
 //! `counterpoise new`: a folder with a project file to start from, filled in by five questions, like a kind of machine, or in full.
 
 use anyhow::{Result, bail};
-use counterpoise_host::files::{PROJECT_FILE, create};
+use counterpoise_host::files::{PROJECT_FILE, create_project};
 use counterpoise_project::starters::{Kind, Question, with_answer};
 use counterpoise_project::{Document, STARTER};
 use std::io::{BufRead, IsTerminal, Write};
@@ -22,7 +22,7 @@ pub fn run(options: &NewOptions) -> Done {
             names()
         ),
     };
-    let path = create(&options.folder, &document).map_err(anyhow::Error::msg)?;
+    let path = create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
     told(&path, &options.folder);
     Ok(Exit::SUCCESS)
 }

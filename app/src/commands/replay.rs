@@ -3,7 +3,7 @@
 use anyhow::Error;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
 use counterpoise_host::projects::{self, Loaded};
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
@@ -26,13 +26,14 @@ use crate::output::{self, say};
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {
     let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
-    let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
-    output::warnings(&loaded, options.outputs.results.progress());
+    let loaded =
+        projects::load_project(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
     if !options.open_loop {
         tell_other_export(&loaded);
     }
     let BySize { whole, in_parts } = by_size(&options.recordings, READ_AT_ONCE);
-    let files = if whole.is_empty() { Vec::new() } else { projects::recordings(&whole)? };
+    let files = if whole.is_empty() { Vec::new() } else { projects::read_recordings(&whole)? };
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let controller = controller.as_ref();
     let read = read(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
@@ -48,10 +49,10 @@ pub fn run(options: &ReplayOptions) -> Done {
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
         let title = format!("Replay of {}", loaded.project.plant.name);
-        let page = counterpoise_report::replay::report(&title, &command, &result, &replayed);
-        projects::write(path, counterpoise_report::html(&page).as_bytes())?;
+        let page = counterpoise_report::replay::replay_report(&title, &command, &result, &replayed);
+        projects::write_file(path, counterpoise_report::html_page(&page).as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &result)? {
+    if !output::write_json(&options.outputs.results, &result)? {
         print(&result);
     }
     Ok(Exit::SUCCESS)
@@ -70,7 +71,7 @@ fn replay_in_parts(
 ) -> anyhow::Result<Vec<RecordingResult>> {
     if options.outputs.report.is_some() {
         let shown = path.display();
-        tell(&format!(
+        print_message(&format!(
             "note: {shown} is replayed in parts: its figures are printed, and not drawn in the report"
         ));
     }
@@ -97,7 +98,7 @@ fn replay_in_parts(
 /// Says so if the controller of the recordings was exported from another state of the project.
 pub(super) fn tell_other_export(loaded: &Loaded) {
     if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
-        tell(&format!("note: {}", describe_other_export(&other)));
+        print_message(&format!("note: {}", describe_other_export(&other)));
     }
 }
 
@@ -105,7 +106,7 @@ pub(super) fn tell_other_export(loaded: &Loaded) {
 fn tell_missing_demand(project: &Project, read: &[ReadRecording]) {
     let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     if let Some(remark) = describe_played_back(&missing) {
-        tell(&format!("note: {remark}"));
+        print_message(&format!("note: {remark}"));
     }
 }
 

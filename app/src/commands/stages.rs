@@ -15,7 +15,7 @@ pub fn reduce(options: &StageOptions) -> Done {
     let loaded = loaded(options, Purpose::Reduce)?;
     let (_, reduced) = to_reduced(&loaded)?;
     let result = ReduceResult::from(&reduced);
-    if !output::json(&options.results, &result)? {
+    if !output::write_json(&options.results, &result)? {
         say!("order {} -> {}", result.order[0], result.order[1]);
         if let Some([error, rate]) = result.error {
             say!("largest error {error:.4e} at {rate:.4} rad/s");
@@ -34,8 +34,8 @@ fn verdict_ok() -> Done {
 }
 
 fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<Loaded> {
-    let loaded = projects::load(&options.project, purpose)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, purpose)?;
+    output::print_warnings(&loaded, options.results.progress());
     Ok(loaded)
 }
 

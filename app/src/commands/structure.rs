@@ -1,11 +1,11 @@
-//! `counterpoise diagnose` without recordings: what the structure's model left out, from measured natural frequencies.
+//! `counterpoise diagnose` without recordings: what the structure's model lacks, from measured natural frequencies.
 
 use anyhow::bail;
 use counterpoise_pipeline::recordings::measured_modes::{
     StructureAnswer, StructureVerdict, structure, support_in_words,
 };
-use counterpoise_report::html;
-use counterpoise_report::structure::report;
+use counterpoise_report::html_page;
+use counterpoise_report::structure::structure_report;
 
 use crate::exit::{Done, Exit};
 use crate::options::DiagnoseOptions;
@@ -24,14 +24,14 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
     let found = structure(&loaded.project, measured)?;
     if let Some(path) = &options.save {
         let document = found.improved.update(&loaded.document, &loaded.project)?;
-        projects::write(path, document.text().as_bytes())?;
+        projects::write_file(path, document.text().as_bytes())?;
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
-        let page = report(&loaded.project.plant.name, &command, &found.answer);
-        projects::write(path, html(&page).as_bytes())?;
+        let page = structure_report(&loaded.project.plant.name, &command, &found.answer);
+        projects::write_file(path, html_page(&page).as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &found.answer)? {
+    if !output::write_json(&options.outputs.results, &found.answer)? {
         say!(
             "{} natural frequencies, structure {}",
             measured.modes_hz.len(),
@@ -56,7 +56,7 @@ fn print(answer: &StructureAnswer) {
         say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, error(model));
     }
     say!();
-    say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "not fitted %");
+    say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "held out %");
     for t in &answer.tried {
         let numbers: Vec<String> =
             t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();

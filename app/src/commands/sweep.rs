@@ -3,12 +3,12 @@
 use crate::output::say;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use counterpoise_host::terminal::tell;
+use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
-use counterpoise_report::{Context as PageContext, html, robust, sweep};
+use counterpoise_report::{Context as PageContext, html_page, robust, sweep};
 use counterpoise_verify::robust::{Campaign, Member, Sample, merge};
 use counterpoise_verify::structured::RobustStability;
 use rayon::prelude::*;
@@ -89,21 +89,22 @@ fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
 /// Prints what a large campaign would cost on the error stream, apart from the results.
 fn print_cost(options: &SweepOptions, cost: Option<String>) {
     if let Some(cost) = cost.filter(|_| !options.results.quiet) {
-        tell(&cost);
+        print_message(&cost);
     }
 }
 
 fn prepare(options: &SweepOptions) -> Result<Named> {
-    let loaded = projects::load(&options.project, Purpose::Sweep)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Sweep)?;
+    output::print_warnings(&loaded, options.results.progress());
     campaign_is_stated(&loaded.project)?;
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = pipeline::run_stages(&loaded.project, &world)?;
-    let campaign = pipeline::campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
+    let campaign =
+        pipeline::prepare_campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
     let (families, stability) = match options.shard.is_some() || options.sample.is_some() {
         true => (Vec::new(), None),
         false => (
-            pipeline::families(&loaded.project, &designed.modelled, &designed.verified, &world)?,
+            pipeline::vary_families(&loaded.project, &designed.modelled, &designed.verified, &world)?,
             pipeline::robust_stability(
                 &loaded.project,
                 &designed.modelled,
@@ -131,9 +132,9 @@ fn shard_of(text: &str) -> Result<(usize, usize)> {
 /// Runs a shard unless its file is there and whole.
 fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &Pace) -> Result<()> {
     let range = named.campaign.shard(shard, of)?;
-    let path = shards::path(folder, shard, of);
+    let path = shards::shard_path(folder, shard, of);
     if path.exists() {
-        let there = shards::read(&path, &named.campaign, &named.name);
+        let there = shards::read_shard(&path, &named.campaign, &named.name);
         if there.is_ok_and(|samples| samples.iter().map(|sample| sample.index).eq(range.clone())) {
             pace.kept(range.len());
             return Ok(());
@@ -145,14 +146,14 @@ fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &P
         sample
     };
     let samples = range.into_par_iter().map(one).collect::<Result<Vec<Sample>, _>>()?;
-    shards::write(&path, &named.campaign, &named.name, &samples)
+    shards::write_shard(&path, &named.campaign, &named.name, &samples)
 }
 
 /// Runs every shard on all processors; what was done before stays done. Says what a large campaign would cost.
 fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
     let pace = pace(options, named.campaign.len())?;
-    let _watch = interrupt::watch();
+    let _watch = interrupt::watch_interrupts();
     for shard in 0..count {
         if interrupt::is_stop_requested() {
             pace.finish();
@@ -171,7 +172,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
 fn finish(named: &Named, options: &SweepOptions) -> Done {
     let mut parts = Vec::new();
     for path in shards::shard_files(&options.output)? {
-        parts.push(shards::read(&path, &named.campaign, &named.name)?);
+        parts.push(shards::read_shard(&path, &named.campaign, &named.name)?);
     }
     if let Some(missing) = missing(&parts, named.campaign.len()) {
         bail!("{missing}: run the shards that hold them, or the same command without --merge and --shard");
@@ -179,7 +180,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     let samples = merge(&named.campaign, parts).context(
         "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
     )?;
-    shards::write(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
+    shards::write_shard(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let others = BesideSamples {
         worst: worst_cases(&named.campaign, &samples, &Workers::new(Progress::Quiet))?,
         families: named.families.clone(),
@@ -200,8 +201,8 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
             ("command".to_owned(), command.clone()),
         ],
     };
-    let page = html(&sweep::report(nominal, &found, &project, context).reproduced_by(&command));
-    projects::write(&options.output.join("report.html"), page.as_bytes())?;
+    let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).reproduced_by(&command));
+    projects::write_file(&options.output.join("report.html"), page.as_bytes())?;
     let rows = sweep::figures(&found);
     if !output::json_list(&options.results, "figures", &rows)? {
         print(&found, &rows);
@@ -211,7 +212,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     Ok(verdict_code([found.passing == found.samples()]))
 }
 
-/// Which samples no shard holds; `None` if all are there.
+/// Returns which samples no shard holds; `None` if all are there.
 fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     let mut there = vec![false; all];
     parts.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
@@ -228,13 +229,13 @@ fn print(found: &CampaignResult, rows: &[SweepFigure]) {
             "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {}, median {}, 95 % {}{worst}",
             100.0 * row.share,
             row.figure,
-            output::figure(row.q05),
-            output::figure(row.median),
-            output::figure(row.q95)
+            output::format_figure(row.q05),
+            output::format_figure(row.median),
+            output::format_figure(row.q95)
         );
         if let Some(worst) = &row.worst_case {
             let word = if worst.meets { "still meets it" } else { "fails" };
-            say!("           worst case {} ({word}): {}", output::figure(worst.value), worst.options);
+            say!("           worst case {} ({word}): {}", output::format_figure(worst.value), worst.options);
         }
     }
     let all = found.samples();
@@ -245,7 +246,7 @@ fn print(found: &CampaignResult, rows: &[SweepFigure]) {
 
 fn print_stability(found: &CampaignResult) {
     match &found.stability {
-        Some(found) => robust::lines(found).iter().for_each(|line| say!("linear: {line}")),
+        Some(found) => robust::robustness_lines(found).iter().for_each(|line| say!("linear: {line}")),
         None => say!(
             "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
         ),
@@ -276,7 +277,7 @@ fn one_sample(named: &Named, (index, changed): (usize, &[String]), results: &Res
         factors: keys.zip(sample.factors.iter().copied()).collect(),
         figures: figures.zip(sample.values.iter().copied()).collect(),
     };
-    if !output::json(results, &one)? {
+    if !output::write_json(results, &one)? {
         one.factors.iter().for_each(|(key, factor)| say!("{key} x {factor:.4}"));
         one.figures.iter().for_each(|(key, value)| say!("{key} = {value:.6}"));
     }

@@ -20,9 +20,9 @@ use crate::output::{self, say};
 use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, Loaded, Surroundings};
 use counterpoise_host::stages::Progress;
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_report::trade_off::VerifiedPoint;
-use counterpoise_report::{Origin, html, of_synthesis, trade_off};
+use counterpoise_report::{Origin, html_page, of_synthesis, trade_off};
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -54,8 +54,8 @@ struct Whole<'a> {
 
 /// Runs the command.
 pub fn run(options: &SynthOptions) -> Done {
-    let loaded = projects::load(&options.project, Purpose::Synth)?;
-    output::warnings(&loaded, options.outputs.results.progress());
+    let loaded = projects::load_project(&options.project, Purpose::Synth)?;
+    output::print_warnings(&loaded, options.outputs.results.progress());
     if options.search {
         let modelled = pipeline::model(&loaded.project)?;
         let reduced = pipeline::reduce(&loaded.project, &modelled)?;
@@ -65,7 +65,7 @@ pub fn run(options: &SynthOptions) -> Done {
     let result = SynthResult::from(&study.synthesised);
     if let Some(path) = &options.outputs.report {
         let origin = origin(&loaded, "");
-        projects::write(path, html(&of_synthesis(&study, &result, &origin)).as_bytes())?;
+        projects::write_file(path, html_page(&of_synthesis(&study, &result, &origin)).as_bytes())?;
     }
     if let Some(path) = &options.save {
         save(&loaded, &loaded.project, path)?;
@@ -73,9 +73,9 @@ pub fn run(options: &SynthOptions) -> Done {
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let tuning = loaded.tuned.as_ref().map(TuningResult::from);
     let whole = Whole { synth: &result, beside: &study.comparison, first_design, tuning };
-    if !output::json(&options.outputs.results, &whole)? {
-        super::first_design::print(&loaded);
-        super::tuning::print(&loaded);
+    if !output::write_json(&options.outputs.results, &whole)? {
+        super::first_design::print_first_design(&loaded);
+        super::tuning::print_tuning(&loaded);
         study.weights.iter().for_each(|line| say!("{line}"));
         print_design(&result);
         print_comparison(&study.comparison);
@@ -88,7 +88,7 @@ pub fn run(options: &SynthOptions) -> Done {
 /// Writes the file with the weights of a project; everything else of it stays as it is.
 fn save(loaded: &Loaded, project: &Project, path: &Path) -> anyhow::Result<()> {
     let document = project.update(&loaded.document, &loaded.stated)?;
-    projects::write(path, document.text().as_bytes())
+    projects::write_file(path, document.text().as_bytes())
 }
 
 fn origin(loaded: &Loaded, option: &str) -> Origin {
@@ -119,7 +119,7 @@ pub fn print_comparison(beside: &Comparison) {
             row.order[0],
             row.order[1]
         );
-        say!("  the closed loop changes by {} % at most", short(100.0 * row.loop_change));
+        say!("  the closed loop changes by {} % at most", short_number(100.0 * row.loop_change));
         for (name, found) in [("before", &row.before), ("after", &row.after)] {
             say!("  {name:8}{}", figures_line(found));
         }
@@ -147,7 +147,7 @@ fn print_total_cost(beside: &Comparison) {
     say!();
     say!(
         "total cost of the assembled loop {}, each part's disturbances under its own weights:",
-        short(cost.total)
+        short_number(cost.total)
     );
     for row in &cost.parts {
         let best = match (row.best_gain, row.gained_percent) {
@@ -157,7 +157,11 @@ fn print_total_cost(beside: &Comparison) {
             _ => String::new(),
         };
         let slope = tidy(row.slope);
-        say!("  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}", row.part, short(row.cost));
+        say!(
+            "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
+            row.part,
+            short_number(row.cost)
+        );
     }
 }
 
@@ -249,7 +253,7 @@ struct CurvePoint {
 }
 
 fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
-    let _watch = interrupt::watch();
+    let _watch = interrupt::watch_interrupts();
     let mut found =
         search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::is_stop_requested())?;
     let world = Surroundings::of(loaded, Progress::Quiet);
@@ -270,10 +274,11 @@ fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, 
     let result = search_result(&found, points);
     if let Some(path) = &options.outputs.report {
         let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
-        let page = trade_off::report(&identity, &found, &result.verified, &origin(loaded, " --search"));
-        projects::write(path, html(&page).as_bytes())?;
+        let page =
+            trade_off::trade_off_report(&identity, &found, &result.verified, &origin(loaded, " --search"));
+        projects::write_file(path, html_page(&page).as_bytes())?;
     }
-    if !output::json(&options.outputs.results, &result)? {
+    if !output::write_json(&options.outputs.results, &result)? {
         print_search(&found, &result);
         print_verified(&result.verified, chosen);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
@@ -289,7 +294,7 @@ fn verified_point(point: &Judged) -> VerifiedPoint {
         Verdict::Fails { value, limit, .. } => Some(format!(
             "{}: {} against {}",
             requirement.figure.name(),
-            output::figure(*value),
+            output::format_figure(*value),
             limit.value()
         )),
         _ => None,

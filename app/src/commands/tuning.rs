@@ -2,13 +2,13 @@
 
 use counterpoise_host::projects::Loaded;
 use counterpoise_pipeline::tuning::TuningResult;
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_report::designs::{block_words, weight_words};
 
 use crate::output::say;
 
 /// Prints the tuned blocks or weights with their figures; nothing if the project has nothing to tune.
-pub fn print(loaded: &Loaded) {
+pub fn print_tuning(loaded: &Loaded) {
     let Some(found) = &loaded.tuned else { return };
     let result = TuningResult::from(found);
     match &result.weights {
@@ -28,21 +28,21 @@ pub fn print(loaded: &Loaded) {
         let plant = if k == 0 { "nominal plant".to_owned() } else { format!("plant {}", k + 1) };
         say!(
             "  {plant}: residual {} mrad/s; Ms {}, Mt {}; margins {} dB, {} deg, {} ms; noise gain {}, largest KS {} V s/rad; effort {} V",
-            short(1e3 * m.residual_rad_s),
-            short(m.max_sensitivity),
-            short(m.max_complementary),
-            short(m.gain_margin_db),
-            short(m.phase_margin_deg),
-            short(1e3 * m.delay_margin_s),
-            short(m.noise_gain),
-            short(m.control_peak),
-            short(m.effort_v)
+            short_number(1e3 * m.residual_rad_s),
+            short_number(m.max_sensitivity),
+            short_number(m.max_complementary),
+            short_number(m.gain_margin_db),
+            short_number(m.phase_margin_deg),
+            short_number(1e3 * m.delay_margin_s),
+            short_number(m.noise_gain),
+            short_number(m.control_peak),
+            short_number(m.effort_v)
         );
     }
     if result.missed > 0.0 {
         say!(
             "warning: A LIMIT IS MISSED by {} %: widen the limits of [synth.tune], or add a block",
-            short(100.0 * result.missed)
+            short_number(100.0 * result.missed)
         );
     }
     say!("`counterpoise synth PROJECT --save FILE` writes the values into the file");

@@ -12,10 +12,10 @@ use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::adaptation::{refusal, trial_section};
+use counterpoise_report::adaptation::{describe_refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::{
-    Context, Origin, advice, certificate, difference, error_budget, html, of_verification, robust,
+    Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
 };
 use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
@@ -83,7 +83,7 @@ pub fn run(options: &VerifyOptions) -> Done {
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
     let changed = before.as_ref().map(|before| changes(&before.found, &study.found));
     if let Some(path) = &options.report {
-        projects::write(path, page(options, &study, changed.as_deref()).as_bytes())?;
+        projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
     }
     let found = &study.found;
     match &changed {
@@ -102,10 +102,10 @@ pub fn run(options: &VerifyOptions) -> Done {
 struct Shown {
     #[serde(flatten)]
     result: VerifyResult,
-    /// Stable within so many times the ranges of the sweep; absent where nothing varies.
+    /// Stable within so many times the ranges of the sweep; absent if nothing varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     robust_to_times_the_ranges: Option<f64>,
-    /// The linear worst case in each case and regime of friction, the design's own sliding first; empty where nothing varies.
+    /// The linear worst case in each case and regime of friction, the design's own sliding first; empty if nothing varies.
     robustness: Vec<RobustnessResult>,
     /// What to change where a requirement fails.
     advice: Vec<AdviceResult>,
@@ -124,20 +124,20 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
     let advised = study.advice.iter().map(Into::into).collect();
     let shown = Shown { result, robust_to_times_the_ranges, robustness, advice: advised };
-    if !output::json(&options.results, &shown)? {
+    if !output::write_json(&options.results, &shown)? {
         print_verdicts(found);
-        error_budget::lines(found).iter().for_each(|line| say!("line of sight: {line}"));
-        advice::lines(&study.advice).iter().for_each(|line| say!("advice: {line}"));
+        error_budget::budget_lines(found).iter().for_each(|line| say!("line of sight: {line}"));
+        advice::advice_lines(&study.advice).iter().for_each(|line| say!("advice: {line}"));
         worse_feedforwards(&study.found).iter().for_each(|line| say!("note: {line}"));
-        let certified = study.certificate.iter().flat_map(certificate::lines);
+        let certified = study.certificate.iter().flat_map(certificate::certificate_lines);
         certified.for_each(|line| say!("stability: {line}"));
         stability
             .into_iter()
-            .flat_map(robust::lines)
+            .flat_map(robust::robustness_lines)
             .for_each(|line| say!("linear, sliding friction: {line}"));
-        certificate::robustness(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
+        certificate::robustness_lines(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
         let refused = study.adaptation.iter().flat_map(|tried| &tried.refused);
-        refused.for_each(|why| say!("adaptation: {}", refusal(why)));
+        refused.for_each(|why| say!("adaptation: {}", describe_refusal(why)));
     }
     Ok(())
 }
@@ -165,14 +165,14 @@ struct VerificationStudy {
 }
 
 fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
-    let loaded = projects::load(path, Purpose::Verify)?;
-    output::warnings(&loaded, options.results.progress());
+    let loaded = projects::load_project(path, Purpose::Verify)?;
+    output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let project = &loaded.project;
     let modelled = pipeline::model(project)?;
     let reduced = pipeline::reduce(project, &modelled)?;
     let made = pipeline::synthesise(project, &modelled, &reduced)?;
-    let mut procedure = pipeline::procedure(project, &world)?;
+    let mut procedure = pipeline::project_procedure(project, &world)?;
     if let Some(class) = &options.road {
         procedure.road = Some(drive(class, options.speed, &procedure)?);
     }
@@ -196,7 +196,8 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let identity = ProjectIdentity::of(project, &loaded.folder());
     let measured_on = verified_loop(&plant, controller, &procedure)?;
     let linear = options.plant == PlantChoice::Linear;
-    let certified = (!linear).then(|| studies::certificate::certificate(project, &on, &made, &procedure));
+    let certified =
+        (!linear).then(|| studies::certificate::certify_controller(project, &on, &made, &procedure));
     let certificate = certified.transpose()?;
     let mut regimes = studies::certificate::robust_regimes(project, &modelled, &made, &procedure)?;
     regimes.drain(..regimes.len().min(1));
@@ -205,7 +206,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         false => studies::adaptation_trials::own_trials(project, &on, &made, &procedure)?,
     };
     let kept = if options.histories { Kept::Histories } else { Kept::Systems };
-    let advice = studies::advice::advice(project, &modelled, &reduced, &procedure, &found, kept)?;
+    let advice = studies::advice::advise_changes(project, &modelled, &reduced, &procedure, &found, kept)?;
     Ok(VerificationStudy {
         measured_on,
         identity,
@@ -238,7 +239,7 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
 /// Standard gravity, m/s^2 (ISO 80000-3); a half of a vehicle does not roll, so that it has no effect here.
 const GRAVITY_M_S2: f64 = 9.80665;
 
-/// A triangle from `RATE/PERIOD`.
+/// Returns a triangle from `RATE/PERIOD`.
 fn triangle(text: &str) -> Result<Triangle> {
     let usage = || format!("--triangle {text}: write RATE/PERIOD in rad/s and s, for example 0.1/4");
     let (rate, period) = text.split_once('/').with_context(usage)?;
@@ -267,8 +268,9 @@ fn command(options: &VerifyOptions) -> String {
 
 fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Change]>) -> String {
     let origin = Origin { project: String::new(), command: command(options) };
-    let advised = advice::section(&study.advice);
-    let certified = study.certificate.iter().map(|found| certificate::section(found, &study.regimes));
+    let advised = advice::advice_section(&study.advice);
+    let certified =
+        study.certificate.iter().map(|found| certificate::certificate_section(found, &study.regimes));
     let context = Context {
         title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
@@ -276,7 +278,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
         more: advised
             .into_iter()
             .chain(certified)
-            .chain(study.stability.as_ref().map(robust::section))
+            .chain(study.stability.as_ref().map(robust::robustness_section))
             .chain(study.adaptation.as_ref().map(trial_section))
             .collect(),
         provenance: origin.provenance(&study.identity),
@@ -284,11 +286,11 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
     let mut report = of_verification(&study.found, &study.on_road, context);
     if let (Some(changed), Some(path)) = (changed, &options.against) {
         let before = path.display().to_string();
-        let difference = difference::headline(&before, changed);
+        let difference = difference::summarise_changes(&before, changed);
         report.headline.detail = format!("{} {difference}", report.headline.detail).trim().to_owned();
-        report.sections.insert(0, difference::section(&before, changed));
+        report.sections.insert(0, difference::changes_section(&before, changed));
     }
-    html(&report.reproduced_by(&origin.command))
+    html_page(&report.reproduced_by(&origin.command))
 }
 
 /// A figure before and after, for another program.
@@ -318,15 +320,15 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
     let shown: Vec<&Change> = judged.collect();
     for change in &shown {
-        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), output::figure);
+        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), output::format_figure);
         say!(
             "  {:15} {}: {} -> {} {} ({})",
-            difference::verdict(change).1,
+            difference::classify_change(change).1,
             change.figure.name(),
             text(change.before),
             text(change.after),
             change.figure.unit(),
-            difference::size(change)
+            difference::describe_size(change)
         );
     }
     let others = changed.iter().filter(|change| difference::has_changed(change)).count();

@@ -50,8 +50,8 @@ pub fn counterpoise() -> Command {
     command
 }
 
-/// Says that a test is passed over. The line goes past the capture of a test's output, so that a run in which every test passes still
-/// says what was not tested.
+/// Says that a test, or a part of it, is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that
+/// `.ci/skips` sees it.
 pub fn skipped(why: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {why}");
 }

@@ -1,82 +1,36 @@
 //! The estimator of the out-of-balance in a step.
 
-use crate::lower::schedule::{self, Layout, settable};
+use crate::lower::regressors::{EstimatorInputs, fall, regressors, unexplained};
+use crate::lower::schedule::{self, settable};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, Slot};
 use crate::tolerance::LEAST_LIFT;
-use crate::{Estimator, Learning, Parts, Signal};
-
-/// What an estimator sees in a sample.
-pub(crate) struct Seen<'a> {
-    /// The parts that it belongs to.
-    pub parts: &'a Parts,
-    /// States of the out-of-balance.
-    pub layout: &'a Layout,
-    /// Where a signal is found.
-    pub signal: &'a dyn Fn(Signal) -> Slot,
-    /// The limited control, in volts of a linear drive.
-    pub control: Slot,
-}
+use crate::{Estimator, Learning};
 
 /// Writes the estimator's step.
-pub(crate) fn estimate(seen: &Seen<'_>, states: &mut States, writer: &mut Writer) {
-    let Some(estimator) = &seen.parts.estimator else { return };
+pub(crate) fn estimate(inputs: &EstimatorInputs<'_>, states: &mut States, writer: &mut Writer) {
+    let Some(estimator) = &inputs.parts.estimator else { return };
     writer.section("estimate of the out-of-balance from the control");
     match &estimator.learning {
-        Learning::Gradient { step, scale } => gradient(seen, estimator, *step, scale, writer),
-        Learning::Mean { window_samples } => mean(seen, estimator, *window_samples, writer),
-        Learning::Squares { .. } => squares(seen, estimator, states, writer),
+        Learning::Gradient { step, scale } => gradient(inputs, estimator, *step, scale, writer),
+        Learning::Mean { window_samples } => mean(inputs, estimator, *window_samples, writer),
+        Learning::Squares { .. } => squares(inputs, estimator, states, writer),
     }
-    follow(seen, estimator, states, writer);
-}
-
-/// g (cos(theta) - 1): cos by its series, good to 2e-5 within 1 rad.
-fn fall(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> Vec<(f64, Slot)> {
-    let g = estimator.gravity_m_s2;
-    if g == 0.0 {
-        return Vec::new();
-    }
-    let angle = (seen.signal)(Signal::HubPosition);
-    let square = writer.product("angle_square", angle, angle);
-    let fourth = writer.product("angle_fourth", square, square);
-    let sixth = writer.product("angle_sixth", square, fourth);
-    vec![(-g / 2.0, square), (g / 24.0, fourth), (-g / 720.0, sixth)]
-}
-
-/// g cos(theta) + a_p.
-fn lift(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> Slot {
-    let lift = writer.local("lift_m_s2");
-    let heave = (seen.signal)(Signal::PlatformAcceleration);
-    let terms: Vec<(f64, Slot)> =
-        std::iter::once((1.0, heave)).chain(fall(seen, estimator, writer)).collect();
-    writer.sum_into(lift, Some(estimator.gravity_m_s2), &terms);
-    lift
-}
-
-pub(crate) fn regressors(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> [Slot; 3] {
-    let lift = lift(seen, estimator, writer);
-    let rate = (seen.signal)(estimator.rate);
-    let speed = writer.magnitude("estimator_speed_rad_s", rate);
-    let softened = writer.local("softened_speed_rad_s");
-    writer.sum_into(softened, Some(estimator.half_rate_rad_s), &[(1.0, speed)]);
-    [lift, writer.quotient("direction", rate, softened), rate]
-}
-
-/// Writes the control less what the regressors explain of it.
-pub(crate) fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
-    let mut terms = vec![(1.0, control)];
-    for (i, (p, phi)) in p.iter().zip(phi).enumerate() {
-        terms.push((-1.0, writer.product(format!("explained_{i}_v"), *p, *phi)));
-    }
-    writer.sum("unexplained_v", &terms)
+    follow(inputs, estimator, states, writer);
 }
 
 /// The normalised gradient step.
-fn gradient(seen: &Seen<'_>, estimator: &Estimator, step: f64, scale: &[f64; 3], writer: &mut Writer) {
-    let p = &seen.layout.estimate;
-    let phi = regressors(seen, estimator, writer);
-    let left = unexplained(seen.control, p, &phi, writer);
+fn gradient(
+    inputs: &EstimatorInputs<'_>,
+    estimator: &Estimator,
+    step: f64,
+    scale: &[f64; 3],
+    writer: &mut Writer,
+) {
+    let p = &inputs.layout.estimate;
+    let phi = regressors(inputs, estimator, writer);
+    let left = unexplained(inputs.control, p, &phi, writer);
     let squares: [Slot; 3] = std::array::from_fn(|i| writer.product(format!("square_{i}"), phi[i], phi[i]));
     let size = writer.local("excitation");
     let weights: Vec<(f64, Slot)> = (0..3).map(|i| (scale[i].powi(2), squares[i])).collect();
@@ -95,13 +49,13 @@ fn gradient(seen: &Seen<'_>, estimator: &Estimator, step: f64, scale: &[f64; 3],
 /// What is summed is the control less what the estimate explains, and what gravity's share falls short of the whole: long
 /// sums of nearly equal numbers would round the same way at every sample. The divisor is kept from 0, so that fixed point
 /// can prove its quotient.
-fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, writer: &mut Writer) {
-    let (p, Some([sum, fallen, count])) = (seen.layout.estimate[0], seen.layout.window) else { return };
-    let falls = fall(seen, estimator, writer);
+fn mean(inputs: &EstimatorInputs<'_>, estimator: &Estimator, window: u32, writer: &mut Writer) {
+    let (p, Some([sum, fallen, count])) = (inputs.layout.estimate[0], inputs.layout.window) else { return };
+    let falls = fall(inputs, estimator, writer);
     let lift = writer.local("lift_m_s2");
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &falls);
     let explained = writer.product("explained_v", p, lift);
-    let sum_now = writer.sum("sum_now_v", &[(1.0, sum), (1.0, seen.control), (-1.0, explained)]);
+    let sum_now = writer.sum("sum_now_v", &[(1.0, sum), (1.0, inputs.control), (-1.0, explained)]);
     let falls: Vec<(f64, Slot)> = std::iter::once((1.0, fallen)).chain(falls).collect();
     let fallen_now = writer.sum("fall_now_m_s2", &falls);
     let count_now = writer.local("count_now");
@@ -135,8 +89,8 @@ fn window_lift(fallen: Slot, whole: f64, writer: &mut Writer) -> Slot {
 }
 
 /// The out-of-balance moves to the estimate at its limited rate.
-fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &mut Writer) {
-    let (parts, layout) = (seen.parts, seen.layout);
+fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut States, writer: &mut Writer) {
+    let (parts, layout) = (inputs.parts, inputs.layout);
     let fades = matches!(estimator.learning, Learning::Mean { .. });
     let transfer = layout.transfer.filter(|_| fades);
     let before = transfer.map(|_| schedule::slow_part(writer, layout, "before"));

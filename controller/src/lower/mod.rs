@@ -7,6 +7,7 @@ mod curve;
 mod estimate;
 mod observe;
 mod project;
+mod regressors;
 mod schedule;
 mod squares;
 mod step;
@@ -48,13 +49,16 @@ pub const OWN_NAMES: [&str; 23] = [
 ];
 
 /// Returns the programs of a controller with the given parts.
-pub fn programs(parts: &Parts) -> Programs {
+pub fn lower_parts(parts: &Parts) -> Programs {
     let mut states = States::default();
     let layout = schedule::layout(parts, &mut states);
     let step = step::program(parts, &layout, &mut states);
     let set_out_of_balance = schedule::program(parts, &layout);
     Programs { states: states.groups, step, set_out_of_balance }
 }
+
+/// Updates of states, each with its new value, which waits in a local until all have been computed.
+type Pending = Vec<(Slot, Slot)>;
 
 /// The states as they are handed out.
 #[derive(Default)]

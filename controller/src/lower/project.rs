@@ -2,8 +2,7 @@
 
 use crate::Projection;
 use crate::READINGS;
-use crate::lower::step::Pending;
-use crate::lower::{Limits, States, Writer};
+use crate::lower::{Limits, Pending, States, Writer};
 use crate::program::{OnRestart, Slot};
 use crate::signal::{PLATFORM_ACCELERATION, PLATFORM_RATE, PLATFORM_SURGE};
 use crate::tolerance::HIGHEST_ELEVATION_RAD;

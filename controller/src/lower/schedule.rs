@@ -3,7 +3,7 @@
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, Operation, Program, Slot, StateLimits};
 use crate::tolerance::{ESTIMATE_SPAN, SLOWEST_RAD_S};
-use crate::{Estimator, Learning, Parts, Scaling, check};
+use crate::{Estimator, Learning, Parts, Scaling};
 
 /// States that belong to the out-of-balance.
 pub(crate) struct Layout {
@@ -70,7 +70,7 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
 /// Returns the limits of an estimated parameter: [`ESTIMATE_SPAN`] times the largest size that it can plausibly have.
 fn plausible(parts: &Parts, estimator: &Estimator, i: usize) -> StateLimits {
     let (low, high) = parts.out_of_balance_range_kg_m;
-    let volts = check::equivalent_limit_v(parts);
+    let volts = parts.equivalent_limit_v();
     let size = match i {
         0 => low.abs().max(high.abs()) * estimator.volts_per_kg_m_s2.abs(),
         2 => volts / estimator.half_rate_rad_s.max(SLOWEST_RAD_S),

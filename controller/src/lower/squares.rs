@@ -1,24 +1,29 @@
 //! The estimator's recursive least squares in a step.
 
-use crate::lower::estimate::{Seen, regressors, unexplained};
+use crate::lower::regressors::{EstimatorInputs, regressors, unexplained};
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, Slot, StateLimits};
 use crate::tolerance::{LEAST_VARIANCE, MOST_TOLD, MOST_VARIANCE, WHOLE, WOUND_END, WOUND_START};
 use crate::{Estimator, Learning, Signal};
 
 /// Recursive least squares with the covariance as U D U'.
-pub(crate) fn squares(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &mut Writer) {
+pub(crate) fn squares(
+    inputs: &EstimatorInputs<'_>,
+    estimator: &Estimator,
+    states: &mut States,
+    writer: &mut Writer,
+) {
     let Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } =
         &estimator.learning
     else {
         return;
     };
-    let p = seen.layout.estimate.clone();
+    let p = inputs.layout.estimate.clone();
     let n = p.len();
-    let mut phi = regressors(seen, estimator, writer).to_vec();
-    let mut control = seen.control;
+    let mut phi = regressors(inputs, estimator, writer).to_vec();
+    let mut control = inputs.control;
     if *filter_s > 0.0 {
-        let filtered = Filtered { seen, filter_s: *filter_s, inertia: *inertia_v_s2_rad };
+        let filtered = Filtered { inputs, filter_s: *filter_s, inertia: *inertia_v_s2_rad };
         (control, phi) = filtered.write(&phi, states, writer);
     }
     if n > 3 {
@@ -47,7 +52,7 @@ pub(crate) fn squares(seen: &Seen<'_>, estimator: &Estimator, states: &mut State
 
 /// Control and regressors after the same lag.
 struct Filtered<'a> {
-    seen: &'a Seen<'a>,
+    inputs: &'a EstimatorInputs<'a>,
     filter_s: f64,
     inertia: [f64; 2],
 }
@@ -55,13 +60,13 @@ struct Filtered<'a> {
 impl Filtered<'_> {
     /// Writes the control less what the inertias take, and the regressors.
     fn write(&self, phi: &[Slot], states: &mut States, writer: &mut Writer) -> (Slot, Vec<Slot>) {
-        let hub = (self.seen.signal)(Signal::HubRate);
+        let hub = (self.inputs.signal)(Signal::HubRate);
         let names = ["lift", "direction", "rate"];
         let lagged: Vec<(Slot, Slot)> =
             names.iter().zip(phi).map(|(name, of)| self.lag(name, *of, states, writer)).collect();
         let (_, hub_change) = self.lag("hub_rate", hub, states, writer);
-        let (control, _) = self.lag("control", self.seen.control, states, writer);
-        let period_s = self.seen.parts.sample_period_s;
+        let (control, _) = self.lag("control", self.inputs.control, states, writer);
+        let period_s = self.inputs.parts.sample_period_s;
         let [of_hub, of_rate] = self.inertia.map(|inertia| -inertia / period_s);
         let rate_change = lagged[2].1;
         let terms = [(1.0, control), (of_hub, hub_change), (of_rate, rate_change)];
@@ -71,7 +76,7 @@ impl Filtered<'_> {
 
     /// Writes the implicit step of a lag: the value now, and its change.
     fn lag(&self, name: &str, of: Slot, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
-        let period_s = self.seen.parts.sample_period_s;
+        let period_s = self.inputs.parts.sample_period_s;
         let state = states.scalar(&format!("lagged_{name}"), 0.0, OnRestart::Restart);
         let share = period_s / (self.filter_s + period_s);
         let change = writer.sum(format!("lagged_{name}_change"), &[(share, of), (-share, state)]);

@@ -2,11 +2,12 @@
 
 use counterpoise_lti::StateSpace;
 
-use crate::check;
-use crate::lower::estimate::{self, Seen};
+use crate::lower::estimate;
+use crate::lower::regressors::EstimatorInputs;
 use crate::lower::schedule::Layout;
 use crate::lower::{
-    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, project, reading_names,
+    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, Pending, States, Writer, curve, observe, project,
+    reading_names,
 };
 use crate::program::{OnRestart, Program, Slot};
 use crate::signal::PLATFORM_ACCELERATION;
@@ -50,9 +51,6 @@ struct Control {
     limited: Slot,
 }
 
-/// A state update: the new value waits in a local until all have been computed.
-pub(super) type Pending = Vec<(Slot, Slot)>;
-
 /// Writes the program of a sample and hands out the states it needs.
 pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Program {
     let mut writer = Writer::new(&reading_names(parts));
@@ -88,7 +86,11 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     }
     fade(parts, layout, &mut writer);
     let signal = |signal| signals.slot(signal);
-    estimate::estimate(&Seen { parts, layout, signal: &signal, control: limited }, states, &mut writer);
+    estimate::estimate(
+        &EstimatorInputs { parts, layout, signal: &signal, control: limited },
+        states,
+        &mut writer,
+    );
     writer.finish(Some(driven))
 }
 
@@ -202,7 +204,7 @@ fn control(
     let all = outputs.iter().chain(friction).copied().chain(layout.bias).chain(layout.transfer);
     let terms: Vec<(f64, Slot)> = all.map(|slot| (1.0, slot)).collect();
     let control = writer.sum("control_v", &terms);
-    let limit = check::equivalent_limit_v(parts);
+    let limit = parts.equivalent_limit_v();
     let limited = writer.clamp("limited_v", control, Limits::symmetric(limit));
     Control { unlimited: control, limited }
 }
@@ -215,7 +217,7 @@ fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
     writer.section("inverse of the drive's measured curve");
     let mut points: Vec<[f64; 2]> =
         parts.drive_curve.iter().copied().take_while(|point| point[1] < parts.limit_v).collect();
-    points.push([check::equivalent_limit_v(parts), parts.limit_v]);
+    points.push([parts.equivalent_limit_v(), parts.limit_v]);
     let driven = curve::odd(writer, "driven_v", limited, &points);
     writer.clamp("driven_limited_v", driven, Limits::symmetric(parts.limit_v))
 }
@@ -247,7 +249,7 @@ fn new_states(
     }
 }
 
-/// Row i of [X U] applied to (x, u).
+/// Returns row i of [X U] applied to (x, u).
 fn row(
     X: &counterpoise_linalg::Mat,
     U: &counterpoise_linalg::Mat,

@@ -37,20 +37,20 @@ fn a_companion_form_becomes_sections_of_first_and_second_order() {
     let pair = |r: f64, phi: f64| [C64::from_polar(r, phi), C64::from_polar(r, -phi)];
     let poles = [vec![C64::new(1.0, 0.0), C64::new(0.3, 0.0)], pair(0.98, 0.7).into(), pair(0.9, 2.0).into()];
     let given = companion(&poles.concat());
-    let found = modal(&given).unwrap();
+    let found = modal_form(&given).unwrap();
     let mut sizes = found.blocks.clone();
     sizes.sort_unstable();
     assert_eq!(sizes, [1, 1, 2, 2]);
     assert!(found.residual < 1e-14, "{}", found.residual);
     assert!(largest_difference(&given, &found.system) < 1e-11);
-    assert!(coefficients(&found.system) <= 22);
+    assert!(count_coefficients(&found.system) <= 22);
 }
 
 #[test]
 fn a_double_pole_stays_in_one_block() {
     let poles = [0.9, 0.9, 0.5, 0.1].map(|p| C64::new(p, 0.0));
     let given = companion(&poles);
-    let found = modal(&given).unwrap();
+    let found = modal_form(&given).unwrap();
     assert!(found.blocks.contains(&2), "{:?}", found.blocks);
     assert!(found.condition < MODAL_CONDITION);
     assert!(largest_difference(&given, &found.system) < 1e-10);
@@ -59,5 +59,5 @@ fn a_double_pole_stays_in_one_block() {
 #[test]
 fn a_system_without_states_stays_a_gain() {
     let gain = StateSpace::gain(Mat::eye(1), Timebase::Discrete { period_s: 1e-3 }).unwrap();
-    assert_eq!(modal(&gain).unwrap().system, gain);
+    assert_eq!(modal_form(&gain).unwrap().system, gain);
 }

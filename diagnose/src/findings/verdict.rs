@@ -20,6 +20,7 @@ use crate::selection::outcome::SearchOutcome;
 use crate::selection::signature::EffectSignature;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
+use crate::tolerance::findings::LEAST_INFORMATION;
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
@@ -372,7 +373,7 @@ fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
     let mut out: Vec<NotExcited> = Vec::new();
     for look in signatures {
         let definition = &look.effect.parameters[0];
-        let smallest = look.change * (2.0 * GAIN_NEEDED / look.information.max(1e-12)).sqrt();
+        let smallest = look.change * (2.0 * GAIN_NEEDED / look.information.max(LEAST_INFORMATION)).sqrt();
         let known =
             out.iter().any(|n| n.effect == look.effect.effect && n.component == look.effect.component);
         if !known && smallest > 2.0 * look.change {

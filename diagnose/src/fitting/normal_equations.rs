@@ -5,6 +5,7 @@ use counterpoise_linalg::{Mat, solve};
 use crate::recording::series::dot;
 use crate::simulator_access::StartShift;
 use crate::tolerance::STRETCHES_TOGETHER;
+use crate::tolerance::fitting::LEAST_CURVATURE;
 
 /// Curvature and gradient of the cost, and the gradient's scatter.
 pub(crate) struct LinearisedCost {
@@ -39,7 +40,7 @@ pub(crate) fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Optio
     let largest = normal.diagonal().into_iter().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let mut damped = normal.clone();
     for i in 0..gradient.len() {
-        damped[(i, i)] += damping * normal[(i, i)].max(1e-9 * largest);
+        damped[(i, i)] += damping * normal[(i, i)].max(LEAST_CURVATURE * largest);
     }
     let step = solve(&damped, &Mat::col(gradient)).ok()?;
     step.is_finite().then(|| step.as_slice().to_vec())

@@ -12,6 +12,7 @@ use crate::fitting::output_error::{Fit, from_variable, to_variable};
 use crate::library::{Mapping, Parameter};
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
+use crate::tolerance::fitting::GRAM_RIDGE;
 use crate::tolerance::{FIT_STEP, NULL_REALISATIONS};
 
 /// The inner products of one recording: of the columns with each other, and with each realisation of the noise.
@@ -38,7 +39,7 @@ pub(crate) fn mean_null_gain(
     let said: Vec<NoiseProjection> = said.into_iter().flatten().collect();
     let Some(first) = said.first() else { return 0.0 };
     let mut gram = said.iter().skip(1).fold(first.gram.clone(), |sum, s| &sum + &s.gram);
-    let ridge = 1e-9 * gram.trace().max(f64::MIN_POSITIVE);
+    let ridge = GRAM_RIDGE * gram.trace().max(f64::MIN_POSITIVE);
     (0..free.len()).for_each(|j| gram[(j, j)] += ridge);
     let outcomes = said.iter().map(|s| s.right.len()).min().unwrap_or(0);
     let one = |k: usize| {

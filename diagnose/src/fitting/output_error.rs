@@ -13,6 +13,7 @@ use crate::recording::series::dot;
 use crate::simulator_access::{
     Assessment, ChannelResidual, Pool, SimulatorAccess, Span, StartShift, Variant, map,
 };
+use crate::tolerance::fitting::LEAST_DAMPING;
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
     STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
@@ -469,7 +470,7 @@ impl Problem<'_> {
             let shifts = slope.moved_starts(&now.shifts, &step, 1.0 / (1.0 + *damping));
             let there = self.at(&x, near, &shifts).map(|r| (mean_square(&r), r));
             if let Some((cost, residual)) = there.filter(|c| c.0 < now.cost) {
-                *damping = (*damping * 0.1).max(1e-9);
+                *damping = (*damping * 0.1).max(LEAST_DAMPING);
                 return Some(FitState { x, shifts, residual, cost });
             }
             *damping *= 10.0;

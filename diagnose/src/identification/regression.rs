@@ -6,7 +6,7 @@ use crate::tolerance::identification::{NORMAL_95, WORST_CONDITION};
 
 /// Rows of one recording.
 pub struct Block<'a> {
-    /// One column an unknown; `None` where the unknown is not in this recording.
+    /// One column an unknown; `None` if the unknown is not in this recording.
     pub columns: Vec<Option<&'a [f64]>>,
     /// What they sum to.
     pub target: &'a [f64],

@@ -4,6 +4,8 @@
 use counterpoise_linalg::{Mat, inverse, solve};
 use counterpoise_models::{LearnedElement, RegimeVariable};
 
+use crate::tolerance::learning::FLAT_CURVE;
+use crate::tolerance::learning::FORM_RIDGE;
 use crate::tolerance::learning::{
     BAND_FLOOR, FORM_GRID, ORDERS_AT_MOST, READ_FROM_COVERAGE, READ_SHARE, SMALLEST_WIDTH,
 };
@@ -160,7 +162,7 @@ impl Curve {
         };
         let (bottom, top) = low_high(&y);
         let floor =
-            BAND_FLOOR * (top - bottom).max(1e-12 * top.abs().max(bottom.abs())).max(f64::MIN_POSITIVE);
+            BAND_FLOOR * (top - bottom).max(FLAT_CURVE * top.abs().max(bottom.abs())).max(f64::MIN_POSITIVE);
         let weight = |k: &usize| {
             let half = element.half_width.get(*k).copied().unwrap_or(0.0);
             (half / 1.96).max(floor).powi(-2)
@@ -232,7 +234,7 @@ impl Curve {
         let sum = |of: &dyn Fn(usize) -> f64| (0..self.x.len()).map(|k| self.weight[k] * of(k)).sum::<f64>();
         let mut normal = Mat::from_fn(count, count, |i, j| sum(&|k| rows[k][i] * rows[k][j]));
         for i in 0..count {
-            normal[(i, i)] *= 1.0 + 1e-12;
+            normal[(i, i)] *= 1.0 + FORM_RIDGE;
         }
         let right: Vec<f64> = (0..count).map(|i| sum(&|k| rows[k][i] * self.y[k])).collect();
         let linear = solve(&normal, &Mat::col(&right)).ok().filter(Mat::is_finite)?.as_slice().to_vec();

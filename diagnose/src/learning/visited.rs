@@ -6,6 +6,7 @@ use crate::localisation::torque_balances::Signals;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::FITTED_SHARE;
+use crate::tolerance::learning::LEAST_RELATIVE_RANGE;
 use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 
 /// The values of the regime variables, recording by recording.
@@ -153,7 +154,7 @@ impl Visited {
         let last = sorted.len().checked_sub(1)?;
         let rare = (RANGE_QUANTILE * last as f64) as usize;
         let (low, high) = (sorted[rare], sorted[last - rare]);
-        (high - low > 1e-9 * low.abs().max(high.abs()) && high > low).then_some([low, high])
+        (high - low > LEAST_RELATIVE_RANGE * low.abs().max(high.abs()) && high > low).then_some([low, high])
     }
 
     /// Returns how far the recordings leave the range over which an element is known; `None` if they hardly do.

@@ -4,6 +4,7 @@ use super::amplifier_map::{fraction, static_gain};
 use super::effect::{Effect, Kind, parameter};
 use super::names::{Component, EffectName};
 use crate::tolerance::fitting::{FREE_INPUTS_V, USUAL_GAIN_CORNER_V};
+use crate::tolerance::fitting::{LEAST_GAIN_LOSS, LEAST_LEVEL_NM};
 use counterpoise_models::{AmplifierDynamics, FrictionLaw, MapPoint, Parameters};
 
 /// Returns the input at which the map's shortfall has fallen to 1/e of that at the first point; [`USUAL_GAIN_CORNER_V`] if there is no
@@ -11,7 +12,7 @@ use counterpoise_models::{AmplifierDynamics, FrictionLaw, MapPoint, Parameters};
 fn map_corner(p: &Parameters) -> f64 {
     let gain = static_gain(p);
     let short = |point: &MapPoint| (1.0 - point.current_a / (gain * point.input_v)).abs();
-    let Some(first) = p.amplifier.map.first().map(short).filter(|s| *s > 1e-6) else {
+    let Some(first) = p.amplifier.map.first().map(short).filter(|s| *s > LEAST_GAIN_LOSS) else {
         return USUAL_GAIN_CORNER_V;
     };
     let below = p.amplifier.map.iter().find(|point| short(point) < first / std::f64::consts::E);
@@ -51,9 +52,6 @@ fn set_lag_of_drive(p: &mut Parameters, lag_s: f64) {
 fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
-
-/// Smallest Coulomb level, N m, that is written: a level of 0 would change the friction's law.
-const LEAST_LEVEL_NM: f64 = 1e-9;
 
 /// Sets a Coulomb level that may be far from the model's own: the law breaks away at the same deflection as before, because the stiffness of a
 /// friction that a textbook nearly leaves out is a placeholder. Where there is no dry friction it becomes Coulomb's.

@@ -4,6 +4,7 @@ use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
 use crate::localisation::residual_regression::{ResidualRegression, Series};
 use crate::localisation::trend::{Trend, classify_function};
+use crate::tolerance::localisation::SAME_KNOT;
 use crate::tolerance::localisation::{
     FUNCTION_KNOTS, FUNCTION_SAMPLES, HIGHEST_PERIODIC_HZ, MOTOR_ORDERS, PERIODS_IN_TIME,
     TIME_FREQUENCIES_TRIED, TIME_FREQUENCY_REFINEMENTS,
@@ -29,7 +30,7 @@ pub(crate) fn place_knots(variable: &Series, spacing: KnotSpacing) -> Option<Vec
         sorted[(share * last as f64) as usize]
     };
     let mut knots: Vec<f64> = (0..FUNCTION_KNOTS).map(at).collect();
-    let least = 1e-6 * (sorted[last] - sorted[0]);
+    let least = SAME_KNOT * (sorted[last] - sorted[0]);
     knots.dedup_by(|a, b| *a - *b <= least);
     (knots.len() > 1 && knots.iter().all(|k| k.is_finite())).then_some(knots)
 }

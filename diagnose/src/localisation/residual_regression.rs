@@ -20,6 +20,7 @@ use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, ControlSource};
+use crate::tolerance::localisation::LEAST_SHARE;
 
 /// One value a sample, recording by recording.
 pub(crate) type Series = Vec<Vec<f64>>;
@@ -207,7 +208,8 @@ impl<'a> ResidualRegression<'a> {
     /// Returns the half width of the 95 % interval of the period of a sine at a frequency, s.
     pub fn period_doubt(&self, frequency_hz: f64) -> f64 {
         let total: f64 = self.torque.iter().map(|t| dot(t, t)).sum();
-        let share = (2.0 * self.power_at(frequency_hz) / total.max(f64::MIN_POSITIVE)).clamp(1e-6, 0.999);
+        let share =
+            (2.0 * self.power_at(frequency_hz) / total.max(f64::MIN_POSITIVE)).clamp(LEAST_SHARE, 0.999);
         let independent: f64 = self.torque.iter().map(|t| t.len() as f64 / correlation_time(t)).sum();
         let longest = self.signals.iter().map(|s| s.hub.len() as f64 * s.period_s).fold(0.0, f64::max);
         let deviation =

@@ -21,6 +21,7 @@ use crate::library::{Component, named};
 use crate::machine::{SteadyDrive, cosine};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::{derivative, low_pass, moving_mean};
+use crate::tolerance::localisation::LEAST_RMS_RATE_RAD_S;
 
 /// What a balance can show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -243,7 +244,7 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 fn slow_rate(rate: &[f64]) -> f64 {
-    NEARLY_AT_REST_SHARE * crate::recording::series::rms(rate).max(1e-9)
+    NEARLY_AT_REST_SHARE * crate::recording::series::rms(rate).max(LEAST_RMS_RATE_RAD_S)
 }
 
 pub(crate) fn integral(series: &[f64], period: f64) -> Vec<f64> {

@@ -1,6 +1,8 @@
 //! What an unnamed error looks like: its shape along one regime variable.
 
 use crate::recording::series::{correlation_time, dot, rms};
+use crate::tolerance::localisation::INDEPENDENT_PAIR;
+use crate::tolerance::localisation::LEAST_SHARE;
 use crate::tolerance::localisation::{
     CONSTANT_TREND, PROPORTIONAL_PREFERENCE, TREND_FREQUENCIES_TRIED, TREND_FREQUENCY_REFINEMENTS,
     TREND_PERIODS_AT_LEAST, TREND_PERIODS_AT_MOST, TREND_SHARE,
@@ -123,7 +125,7 @@ impl PeriodicTrend {
         let range = range(variable)?;
         let span = range[1] - range[0];
         let (frequency, share) = repetition(residual, variable, span);
-        let share = share.clamp(1e-6, 1.0);
+        let share = share.clamp(LEAST_SHARE, 1.0);
         let independent = (residual.len() as f64 / correlation_time(residual)).max(4.0);
         let deviation = (3.0 * (1.0 - share) / (share * independent)).sqrt() / (std::f64::consts::PI * span);
         Some(Self { frequency, doubt: 1.96 * deviation / (frequency * frequency), range })
@@ -186,7 +188,7 @@ fn share(residual: &[f64], a: &[f64], b: &[f64]) -> f64 {
     let (aa, bb, ab) = (dot(&a, &a), dot(&b, &b), dot(&a, &b));
     let (ar, br, total) = (dot(&a, &r), dot(&b, &r), dot(&r, &r).max(f64::MIN_POSITIVE));
     let determinant = aa * bb - ab * ab;
-    if determinant > 1e-9 * aa * bb {
+    if determinant > INDEPENDENT_PAIR * aa * bb {
         (ar * (bb * ar - ab * br) + br * (aa * br - ab * ar)) / determinant / total
     } else {
         ar * ar / aa.max(f64::MIN_POSITIVE) / total

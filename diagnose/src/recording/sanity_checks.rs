@@ -13,6 +13,7 @@ use counterpoise_simulate::replay::{Loop, control_fit};
 
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
+use crate::tolerance::recording::SAME_READING;
 
 /// What a sensor's disagreement with the others most likely means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -295,7 +296,7 @@ fn extent(series: &[f64]) -> (f64, f64) {
 /// Returns the quantiser's step: the smallest difference between two different neighbouring values.
 fn step(series: &[f64]) -> f64 {
     let (low, high) = extent(series);
-    let negligible = 1e-9 * (high - low);
+    let negligible = SAME_READING * (high - low);
     let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > negligible);
     differences.fold(f64::INFINITY, f64::min).min(high - low)
 }

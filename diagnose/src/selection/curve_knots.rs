@@ -17,6 +17,7 @@ use crate::recording::series::dot;
 use crate::selection::candidate::Candidate;
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
+use crate::tolerance::selection::SAME_GRID_PLACE;
 use crate::tolerance::{
     KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVE_GAIN, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE,
     KNOT_SPACING_V, KNOT_STRETCH, KNOTS_AT_MOST,
@@ -125,7 +126,7 @@ struct Series {
 /// Returns the inputs of a fine curve that has all knots of another.
 fn fine_inputs(present: &[f64]) -> Vec<f64> {
     let last = present.last().copied().unwrap_or(0.0);
-    let count = (last / KNOT_SPACING_V - 1e-6).floor() as usize;
+    let count = (last / KNOT_SPACING_V - SAME_GRID_PLACE).floor() as usize;
     // rounded so that the result reads well
     let grid = |k: usize| (1e6 * k as f64 * KNOT_SPACING_V).round() / 1e6;
     let mut inputs: Vec<f64> = (1..=count).map(grid).collect();

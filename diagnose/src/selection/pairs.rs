@@ -6,6 +6,7 @@ use counterpoise_models::Parameters;
 use crate::recording::series::dot;
 use crate::selection::signature::{EffectSignature, thinned, weighted};
 use crate::simulator_access::Assessment;
+use crate::tolerance::selection::INDEPENDENT_SIGNATURES;
 
 /// Effects that together explain more than any of them alone.
 #[derive(Debug, Clone)]
@@ -55,7 +56,7 @@ fn together(a: &[f64], b: &[f64], target: &[f64]) -> (f64, [f64; 2]) {
     let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
     let (at, bt) = (dot(a, target), dot(b, target));
     let determinant = aa * bb - ab * ab;
-    if determinant <= 1e-6 * aa * bb {
+    if determinant <= INDEPENDENT_SIGNATURES * aa * bb {
         return (0.0, [1.0, 1.0]);
     }
     let (x, y) = ((bb * at - ab * bt) / determinant, (aa * bt - ab * at) / determinant);

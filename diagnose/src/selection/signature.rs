@@ -14,6 +14,7 @@ use crate::selection::perturbations::{Perturbation, first_change, limits, moved,
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::{Assessment, ChannelResidual, Pool, SimulatorAccess, Span};
 use crate::tolerance::EXPLAINED;
+use crate::tolerance::fitting::GRAM_RIDGE;
 
 /// The signature of an effect: what it explains of the residual, and where its fit should start.
 #[derive(Debug, Clone)]
@@ -202,7 +203,7 @@ fn regress(here: &Weighted, signatures: &[Residuals], limits: &[[f64; 2]]) -> Op
     };
     let count = signatures.len();
     let gram = Mat::from_fn(count, count, |i, j| inner(&signatures[i], &signatures[j]));
-    let ridge = 1e-9 * gram.trace().max(f64::MIN_POSITIVE);
+    let ridge = GRAM_RIDGE * gram.trace().max(f64::MIN_POSITIVE);
     let gram = &gram + &Mat::eye(count).scale(ridge);
     let right: Vec<f64> = signatures.iter().map(|s| -inner(s, &here.residuals)).collect();
     let mut coefficients = solve(&gram, &Mat::col(&right)).ok()?.as_slice().to_vec();

@@ -10,3 +10,6 @@ pub const UNSCALED_WITHIN: (f64, f64) = (20.0, 5.0);
 pub const LARGEST_REPORTED_MULTIPLE: f64 = 100.0;
 /// Travel below which the sine of the angle and the angle itself are one: they differ by less than 1 % of the largest torque.
 pub const SMALL_TRAVEL_RAD: f64 = 0.5;
+
+/// Least information of an effect: keeps the smallest change that would show finite where an effect changes nothing at all.
+pub const LEAST_INFORMATION: f64 = 1e-12;

@@ -17,3 +17,18 @@ pub const INITIAL_STATE_PREFERENCE: f64 = 1e-5;
 pub const WHITENESS_LAGS: usize = 60;
 /// Half width of a 95 % band in standard deviations.
 pub const BAND_95: f64 = 1.96;
+
+/// Relative loss of gain of the first point of the amplifier's curve below which the curve has no dead zone: rounding of the file.
+pub const LEAST_GAIN_LOSS: f64 = 1e-6;
+
+/// Least curvature of an unknown, relative to the largest of all, by which it is damped: an unknown without effect does not move.
+pub const LEAST_CURVATURE: f64 = 1e-9;
+
+/// Addition to the diagonal of a Gram matrix of signatures, relative to its trace: keeps it regular if two signatures coincide.
+pub const GRAM_RIDGE: f64 = 1e-9;
+
+/// Least damping of a Levenberg-Marquardt step, relative to the curvature: below it the step is a Gauss-Newton step up to rounding.
+pub const LEAST_DAMPING: f64 = 1e-9;
+
+/// Smallest Coulomb level, N m, that is written: a level of 0 would change the friction's law.
+pub const LEAST_LEVEL_NM: f64 = 1e-9;

@@ -75,3 +75,12 @@ pub const UNDETERMINED_SHARE: f64 = 1.0;
 pub const NAMED_FROM_CURVES: usize = 2;
 /// Multiple of the parameters of the library's effects up to which a free function that predicts as well is offered beside them.
 pub const EVEN_PARAMETERS: f64 = 2.5;
+
+/// Range of a curve, relative to its size, below which it is flat up to rounding.
+pub const FLAT_CURVE: f64 = 1e-12;
+
+/// Relative increase of the diagonal of the normal equations of a form: keeps them regular if two of its terms coincide on the points.
+pub const FORM_RIDGE: f64 = 1e-12;
+
+/// Range of a variable, relative to its size, up to which it did not move: rounding of the recording.
+pub const LEAST_RELATIVE_RANGE: f64 = 1e-9;

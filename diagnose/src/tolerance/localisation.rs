@@ -53,3 +53,16 @@ pub const PROPORTIONAL_PREFERENCE: f64 = 0.05;
 pub const WHITENING_ORDER: usize = 16;
 /// Share of its variance that is added to a series as white noise, so that the recursion stays stable.
 pub const WHITENING_REGULARITY: f64 = 1e-6;
+
+/// Distance of two knots, relative to the range of the variable, up to which they are one: values that repeat give quantiles that coincide.
+pub const SAME_KNOT: f64 = 1e-6;
+
+/// Least share of a residual that a sine is taken to explain: the doubt of its frequency divides by the share.
+pub const LEAST_SHARE: f64 = 1e-6;
+
+/// Least RMS rate, rad/s, by which rates are compared: keeps the comparison finite for a recording at rest.
+pub const LEAST_RMS_RATE_RAD_S: f64 = 1e-9;
+
+/// Determinant of the normal equations of a sine and a cosine, relative to the product of their powers, from which on both are fitted: below
+/// it they are one function over the range that was visited.
+pub const INDEPENDENT_PAIR: f64 = 1e-9;

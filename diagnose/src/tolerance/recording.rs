@@ -111,3 +111,13 @@ pub const CONVERTER_LIMIT_SHARE: f64 = 0.98;
 /// Samples of exactly one value from which on a sensor counts as at rest. A noisy reading does not repeat so often by chance; fewer would
 /// take the steps of a coarse sensor for rest.
 pub const REST_SAMPLES: usize = 25;
+
+/// Difference of two readings, relative to the size of all, up to which they are the same reading: above the rounding of a unit's conversion,
+/// far below the step of any converter (2^-24 is 6e-8).
+pub const SAME_READING: f64 = 1e-9;
+
+/// Relative distance of a gain from the factor between two units up to which it is this factor: the gains that are compared were set to it.
+pub const SAME_UNIT_FACTOR: f64 = 1e-9;
+
+/// Distance of a place from a sample, in samples, up to which it is this sample: rounding of the delay over the period.
+pub const ON_SAMPLE: f64 = 1e-9;

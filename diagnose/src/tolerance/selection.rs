@@ -36,3 +36,9 @@ pub const SCALED_FACTORS: [f64; 2] = [4.0, 16.0];
 pub const STARTS_VISITED: usize = 3;
 /// Interval in samples at which a trace is kept.
 pub const TRACE_STRIDE: usize = 7;
+
+/// Part of a spacing by which a last knot may stand on the grid, so that the grid does not repeat it.
+pub const SAME_GRID_PLACE: f64 = 1e-6;
+
+/// Determinant of the normal equations of two signatures, relative to the product of their powers, up to which they are one signature.
+pub const INDEPENDENT_SIGNATURES: f64 = 1e-6;

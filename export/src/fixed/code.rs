@@ -11,10 +11,11 @@ use crate::fixed::guard::{FixedSettings, SHARE_BITS};
 use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::guard::{flags, guard_bytes, marked};
 use crate::print::{Dialect, limit, meaning, state, wrap};
-use crate::vectors::{SHIPPED_SAMPLES, vectors};
+use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};
 use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields};
 
-/// The controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and of the control.
+/// Returns the controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and
+/// of the control.
 ///
 /// # Errors
 /// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
@@ -98,7 +99,7 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     }
 }
 
-/// The largest magnitude of a format.
+/// Returns the largest magnitude of a format.
 fn full_scale(bits: i32) -> String {
     format!("{:.4}", FULL as f64 * unit(bits)).trim_end_matches('0').trim_end_matches('.').to_owned()
 }
@@ -137,7 +138,7 @@ fn rows(fixed: &Fixed) -> Vec<String> {
             list.join(", ")
         )
     };
-    vectors::<f64>(&fixed.controller, SHIPPED_SAMPLES).iter().map(row).collect()
+    self_test_vectors::<f64>(&fixed.controller, SHIPPED_SAMPLES).iter().map(row).collect()
 }
 
 struct Printer<'a> {

@@ -7,12 +7,12 @@ pub(crate) fn bits_for(largest: f64) -> i32 {
     ((FULL as f64) / largest).log2().floor().clamp(-64.0, 96.0) as i32
 }
 
-/// The real value of one.
+/// Returns the real value of one.
 pub(crate) fn unit(bits: i32) -> f64 {
     f64::from(-bits).exp2()
 }
 
-/// The nearest integer, saturated.
+/// Returns the nearest integer, saturated.
 pub(crate) fn to_integer(value: f64, bits: i32) -> i64 {
     (value * f64::from(bits).exp2()).round().clamp(-(FULL as f64), FULL as f64) as i64
 }
@@ -50,7 +50,7 @@ impl Span {
         self.low.abs().max(self.high.abs())
     }
 
-    /// Distance from 0; not positive where 0 lies inside.
+    /// Returns the distance from 0; not positive where 0 lies inside.
     pub fn nearest(self) -> i128 {
         self.low.max(-self.high)
     }

@@ -16,11 +16,13 @@ mod writer;
 pub use code::fixed_c99;
 pub use error::FixedError;
 pub(crate) use format::{to_integer, unit};
-pub use plan::{Fixed, plan};
+pub use plan::plan_fixed_point;
 pub use runner::FixedRunner;
 
-use counterpoise_controller::READINGS;
 use counterpoise_controller::program::Slot;
+use counterpoise_controller::{Controller, READINGS};
+
+use crate::rounding::Deviation;
 
 /// Largest magnitude of a stored number.
 pub const FULL: i64 = (1 << 31) - 1;
@@ -83,6 +85,23 @@ pub enum FixedOperation {
         /// Upper limit.
         high: i64,
     },
+}
+
+/// A controller in fixed point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fixed {
+    /// The controller.
+    pub controller: Controller,
+    /// Fraction bits of the states.
+    pub states: Vec<i32>,
+    /// The states at the start.
+    pub initial: Vec<i64>,
+    /// One sample.
+    pub step: FixedProgram,
+    /// Setting of the out-of-balance.
+    pub set_out_of_balance: FixedProgram,
+    /// How far the control can be from the reference.
+    pub deviation: Deviation,
 }
 
 /// A program on integers, with the format of each of its slots.

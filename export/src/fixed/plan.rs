@@ -8,26 +8,10 @@ use crate::Ranges;
 use crate::fixed::format::{bits_for, to_integer};
 use crate::fixed::predict::predict;
 use crate::fixed::writer::Writer;
-use crate::fixed::{FixedError, FixedProgram};
+use crate::fixed::{Fixed, FixedError};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
-
-/// A controller in fixed point.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fixed {
-    /// The controller.
-    pub controller: Controller,
-    /// Fraction bits of the states.
-    pub states: Vec<i32>,
-    /// The states at the start.
-    pub initial: Vec<i64>,
-    /// One sample.
-    pub step: FixedProgram,
-    /// Setting of the out-of-balance.
-    pub set_out_of_balance: FixedProgram,
-    /// How far the control can be from the reference.
-    pub deviation: Deviation,
-}
+use crate::tolerance::UNSTABLE_MODULUS;
 
 /// Chooses formats for the ranges, fixes the integer arithmetic, proves that it cannot overflow and predicts how far it
 /// is from the reference over `samples` samples.
@@ -35,7 +19,7 @@ pub struct Fixed {
 /// # Errors
 /// [`FixedError`]: a range that is unknown, a sum that does not fit, a divisor that may be 0, or a predicted worst
 /// deviation above `allowed_v`.
-pub fn plan(
+pub fn plan_fixed_point(
     controller: &Controller,
     ranges: &Ranges,
     allowed_v: f64,
@@ -79,15 +63,12 @@ pub fn plan(
     })
 }
 
-/// A setting at which the controller by itself is unstable, with the modulus of its largest pole.
+/// Returns a setting at which the controller by itself is unstable, with the modulus of its largest pole.
 fn unstable(controller: &Controller) -> Option<(f64, f64)> {
     let all = std::iter::once(controller.parts().design_out_of_balance_kg_m).chain(settings(controller));
     let radius = |set: f64| {
         let poles = poles(&controller.linear(set).ok()?).ok()?;
         Some((set, poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max)))
     };
-    all.filter_map(radius).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, radius)| *radius > UNSTABLE)
+    all.filter_map(radius).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, radius)| *radius > UNSTABLE_MODULUS)
 }
-
-/// Modulus beyond which a pole is unstable: an integrator's may be off 1 by rounding.
-const UNSTABLE: f64 = 1.0 + 1e-9;

@@ -5,32 +5,12 @@ use counterpoise_controller::program::{Operation, Program, Slot};
 
 use crate::Ranges;
 use crate::fixed::format::{to_integer, unit};
-use crate::fixed::writer::Writer;
+use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::Run;
 use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 
-/// One operation's rounding.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct OperationError {
-    /// Largest error of what the operation writes, that of rounded coefficients included.
-    pub worst: f64,
-    /// The part of its rounding that does not average out.
-    pub steady: f64,
-    /// The square of the bound of the part that does.
-    pub squares: f64,
-    /// Fraction bits of what is written.
-    pub bits: i32,
-}
-
-impl OperationError {
-    /// Rounding to nearest.
-    pub fn nearest(half: f64) -> Self {
-        Self { worst: half, squares: half * half, ..Self::default() }
-    }
-}
-
-/// How far the control can be from the reference.
+/// Returns how far the control can be from the reference.
 pub(crate) fn predict(
     fixed: &Fixed,
     ranges: &Ranges,
@@ -50,7 +30,7 @@ pub(crate) fn predict(
     deviation(controller, ranges, &quantised, samples)
 }
 
-/// Largest error of each state after a setting, or at the start.
+/// Returns the largest error of each state after a setting, or at the start.
 fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
     let program = &fixed.controller.programs().set_out_of_balance;
     let mut states: Vec<f64> = fixed.states.iter().map(|bits| 0.5 * unit(*bits)).collect();
@@ -71,7 +51,7 @@ fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
     states
 }
 
-/// What an operation passes on of its operands' errors.
+/// Returns what an operation passes on of its operands' errors.
 fn inherited(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f64) -> f64 {
     match operation {
         Operation::Sum { terms, .. } => terms.iter().map(|t| t.coefficient.abs() * error(&t.of)).sum(),
@@ -108,8 +88,8 @@ impl Arithmetic for Quantised<'_> {
         off
     }
 
-    /// What is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has the sign
-    /// of the quotient.
+    /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
+    /// the sign of the quotient.
     fn rounded(
         &self,
         (line, number): (Line, usize),

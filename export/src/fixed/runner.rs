@@ -23,7 +23,7 @@ pub struct FixedRunner {
 const BEYOND: i64 = -(1 << 31);
 
 impl FixedRunner {
-    /// The controller at its start.
+    /// Returns the controller at its start.
     pub fn new(fixed: &Fixed) -> Self {
         let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
         Self {
@@ -35,7 +35,8 @@ impl FixedRunner {
         }
     }
 
-    /// One sample in integers: the readings in the formats of [`FixedProgram::inputs`], the control in its own.
+    /// Returns one sample in integers: the readings in the formats of [`FixedProgram::inputs`], the control in
+    /// its own.
     pub fn step_integers(&mut self, readings: &[i64; READINGS]) -> i64 {
         let taken = self.guard.take(readings);
         self.run(Which::Step, &taken);
@@ -43,8 +44,8 @@ impl FixedRunner {
         output.map_or(0, |slot| self.read(slot, &taken))
     }
 
-    /// One sample: readings are rounded to their formats first. One that is no number, or beyond its limit, is replaced by the
-    /// last good one; one beyond its format alone saturates.
+    /// Returns one sample: readings are rounded to their formats first. One that is no number, or beyond its limit, is
+    /// replaced by the last good one; one beyond its format alone saturates.
     pub fn step_array(&mut self, readings: &[f64; READINGS]) -> f64 {
         let mut integers = self.fixed.step.integers(readings);
         for ((integer, reading), limit) in integers.iter_mut().zip(readings).zip(self.reading_limits) {
@@ -77,7 +78,7 @@ impl FixedRunner {
         self.run(Which::Set, &[out_of_balance]);
     }
 
-    /// The states as real numbers, in the order of the controller's.
+    /// Returns the states as real numbers, in the order of the controller's.
     pub fn states(&self) -> Vec<f64> {
         self.states.iter().zip(&self.fixed.states).map(|(value, bits)| *value as f64 * unit(*bits)).collect()
     }

@@ -5,8 +5,27 @@ use counterpoise_controller::program::{Operation, Program, Slot, Term};
 
 use crate::Ranges;
 use crate::fixed::format::{ALL, Span, bits_for, to_integer, unit};
-use crate::fixed::predict::OperationError;
 use crate::fixed::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram};
+
+/// One operation's rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct OperationError {
+    /// Largest error of what the operation writes, that of rounded coefficients included.
+    pub worst: f64,
+    /// The part of its rounding that does not average out.
+    pub steady: f64,
+    /// The square of the bound of the part that does.
+    pub squares: f64,
+    /// Fraction bits of what is written.
+    pub bits: i32,
+}
+
+impl OperationError {
+    /// Rounding to nearest.
+    pub fn nearest(half: f64) -> Self {
+        Self { worst: half, squares: half * half, ..Self::default() }
+    }
+}
 
 /// Turns a program's operations into integer ones, one after the other.
 pub(crate) struct Writer<'a> {
@@ -53,7 +72,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Errors of the operations written.
+    /// Returns errors of the operations written.
     pub fn errors(&self) -> &[OperationError] {
         &self.errors
     }
@@ -82,12 +101,12 @@ impl<'a> Writer<'a> {
         Ranges::name(self.controller, self.program, slot)
     }
 
-    /// Largest real magnitude that the integers of a slot can stand for.
+    /// Returns the largest real magnitude that the integers of a slot can stand for.
     pub fn size(&self, slot: Slot) -> f64 {
         self.span(slot).size() as f64 * unit(self.bits(slot))
     }
 
-    /// Smallest real magnitude that the integers of a divisor can stand for.
+    /// Returns the smallest real magnitude that the integers of a divisor can stand for.
     pub fn nearest(&self, slot: Slot) -> f64 {
         self.span(slot).nearest() as f64 * unit(self.bits(slot))
     }
@@ -179,7 +198,8 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// The finest scale, in fraction bits, at which all coefficients are 32-bit integers and the sum cannot overflow.
+    /// Returns the finest scale, in fraction bits, at which all coefficients are 32-bit integers and the sum cannot
+    /// overflow.
     fn accumulator(&self, constant: f64, terms: &[Term]) -> i32 {
         let fitting = terms.iter().map(|t| bits_for(t.coefficient.abs()) + self.bits(t.of));
         let constant_bits = bits_for(constant.abs().max(f64::MIN_POSITIVE)) + 30;
@@ -197,7 +217,7 @@ impl<'a> Writer<'a> {
         scale
     }
 
-    /// What the sum can be, and a bound of all its partial sums.
+    /// Returns what the sum can be, and a bound of all its partial sums.
     fn accumulated(&self, start: i64, factors: &[(i64, Slot)]) -> (Span, i128) {
         let start = Span { low: start.into(), high: start.into() };
         let each = factors.iter().map(|(factor, of)| self.span(*of).scaled((*factor).into()));
@@ -217,7 +237,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Whether a state's own format differs from `bits`.
+    /// Returns whether a state's own format differs from `bits`.
     fn cannot_take(&self, into: Slot, bits: i32) -> bool {
         !matches!(into, Slot::Local(_)) && self.bits(into) != bits
     }
@@ -250,7 +270,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A quotient loses up to one unit before it is narrowed, always towards 0, and half a unit after.
+/// Returns the error of a quotient: it loses up to one unit before it is narrowed, always towards 0, and half a unit after.
 fn cut(bits: i32, shift: u32) -> OperationError {
     let (before, after) = (unit(bits + shift as i32), if shift > 0 { 0.5 * unit(bits) } else { 0.0 });
     let squares = 0.25 * before * before + after * after;

@@ -6,7 +6,7 @@ use minijinja::{Environment, context};
 use crate::fmi::{Unit, Variable};
 use crate::{Error, File, Options, Provenance, Source, c99, reading_fields};
 
-/// The controller as an FMI 3.0 co-simulation unit, in a folder of the options' name.
+/// Returns the controller as an FMI 3.0 co-simulation unit, in a folder of the options' name.
 ///
 /// Inputs are the readings, the output is the control; the out-of-balance is a tunable parameter.
 ///

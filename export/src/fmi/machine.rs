@@ -17,7 +17,8 @@ const PARTS: u32 = 65_536;
 /// The same where bristles snap: each makes a jump, and there are too many to find all.
 const BRISTLED_PARTS: u32 = 4096;
 
-/// The states before the modes, in order, as the header's enumeration names them; a transmission with hysteresis and a second accelerometer have one more each.
+/// Returns the states before the modes, in order, as the header's enumeration names them; a transmission with hysteresis and a second accelerometer
+/// have one more each.
 pub(crate) fn states(plant: &Plant) -> Vec<&'static str> {
     let mut states = STATES.to_vec();
     if plant.parameters().sensors.surge_accelerometer.is_some() {
@@ -58,7 +59,7 @@ const BESIDE: usize = 4;
 /// Five filters of second order, without that of a second accelerometer.
 const FILTERS: usize = 5;
 
-/// A number in C.
+/// Returns a number in C.
 pub(super) fn number(value: f64) -> String {
     if value.is_infinite() {
         return if value > 0.0 { "HUGE_VAL" } else { "-HUGE_VAL" }.to_owned();
@@ -70,7 +71,7 @@ pub(super) fn list(values: &[f64]) -> String {
     values.iter().copied().map(number).collect::<Vec<_>>().join(", ")
 }
 
-/// Name, value and meaning of each constant of the machine.
+/// Returns the name, value and meaning of each constant of the machine.
 pub(crate) fn parameters(plant: &Plant) -> Vec<(&'static str, String, &'static str)> {
     let (drive, structure) = (drive(plant), structure(plant));
     drive.into_iter().chain(structure).map(|(name, value, says)| (name, number(value), says)).collect()
@@ -184,7 +185,7 @@ fn three(ripple: &Ripple) -> [f64; 3] {
     [ripple.amplitude, ripple.order, ripple.phase_rad]
 }
 
-/// Whether the amplifier is a current source.
+/// Returns whether the amplifier is a current source.
 pub(crate) fn ideal_current(plant: &Plant) -> &'static str {
     match plant.parameters().amplifier.dynamics {
         AmplifierDynamics::IdealCurrent | AmplifierDynamics::CurrentLoop { .. } => "true",
@@ -192,7 +193,7 @@ pub(crate) fn ideal_current(plant: &Plant) -> &'static str {
     }
 }
 
-/// Time constant with which a current source follows its input, s.
+/// Returns the time constant with which a current source follows its input, s.
 fn current_lag_s(plant: &Plant) -> f64 {
     match plant.parameters().amplifier.dynamics {
         AmplifierDynamics::CurrentLoop { bandwidth_rad_s, .. } => 1.0 / bandwidth_rad_s,
@@ -200,7 +201,7 @@ fn current_lag_s(plant: &Plant) -> f64 {
     }
 }
 
-/// The structure's flexible modes.
+/// Returns the structure's flexible modes.
 pub(crate) fn modes(plant: &Plant) -> Vec<String> {
     let modes = plant.body().modes.iter();
     let line = |m: &counterpoise_models::plant::BodyMode| {
@@ -209,7 +210,7 @@ pub(crate) fn modes(plant: &Plant) -> Vec<String> {
     modes.map(line).collect()
 }
 
-/// The amplifier's map: volts in, and the volts that a linear amplifier would need.
+/// Returns the amplifier's map: volts in, and the volts that a linear amplifier would need.
 pub(crate) fn map(plant: &Plant) -> Vec<(String, String)> {
     let p = plant.parameters();
     let gain = p.amplifier.stall_gain_a_v(&p.motor);
@@ -221,7 +222,7 @@ pub(crate) fn joints(plant: &Plant) -> Vec<String> {
     laws(plant).iter().map(|(friction, law)| joint(friction, law)).collect()
 }
 
-/// The joints' friction; a law that was checked with the plant.
+/// Returns the joints' friction; a law that was checked with the plant.
 fn laws(plant: &Plant) -> [(&Friction, Law); 2] {
     let p = plant.parameters();
     [&p.motor_friction, &p.pivot_friction]
@@ -336,7 +337,7 @@ fn joint(friction: &Friction, law: &Law) -> String {
     )
 }
 
-/// How the level falls with the rate: the curve's name in C, its exponent and its cubic.
+/// Returns how the level falls with the rate: the curve's name in C, its exponent and its cubic.
 fn curve(friction: &Friction, level: Option<&StribeckLevel>) -> (&'static str, f64, [f64; 3]) {
     let none = [0.0; 3];
     let Some(level) = level else { return ("CONSTANT", 1.0, none) };
@@ -369,8 +370,8 @@ pub(crate) fn shortest_parts(plant: &Plant) -> String {
     format!("{:?}", f64::from(parts))
 }
 
-/// Hub gyroscope, platform gyroscope, accelerometer, tachometer, resolver, and the second accelerometer if there is one; another sensor that is
-/// not fitted reads 0.
+/// Returns the hub gyroscope, platform gyroscope, accelerometer, tachometer, resolver, and the second accelerometer if there is one; another
+/// sensor that is not fitted reads 0.
 fn fitted(plant: &Plant) -> Vec<Sensor> {
     let s = &plant.parameters().sensors;
     let absent = Sensor { gain: 0.0, ..Sensor::IDEAL };
@@ -386,7 +387,7 @@ fn fitted(plant: &Plant) -> Vec<Sensor> {
     all
 }
 
-/// The sensors, as the structure `sensor` lists them.
+/// Returns the sensors, as the structure `sensor` lists them.
 pub(crate) fn sensors(plant: &Plant) -> Vec<String> {
     let line = |s: &Sensor| {
         let own = [frequency(s), s.damping_ratio, s.gain, s.bias, s.g_sensitivity];
@@ -400,7 +401,7 @@ fn frequency(sensor: &Sensor) -> f64 {
     if sensor.natural_frequency_rad_s.is_finite() { sensor.natural_frequency_rad_s } else { 0.0 }
 }
 
-/// How many values a delayed signal keeps.
+/// Returns how many values a delayed signal keeps.
 pub(crate) fn past(plant: &Plant) -> usize {
     let interface = &plant.parameters().interface;
     let late =
@@ -408,7 +409,7 @@ pub(crate) fn past(plant: &Plant) -> usize {
     2 + late.fold(interface.output_delay_samples, usize::max)
 }
 
-/// The states at rest with the hub level.
+/// Returns the states at rest with the hub level.
 pub(crate) fn rest(plant: &Plant) -> Vec<String> {
     let core = plant.equilibrium(&OperatingPoint::default()).core_state;
     let further = usize::from(plant.parameters().sensors.surge_accelerometer.is_some());
@@ -424,7 +425,7 @@ const ELECTRICAL: (f64, f64) = (1.0, 0.1);
 /// See [`ELECTRICAL`].
 const WIND_UP: f64 = 1e-5;
 
-/// Sizes of the states against which an error is small.
+/// Returns sizes of the states against which an error is small.
 pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
     let ratio = plant.parameters().gearbox.ratio;
     let (rate, angle) = SIZE;
@@ -445,7 +446,7 @@ pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
     sizes.into_iter().map(number).collect()
 }
 
-/// The largest state of a law of friction.
+/// Returns the largest state of a law of friction.
 fn dry_size(law: &Law) -> f64 {
     match law {
         Law::None | Law::Sliding(_) | Law::Bristle(_) => 1.0,

@@ -15,7 +15,7 @@ mod pack;
 mod plant;
 
 pub use controller::controller_unit;
-pub use pack::pack;
+pub use pack::pack_unit;
 pub use plant::{MOST_BRISTLES, MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 
 use absent::ABSENT;
@@ -126,7 +126,7 @@ impl Unit<'_> {
         }
     }
 
-    /// The instantiation token: a hash of what the unit is (FNV-1a, twice), in the form of a GUID.
+    /// Returns the instantiation token: a hash of what the unit is (FNV-1a, twice), in the form of a GUID.
     fn token(&self) -> String {
         let names: Vec<&str> = self.variables.iter().map(|v| v.name).collect();
         let text =

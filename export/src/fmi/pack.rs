@@ -2,10 +2,10 @@
 
 use crate::File;
 
-/// The `.fmu` archive of a unit: a zip whose files are stored, without times, so that the same unit gives the same
-/// bytes. `files` are those of [`super::controller_unit`] or [`super::plant_unit`]; their common folder is left out.
-/// A library compiled for 64-bit Linux may be added: then importers need no compiler.
-pub fn pack(files: &[File], name: &str, linux_library: Option<&[u8]>) -> Vec<u8> {
+/// Returns the `.fmu` archive of a unit: a zip whose files are stored, without times, so that the same unit gives
+/// the same bytes. `files` are those of [`super::controller_unit`] or [`super::plant_unit`]; their common folder is
+/// left out. A library compiled for 64-bit Linux may be added: then importers need no compiler.
+pub fn pack_unit(files: &[File], name: &str, linux_library: Option<&[u8]>) -> Vec<u8> {
     let folder = format!("{name}/");
     let inside = |file: &File| file.name.strip_prefix(&folder).unwrap_or(&file.name).to_owned();
     let mut entries: Vec<(String, &[u8])> =
@@ -37,7 +37,8 @@ pub fn pack(files: &[File], name: &str, linux_library: Option<&[u8]>) -> Vec<u8>
     archive
 }
 
-/// What a local and a central header share: version, flags, method, time (1980-01-01), checksum, sizes, lengths.
+/// Returns what a local and a central header share: version, flags, method, time (1980-01-01), checksum, sizes,
+/// lengths.
 fn header(path: &str, content: &[u8]) -> Vec<u8> {
     let mut bytes = vec![20, 0, 0, 0, 0, 0, 0, 0, 0x21, 0];
     bytes.extend(crc32(content).to_le_bytes());
@@ -52,7 +53,7 @@ fn put(bytes: &mut Vec<u8>, size: usize) {
     bytes.extend((size as u32).to_le_bytes());
 }
 
-/// The checksum of zip archives: CRC-32 with the reflected polynomial 0xEDB88320.
+/// Returns the checksum of zip archives: CRC-32 with the reflected polynomial 0xEDB88320.
 fn crc32(content: &[u8]) -> u32 {
     let step = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg()))
@@ -72,8 +73,8 @@ mod tests {
     #[test]
     fn the_same_files_give_the_same_bytes() {
         let files = [File { name: "axis/modelDescription.xml".into(), text: "<x/>".into() }];
-        let archive = pack(&files, "axis", Some(&[1, 2, 3]));
-        assert_eq!(archive, pack(&files, "axis", Some(&[1, 2, 3])));
+        let archive = pack_unit(&files, "axis", Some(&[1, 2, 3]));
+        assert_eq!(archive, pack_unit(&files, "axis", Some(&[1, 2, 3])));
         let text = String::from_utf8_lossy(&archive);
         assert!(
             text.contains("PK")

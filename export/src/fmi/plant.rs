@@ -40,7 +40,8 @@ pub enum PlantUnitError {
     Export(#[from] Error),
 }
 
-/// The nonlinear plant as an FMI 3.0 co-simulation unit in C99 (with the mathematical library), in a folder of its name.
+/// Returns the nonlinear plant as an FMI 3.0 co-simulation unit in C99 (with the mathematical library), in a folder of
+/// its name.
 ///
 /// It holds what [`counterpoise_simulate`] simulates: amplifier with limits, map and dead zone or a current source; armature,
 /// cogging, torque ripple; gear with backlash, ripple and loss; the structure with its modes, gravity, spring and hose; every law

@@ -3,7 +3,8 @@
 use counterpoise_controller::program::{OnRestart, Operation, Slot};
 use counterpoise_controller::{Controller, Scaling};
 
-/// The settings at which a gain has a corner: the ends of the range and the points of schedules, without repetition.
+/// Returns the settings at which a gain has a corner: the ends of the range and the points of schedules, without
+/// repetition.
 pub(crate) fn settings(controller: &Controller) -> Vec<f64> {
     let parts = controller.parts();
     let (low, high) = parts.out_of_balance_range_kg_m;
@@ -18,8 +19,8 @@ pub(crate) fn settings(controller: &Controller) -> Vec<f64> {
     all
 }
 
-/// Bounds of the states that setting an out-of-balance within its range writes for good: interval arithmetic over the
-/// program that sets it, with the other states within `largest`.
+/// Returns bounds of the states that setting an out-of-balance within its range writes for good: interval arithmetic
+/// over the program that sets it, with the other states within `largest`.
 pub(super) fn settable(controller: &Controller, largest: &[f64]) -> Vec<(usize, f64)> {
     let programs = controller.programs();
     let program = &programs.set_out_of_balance;

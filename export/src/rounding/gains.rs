@@ -1,13 +1,12 @@
 //! What an error of an operation does to later controls at rest: impulse responses, summed over time.
 
+use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{Controller, Number, Runner};
 
 /// A limit that no control reaches.
 const UNLIMITED_V: f64 = 1e30;
-/// Below this, relative to the sensitivity's largest entry so far, a sensitivity of the control is taken for 0.
-const NEGLIGIBLE: f64 = 1e-200;
 
 /// Sums of |h| over past samples, for an error added to what each operation writes, then to each reading.
 pub(crate) struct Gains {
@@ -72,7 +71,7 @@ fn start(controller: &Controller, set_kg_m: Option<f64>) -> Vec<f64> {
 }
 
 impl Gains {
-    /// The gains over `samples` samples from the start, at a setting of the out-of-balance.
+    /// Returns the gains over `samples` samples from the start, at a setting of the out-of-balance.
     pub fn of(controller: &Controller, set_kg_m: Option<f64>, samples: usize) -> Self {
         // The bias alone may reach the limiter, behind which nothing would be seen.
         let unlimited = controller.with(|parts| parts.limit_v = UNLIMITED_V);
@@ -97,7 +96,7 @@ impl Gains {
         }
     }
 
-    /// Sum of |h| times errors that may have any sign at any time.
+    /// Returns the sum of |h| times errors that may have any sign at any time.
     pub fn constant(&self, errors: &[f64]) -> f64 {
         let each = self.magnitudes.iter().zip(errors).filter(|(_, error)| **error != 0.0);
         each.map(|(gain, error)| gain * error).sum()
@@ -110,5 +109,5 @@ fn dot(row: &[f64], column: &Column) -> f64 {
 
 /// 0 for what is so small that it would only slow the arithmetic down.
 fn flushed(value: f64) -> f64 {
-    if value.abs() < NEGLIGIBLE { 0.0 } else { value }
+    if value.abs() < NEGLIGIBLE_SENSITIVITY { 0.0 } else { value }
 }

@@ -14,7 +14,8 @@ const SMALL: f64 = 8.0;
 /// Roundings that a gain or bias has behind it when the out-of-balance has been set.
 const KEPT_ROUNDINGS: f64 = 3.0;
 
-/// How far the controller in single precision can be from the reference over a run of `samples` samples in these ranges.
+/// Returns how far the controller in single precision can be from the reference over a run of `samples` samples in these
+/// ranges.
 ///
 /// The errors of an operation bound the rounding of its products and partial sums (Higham 2002, chapter 3). The worst case
 /// takes every number at the end of its range and lets every rounding of the run go the same way, which an integrator never
@@ -70,7 +71,7 @@ impl Arithmetic for Single<'_> {
 }
 
 impl Single<'_> {
-    /// Error of each operation that comes from what a setting left wrong.
+    /// Returns the error of each operation that comes from what a setting left wrong.
     fn left(&self) -> Vec<f64> {
         let error = |slot: &Slot| match is_kept(self.controller, *slot) {
             true => KEPT_ROUNDINGS * UNIT * self.ranges.of(*slot),
@@ -79,7 +80,7 @@ impl Single<'_> {
         left_wrong(self.controller, self.ranges, &error)
     }
 
-    /// Sum of the magnitudes that an operation rounds.
+    /// Returns the sum of the magnitudes that an operation rounds.
     fn magnitudes(&self, operation: &Operation) -> f64 {
         let size = |slot: Slot| self.ranges.of(slot);
         match operation {
@@ -100,7 +101,7 @@ impl Single<'_> {
         }
     }
 
-    /// Sum of the magnitudes whose stored coefficients or limits are rounded.
+    /// Returns the sum of the magnitudes whose stored coefficients or limits are rounded.
     fn stored(&self, operation: &Operation) -> f64 {
         match operation {
             Operation::Sum { constant, terms, .. } => {
@@ -130,18 +131,18 @@ fn sum(constant: Option<f64>, terms: &[Term], read: &[f64]) -> f64 {
     squares
 }
 
-/// Whether single precision holds a number as it is.
+/// Returns whether single precision holds a number as it is.
 fn is_held(value: f64) -> bool {
     f64::from(value as f32) == value
 }
 
-/// Half a unit in the last place of the single-precision numbers around a value.
+/// Returns half a unit in the last place of the single-precision numbers around a value.
 fn half_unit(value: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     f64::from_bits(value.to_bits() & EXPONENT) * UNIT
 }
 
-/// Whether a product by this number is exact: 0 or a power of two.
+/// Returns whether a product by this number is exact: 0 or a power of two.
 fn is_power_of_two(value: f64) -> bool {
     const FRACTION: u64 = 0x000f_ffff_ffff_ffff;
     value.to_bits() & FRACTION == 0

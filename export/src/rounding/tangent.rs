@@ -65,7 +65,7 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// Runs the program once; `states` become those after it. Derivatives that are as they were are not computed anew.
+    /// Runs the program once; `states` become those after it. Derivatives that are as they were are not computed again.
     pub fn run(&mut self, states: &mut [f64], inputs: &[f64]) {
         self.values[..self.states].copy_from_slice(states);
         let first = self.values.len() - self.operations.len();
@@ -95,7 +95,7 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// Each operation of the last run with what it read and wrote.
+    /// Returns each operation of the last run with what it read and wrote.
     pub fn written(&self) -> impl Iterator<Item = (usize, &'a Operation, (&[f64], f64))> + '_ {
         let first = self.values.len() - self.operations.len();
         self.operations.iter().enumerate().map(move |(k, operation)| {
@@ -114,7 +114,7 @@ impl<'a> Tangent<'a> {
         self.output.map_or(&[], |id| &self.slopes[id])
     }
 
-    /// What an error of an operation does: states and derivatives.
+    /// Returns what an error of an operation does: states and derivatives.
     pub fn column(&self, number: usize) -> &Row {
         &self.columns[number]
     }
@@ -165,8 +165,8 @@ fn place(slot: Slot, states: usize, ends: &[usize], locals: &[usize]) -> usize {
     }
 }
 
-/// Value; the derivatives by the operands go to `partials`, and whether they are others than before. At a corner, the
-/// derivative of the stretch that the corner belongs to.
+/// Returns the value; the derivatives by the operands go to `partials`, and whether they are others than before. At a
+/// corner, the derivative of the stretch that the corner belongs to.
 fn evaluate(operation: &Operation, operands: &[f64], partials: &mut [f64]) -> (f64, bool) {
     let mut bent = false;
     let mut slope = |k: usize, new: f64| {
@@ -214,7 +214,8 @@ mod tests {
     use counterpoise_linalg::Mat;
     use counterpoise_lti::{StateSpace, Timebase};
 
-    /// A path on an estimator: products, quotients, limits and states that are written before they are read again.
+    /// Returns a path on an estimator: products, quotients, limits and states that are written before they are
+    /// read again.
     fn adaptive() -> Controller {
         let mut parts = Parts::new(1e-3, 10.0);
         let system = StateSpace::new(

@@ -5,9 +5,7 @@ use counterpoise_controller::Controller;
 use super::tangent::{Row, Tangent};
 use super::{Arithmetic, Line, Rounded};
 use crate::ranges::Run;
-
-/// Below this a covariance is taken for 0: it would only slow the arithmetic down.
-const NEGLIGIBLE: f64 = 1e-200;
+use crate::tolerance::NEGLIGIBLE_COVARIANCE;
 
 /// The errors of the control of a run, sample by sample.
 #[derive(Debug, Clone, Default)]
@@ -142,7 +140,7 @@ fn product<'r>(n: usize, row: &dyn Fn(usize) -> &'r Row, of: &[f64], out: &mut [
             let from = &of[j * n + first..j * n + last];
             into[first..last].iter_mut().zip(from).for_each(|(x, y)| *x += a * y);
         }
-        into.iter_mut().for_each(|x| *x = if x.abs() < NEGLIGIBLE { 0.0 } else { *x });
+        into.iter_mut().for_each(|x| *x = if x.abs() < NEGLIGIBLE_COVARIANCE { 0.0 } else { *x });
     }
 }
 

@@ -14,7 +14,7 @@ use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
-/// A folder for one test, emptied.
+/// Returns a folder for one test, emptied.
 pub fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -31,13 +31,13 @@ pub fn write(folder: &FilePath, files: &[File]) {
     }
 }
 
-/// Whether a program can be started.
+/// Returns whether a program can be started.
 pub fn is_there(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Says that a test, or a part of it, is passed over. The line goes past the capture of a test's output, so that a run in which every
-/// test passes still says what was not tested.
+/// Says that a test, or a part of it, is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that
+/// `.ci/skips` sees it.
 pub fn skipped(why: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {why}");
 }
@@ -65,7 +65,8 @@ pub const STRICT: [&str; 10] = [
     "-Werror",
 ];
 
-/// A controller like a design's: feedback with integrator and pairs, heave that scales, pitch, prefilter, friction.
+/// Returns a controller like a design's: feedback with integrator and pairs, heave that scales, pitch, prefilter,
+/// friction.
 pub fn typical() -> Controller {
     let mut random = Random(7);
     let mut parts = Parts::new(1e-3, 10.0);
@@ -97,15 +98,15 @@ pub fn typical() -> Controller {
     Controller::new(parts).unwrap()
 }
 
-/// The controller of [`typical`] with heave and surge projected across the beam by the hub's angle.
+/// Returns the controller of [`typical`] with heave and surge projected across the beam by the hub's angle.
 pub fn projecting() -> Controller {
     let projection =
         Projection { design_angle_rad: 0.1, angle_reading: Some(HUB_POSITION), pitch_washout_s: Some(10.0) };
     typical().with(|parts| parts.projection = Some(projection)).unwrap()
 }
 
-/// Every block that a controller can have: besides those of [`typical`], corrected readings, heave and surge projected across the beam, two designs that the
-/// out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
+/// Returns every block that a controller can have: besides those of [`typical`], corrected readings, heave and surge projected across the beam, two
+/// designs that the out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
 pub fn complete() -> Controller {
     let with = |parts: &mut Parts| {
         parts.projection = projecting().parts().projection;
@@ -142,13 +143,13 @@ pub fn complete() -> Controller {
     typical().with(with).unwrap()
 }
 
-/// A path without anti-windup.
+/// Returns a path without anti-windup.
 pub fn path(name: &str, inputs: Vec<Signal>, system: StateSpace) -> Path {
     let anti_windup = vec![0.0; system.order()];
     Path { name: name.into(), inputs, system, anti_windup, scaling: Scaling::Fixed }
 }
 
-/// A stable system of first and second order sections.
+/// Returns a stable system of first and second order sections.
 pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
     let mut A = Mat::zeros(order, order);
     let mut k = 0;
@@ -170,7 +171,8 @@ pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
     StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 1e-3 }).unwrap()
 }
 
-/// A full, badly scaled system: a modal one in coordinates that mix its states, in units from 1e-8 to 1e8.
+/// Returns a full, badly scaled system: a modal one in coordinates that mix its states, in units from 1e-8 to
+/// 1e8.
 pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
     let base = modal(random, order, inputs);
     let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed());
@@ -182,7 +184,7 @@ pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSp
     StateSpace::new(A, &W * &base.B, &base.C * &T, base.D, base.timebase).unwrap()
 }
 
-/// A random controller: of 200 seeds five of each order from 1 to 40, two of them badly scaled.
+/// Returns a random controller: of 200 seeds five of each order from 1 to 40, two of them badly scaled.
 pub fn random_controller(seed: u64) -> Controller {
     let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let mut parts = Parts::new(1e-3, 1.0 + 9.0 * random.unit());
@@ -231,7 +233,8 @@ impl Random {
         2.0 * self.unit() - 1.0
     }
 
-    /// Readings that fill the usual ranges: those of every controller at random, and a surge that follows the heave in the opposite sense.
+    /// Returns readings that fill the usual ranges: those of every controller at random, and a surge that follows the heave in the
+    /// opposite sense.
     pub fn readings(&mut self) -> [f64; READINGS] {
         let largest = counterpoise_export::vectors::LARGEST;
         let mut readings = [0.0; READINGS];
@@ -327,12 +330,13 @@ fn encode(which: usize, request: Request) -> Vec<u8> {
     [which as f64, kind].iter().chain(&values).flat_map(|value| value.to_ne_bytes()).collect()
 }
 
-/// The main of a [`Target`] in C for controllers with the given names, whose numbers are of type `NAME_real`.
+/// Returns the main of a [`Target`] in C for controllers with the given names, whose numbers are of type
+/// `NAME_real`.
 pub fn server(names: &[String]) -> String {
     server_in(names, |name| format!("{name}_real"))
 }
 
-/// The main of a [`Target`] in C for controllers whose numbers are of the given type.
+/// Returns the main of a [`Target`] in C for controllers whose numbers are of the given type.
 pub fn server_in(names: &[String], kind: impl Fn(&str) -> String) -> String {
     let mut text = String::from("#include <stdio.h>\n");
     for name in names {
@@ -380,7 +384,7 @@ pub struct FixedInLoop {
 }
 
 impl FixedInLoop {
-    /// A target that serves the code of this form.
+    /// Returns a target that serves the code of this form.
     pub fn new(target: Target, fixed: &Fixed) -> Self {
         Self { target, fixed: fixed.clone() }
     }
@@ -401,7 +405,7 @@ impl SampledController for FixedInLoop {
     }
 }
 
-/// A provenance.
+/// Returns a provenance.
 pub fn provenance() -> Provenance {
     Provenance {
         generator: "counterpoise 0.1.0".into(),
@@ -432,7 +436,7 @@ pub fn requests(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
     all
 }
 
-/// What the reference answers to the requests.
+/// Returns what the reference answers to the requests.
 pub fn reference<N: Number>(controllers: &[Controller], requests: &[(usize, Request)]) -> Vec<f64> {
     let mut runners: Vec<_> = controllers.iter().map(|controller| controller.runner_in::<N>()).collect();
     let mut answer = |(which, request): &(usize, Request)| match request {

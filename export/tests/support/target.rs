@@ -4,12 +4,14 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use counterpoise_export::board::{COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate};
+use counterpoise_export::board::{
+    COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counting_code, emulator_command,
+};
 use counterpoise_export::{File, Numbers};
 
 use super::support::{STRICT, folder, is_there, run, skipped, write};
 
-/// Whether the tools are there; says which are missing.
+/// Returns whether the tools are there; says which are missing.
 pub fn tools_are_there() -> bool {
     let missing: Vec<&str> = [COMPILER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
@@ -32,7 +34,7 @@ pub fn compile(core: &Core, folder: &Path, own: &[String]) -> Vec<String> {
 /// Links `firmware.elf` from the controller's sources and a program.
 pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathBuf {
     let objects = compile(core, folder, own);
-    let board: Vec<File> = counter("axis", Numbers::Double);
+    let board: Vec<File> = counting_code("axis", Numbers::Double);
     for file in board.iter().filter(|file| file.name != "count.c") {
         std::fs::write(folder.join(&file.name), &file.text).unwrap();
     }
@@ -42,18 +44,18 @@ pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathB
     folder.join("firmware.elf")
 }
 
-/// The emulator with the firmware of a folder.
+/// Returns the emulator with the firmware of a folder.
 pub fn emulator(core: &Core, folder: &Path) -> Command {
     let mut command = Command::new(EMULATOR);
-    command.current_dir(folder).args(emulate(core)).stderr(Stdio::inherit());
+    command.current_dir(folder).args(emulator_command(core)).stderr(Stdio::inherit());
     command
 }
 
-/// What the code called `name` costs on a core.
+/// Returns what the code called `name` costs on a core.
 pub fn cost(core: &Core, test: &str, (name, numbers): (&str, Numbers), files: &[File]) -> Cost {
     let folder = folder(&format!("{test}_{}_{numbers:?}", core.machine));
     write(&folder, files);
-    write(&folder, &counter(name, numbers));
+    write(&folder, &counting_code(name, numbers));
     build(core, &folder, &[format!("{name}.c"), format!("{name}_self_test.c")], "count.c");
     let said = run(&mut emulator(core, &folder));
     let size = run(Command::new(SIZER).current_dir(&folder).arg(format!("{name}.o")));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use counterpoise_export::board::{
-    COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate,
+    COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counting_code, emulator_command,
 };
 use counterpoise_export::host::{CODE_FOLDER, including_file};
 use counterpoise_export::{File, Numbers};
@@ -15,7 +15,7 @@ use counterpoise_project::Language;
 use crate::files;
 
 /// Counts on every core; where a tool is missing or fails, says so.
-pub fn costs(code: &[TargetCode]) -> Costs {
+pub fn measure_costs(code: &[TargetCode]) -> Costs {
     let missing: Vec<&str> = [COMPILER, SIZER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
         let what = format!("not counted: {} not found on this machine", missing.join(", "));
@@ -63,7 +63,7 @@ const SELF_TEST: &str = "self_test.c";
 fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
     write(&folder.join(CODE_FOLDER), &code.files)?;
-    write(&folder, &counter(&code.name, code.numbers))?;
+    write(&folder, &counting_code(&code.name, code.numbers))?;
     let included = ["", "_self_test"].map(|end| format!("{CODE_FOLDER}/{}{end}.c", code.name));
     write(&folder, &[including_file(CONTROLLER, &included[0]), including_file(SELF_TEST, &included[1])])?;
     said(Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]), &folder)?;
@@ -71,7 +71,7 @@ fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     let mut linker = Command::new(COMPILER);
     linker.args(core.flags).args(LINK).args(["startup.c", "count.c"]).args(&objects);
     said(linker.args(["-lm", "-o", "firmware.elf"]), &folder)?;
-    let counted = said(Command::new(EMULATOR).args(emulate(core)), &folder)?;
+    let counted = said(Command::new(EMULATOR).args(emulator_command(core)), &folder)?;
     let sizes = said(Command::new(SIZER).arg(&objects[0]), &folder)?;
     let usage = std::fs::read_to_string(folder.join(CONTROLLER.replace(".c", ".su"))).ok()?;
     Cost::read(&counted, &sizes, &usage)
@@ -82,7 +82,7 @@ fn write(folder: &Path, files: &[File]) -> Option<()> {
     files.iter().try_for_each(|file| files::write(&place(file), file.text.as_bytes()).ok())
 }
 
-/// Standard output of a command that succeeded in a folder.
+/// Returns the standard output of a command that succeeded in a folder.
 fn said(command: &mut Command, folder: &Path) -> Option<String> {
     let output = command.current_dir(folder).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use counterpoise_export::host::{
     C_COMPILER, C_FLAGS, CODE_FOLDER, RUST_COMPILER, RUST_CRATE, RUST_LIBRARY, RUST_PROGRAM, c_replay,
-    count_differing, including_file, requests, rust_replay,
+    count_differing, encode_requests, including_file, rust_replay,
 };
 use counterpoise_export::{File, Fixed, Numbers, TargetFigures, Targets};
 use counterpoise_pipeline::export::TargetCode;
@@ -15,7 +15,7 @@ use counterpoise_project::Language;
 use crate::files;
 
 /// Compiles each code and replays the closed loops through it.
-pub fn proofs(code: &[TargetCode], compared: &Targets) -> Vec<Proof> {
+pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<Proof> {
     let folder = files::scratch_folder();
     let prove = |each: &TargetCode| {
         let answered = match &folder {
@@ -97,9 +97,9 @@ fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
     Err(said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it says nothing").to_owned())
 }
 
-/// Samples replayed, and those answered otherwise.
+/// Returns samples replayed, and those answered otherwise.
 fn replayed(figures: &TargetFigures, fixed: Option<&Fixed>, folder: &Path) -> Option<(usize, usize)> {
-    let bytes = requests(&figures.closed_loops, fixed);
+    let bytes = encode_requests(&figures.closed_loops, fixed);
     files::write(&folder.join("readings"), &bytes).ok()?;
     let readings = std::fs::File::open(folder.join("readings")).ok()?;
     let output = Command::new(folder.join("replay")).stdin(Stdio::from(readings)).output().ok()?;

@@ -7,8 +7,8 @@ use counterpoise_export::host::including_file;
 
 use crate::files;
 
-/// The unit's library for 64-bit Linux, where it can be made here.
-pub fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
+/// Returns the unit's library for 64-bit Linux, if it can be made here.
+pub fn compile_library(folder: &Path, name: &str) -> Option<Vec<u8>> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return None;
     }

@@ -146,7 +146,7 @@ impl TransferFunctionResult {
     }
 }
 
-/// The monic polynomial with the given roots, highest power first; roots come in conjugate pairs.
+/// Returns the monic polynomial with the given roots, highest power first; roots come in conjugate pairs.
 fn expanded(roots: &[C64]) -> Vec<f64> {
     let mut all = vec![C64::new(1.0, 0.0)];
     for root in roots {
@@ -186,7 +186,7 @@ impl ResponseResult {
     }
 }
 
-/// Frequencies of the stored responses, Hz: 200 in equal ratios from 0.02 to 500.
+/// Returns frequencies of the stored responses, Hz: 200 in equal ratios from 0.02 to 500.
 pub fn stored_frequencies_hz() -> Vec<f64> {
     const POINTS: i32 = 200;
     let (lowest, highest): (f64, f64) = (0.02, 500.0);

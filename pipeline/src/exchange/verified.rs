@@ -193,7 +193,7 @@ fn delays(parameters: &Parameters) -> Vec<usize> {
 }
 
 /// Returns the time histories of a verification.
-pub fn histories(found: &Verification) -> Vec<HistoryResult> {
+pub fn history_results(found: &Verification) -> Vec<HistoryResult> {
     let sample_time_s = found.evidence.sample_period_s;
     found.evidence.histories.iter().map(|history| HistoryResult::new(history, sample_time_s)).collect()
 }
@@ -218,7 +218,7 @@ impl HistoryResult {
     }
 }
 
-/// The beginning of the keys of an experiment's figures.
+/// Returns the beginning of the keys of an experiment's figures.
 fn name(model: Model, experiment: Experiment) -> String {
     let (key, ending) = match experiment {
         Experiment::Step => (Figure::Step(model, StepFigure::Overshoot).key(), "_overshoot_percent"),
@@ -232,7 +232,7 @@ fn name(model: Model, experiment: Experiment) -> String {
 }
 
 /// Returns the frequency responses of a verification: plant, controller, loop, sensitivities and rejection ratios.
-pub fn responses(found: &Verification) -> Vec<ResponseResult> {
+pub fn response_results(found: &Verification) -> Vec<ResponseResult> {
     let curves = &found.evidence.curves;
     let hz = &curves.frequency_hz;
     let plant = curves.plant.iter().map(|c| (format!("plant from {}", c.name), &c.response));

@@ -4,14 +4,14 @@ mod feedback_alone;
 pub mod target_proofs;
 
 use counterpoise_controller::READINGS;
-use counterpoise_controller::realise::coefficients;
-use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
+use counterpoise_controller::realise::count_coefficients;
+use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::signal_names::ControlledPosition;
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_export::{
-    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, fixed_c99, fixed_form,
-    rust_crate, targets,
+    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, compare_targets,
+    fixed_c99, fixed_form, rust_crate,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{Axis, Measured, Parameters};
@@ -21,8 +21,9 @@ use sha2::{Digest, Sha256};
 use crate::{Modelled, PipelineError, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::resolve::design::{Language, Synthesis};
+use counterpoise_project::resolve::design::Language;
 use counterpoise_project::resolve::platform::PlatformSource;
+use counterpoise_project::resolve::synthesis::Synthesis;
 
 /// The code that was made, and what the project asks for and cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -58,7 +59,7 @@ impl Exported {
     }
 }
 
-/// The code in the languages that the project asks for.
+/// Returns the code in the languages that the project asks for.
 ///
 /// Fixed point takes its formats from the verification's nonlinear runs, and may deviate from the reference by half a step
 /// of the output converter, or of one of 16 bits if the project's is finer. What cannot be had (a coefficient that the target's numbers cannot hold, a controller without a
@@ -72,10 +73,10 @@ pub fn export(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Exported, PipelineError> {
-    export_by(project, modelled, verified, &crate::procedure(project, world)?, world)
+    export_by(project, modelled, verified, &crate::project_procedure(project, world)?, world)
 }
 
-/// The code as [`export`] makes it, with the procedure of the verification at hand.
+/// Returns the code as [`export`] makes it, with the procedure of the verification at hand.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -112,16 +113,17 @@ pub fn export_by(
     Ok(made)
 }
 
-/// The controller in double, single and fixed point, side by side in the verification's nonlinear runs.
+/// Returns the controller in double, single and fixed point, side by side in the verification's nonlinear
+/// runs.
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn compare(
+pub fn run_targets(
     modelled: &Modelled,
     verified: &VerifiedController,
     procedure: &Procedure,
 ) -> Result<Targets, PipelineError> {
-    Ok(targets(verified, &modelled.plant, procedure, half_step_v(&modelled.plant))?)
+    Ok(compare_targets(verified, &modelled.plant, procedure, half_step_v(&modelled.plant))?)
 }
 
 /// The code of a controller in some numbers.
@@ -139,8 +141,8 @@ pub struct TargetCode {
     pub files: Vec<File>,
 }
 
-/// The code in every language and every kind of numbers that the controller exists in, whatever the project asks for: to run
-/// it beside its model, and to count its cost.
+/// Returns the code in every language and every kind of numbers that the controller exists in, whatever the project asks
+/// for: to run it beside its model, and to count its cost.
 ///
 /// # Errors
 /// A name that no code can have.
@@ -184,15 +186,15 @@ pub struct PathForms {
     pub chosen: Form,
 }
 
-/// The forms of each path that has states.
+/// Returns the forms of each path that has states.
 ///
 /// # Errors
 /// Those of the realisation.
-pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineError> {
+pub fn path_forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineError> {
     let paths = verified.controller().parts().paths.iter().filter(|path| path.system.order() > 0);
     let of = |path: &counterpoise_controller::Path| {
-        let candidates = candidates(&path.system).map_err(counterpoise_synth::Error::from)?;
-        let count = coefficients(&path.system);
+        let candidates = form_candidates(&path.system).map_err(counterpoise_synth::Error::from)?;
+        let count = count_coefficients(&path.system);
         // A form is known by its number of coefficients: few in blocks, all of them in a full matrix.
         let nearest = candidates.iter().min_by_key(|candidate| candidate.coefficients.abs_diff(count));
         let chosen = nearest.map_or(Form::Modal, |candidate| candidate.form);
@@ -201,7 +203,8 @@ pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineEr
     paths.map(of).collect()
 }
 
-/// The controller with its paths in every form, in double and in single precision, for the readings of the verification's runs.
+/// Returns the controller with its paths in every form, in double and in single precision, for the readings of the
+/// verification's runs.
 pub fn by_form(verified: &VerifiedController, compared: &Targets) -> Vec<FormFigures> {
     let controller = verified.controller();
     let runs: Vec<_> = compared.figures.iter().take(1).flat_map(|double| &double.closed_loops).collect();
@@ -279,7 +282,7 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
         project: project.plant.name.clone(),
         project_hash: project_hash(project, world),
         loop_signals: loop_signals(&project.plant),
-        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
+        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
         verdicts: verdicts.collect(),
         feedback_alone: Vec::new(),
         converters: Converters::of(&project.plant),
@@ -312,8 +315,8 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
     Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }
 
-/// What each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
-pub fn weights(synth: &Synthesis) -> Vec<String> {
+/// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
+pub fn describe_weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let blocks = crate::tuning::block_results(&synth.options.structure);
     let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();

@@ -3,6 +3,7 @@
 use counterpoise_models::{Measured, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 
+use super::column_remarks::BeyondRange;
 use crate::model::CONVERTER_RANGE_V;
 
 /// A reading may exceed the range by this fraction: decimals of the file, and an offset that was removed.
@@ -10,21 +11,6 @@ const MARGIN: f64 = 1e-2;
 /// Beyond this many times the range, a reading is no reading but a mark or an error of transmission. The guard of exported code draws the
 /// same line.
 const IMPOSSIBLE: f64 = 2.0;
-
-/// Readings of a channel beyond the range of its converter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BeyondRange {
-    /// Number of readings.
-    pub samples: usize,
-    /// Number of those that count as missing, because no fault of a scale explains them.
-    pub missing: usize,
-    /// Row of the first, from 1.
-    pub first_row: usize,
-    /// Its value, in the channel's unit.
-    pub value: f64,
-    /// Range of the converter, in the channel's unit: readings lie between minus and plus this.
-    pub limit: f64,
-}
 
 /// Makes impossible readings of a recording missing ones, and returns what was found, by channel.
 pub(super) fn remove_impossible(

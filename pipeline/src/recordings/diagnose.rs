@@ -9,14 +9,14 @@ use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
-use super::configuration::{in_configuration, without_configuration};
+use super::column_remarks::ColumnRemark;
 use super::read::{
-    ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller, unused_columns,
-    without_demand,
+    Gaps, RecordingFile, control_for, read, recording_controller, unused_columns, without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
 use super::tracks::{Track, before_and_after};
 use crate::PipelineError;
+use crate::configuration::{in_configuration, without_configuration};
 
 /// A diagnosis with the way in which the recordings were replayed, and everything that a report of it shows.
 #[derive(Debug, Clone)]

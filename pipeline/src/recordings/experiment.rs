@@ -10,9 +10,9 @@ use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use serde::Deserialize;
 
-use super::configuration::in_configuration;
 use super::read::recording_controller;
 use crate::PipelineError;
+use crate::configuration::in_configuration;
 
 /// What the JSON result of a diagnosis says of the machines that are left.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

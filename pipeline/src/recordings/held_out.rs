@@ -4,10 +4,11 @@ use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
 
-use super::configuration::in_configuration;
-use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller};
+use super::column_remarks::ColumnRemark;
+use super::read::{Gaps, RecordingFile, control_for, read, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
+use crate::configuration::in_configuration;
 
 /// One held-out recording by both models, over the same length.
 #[derive(Debug, Clone)]

@@ -7,7 +7,8 @@ use counterpoise_models::Axis;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
-use super::read::{ColumnRemark, Gaps, RecordingFile, read, recording_controller, unused_columns};
+use super::column_remarks::ColumnRemark;
+use super::read::{Gaps, RecordingFile, read, recording_controller, unused_columns};
 use crate::PipelineError;
 
 /// What was identified, with what was found on reading each recording.

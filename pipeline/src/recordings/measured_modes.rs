@@ -1,7 +1,7 @@
-//! What a structure's model left out, from natural frequencies measured on the real one.
+//! What a structure's model lacks, from natural frequencies measured on the real one.
 //!
 //! Every hypothesis changes the finite elements of the project's beam by at most two numbers. It is fitted to all modes but
-//! one and judged on that one, mode after mode: the error that counts is that of frequencies which were not fitted.
+//! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Support, Theory, modes};
 use counterpoise_models::{Beam, PointMass};
@@ -20,9 +20,9 @@ const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
 const WORTH: f64 = 0.8;
 /// Hypotheses within this factor of the best one's error cannot be told from it.
 const ALIKE: f64 = 1.15;
-/// RMS error, relative, of modes that were not fitted below which the structure is explained.
+/// Relative RMS error of the held-out modes below which the structure is explained.
 const EXPLAINED: f64 = 0.02;
-/// Fewest modes from which a fitted hypothesis can be judged on what was not fitted.
+/// Fewest modes from which a fitted hypothesis can be judged on held-out modes.
 const FEWEST_MODES: usize = 3;
 
 /// One thing that the model may lack.
@@ -107,7 +107,7 @@ pub struct StructureAnswer {
 pub struct StructureDiagnosis {
     /// The answer.
     pub answer: StructureAnswer,
-    /// The improved project; as it was where nothing was named.
+    /// The improved project; as it was if nothing was named.
     pub improved: Project,
 }
 
@@ -143,7 +143,7 @@ fn hypotheses(modes: usize) -> Vec<Hypothesis> {
 }
 
 impl Hypothesis {
-    /// Number of fitted parameters.
+    /// Returns the number of fitted parameters.
     fn parameters(self) -> usize {
         usize::from(self.scaled == Scale::Fitted) + usize::from(matches!(self.change, Change::EndMass(_)))
     }
@@ -223,7 +223,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Frequencies of as many flexible modes as were measured, Hz.
+    /// Returns frequencies of as many flexible modes as were measured, Hz.
     fn frequencies(&self, options: &FeOptions, mass: Option<(End, f64)>) -> Result<Vec<f64>, PipelineError> {
         let fe = match mass {
             None => {
@@ -246,7 +246,7 @@ impl Bench<'_> {
         Ok(known[..wanted].iter().map(|w| w / std::f64::consts::TAU).collect())
     }
 
-    /// The variant and the factor on all frequencies that fit best, one mode left out or none.
+    /// Returns the variant and the factor on all frequencies that fit best, one mode left out or none.
     fn fit(
         &self,
         candidates: &[(f64, Vec<f64>)],
@@ -267,7 +267,7 @@ impl Bench<'_> {
         })
     }
 
-    /// The project with a hypothesis as it was fitted.
+    /// Returns the project with a hypothesis as it was fitted.
     fn improved(&self, hypothesis: Hypothesis, found: &TriedStructure) -> Project {
         let mut project = self.project.clone();
         let elements = &mut project.model.elements;
@@ -303,7 +303,8 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 type Tried = (Hypothesis, TriedStructure);
 
-/// The simplest hypothesis that no more complicated one beats by far, where it beats the model as it is.
+/// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
+/// is.
 fn chosen<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
     if as_it_is.1.left_out_percent < 100.0 * EXPLAINED {
         return None;
@@ -352,14 +353,14 @@ fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Opt
             format!("the model has the measured modes within {before:.2} % RMS")
         }
         (_, Some((_, found))) => format!(
-            "the model left out {}: with it, modes that were not fitted are off by {:.2} % RMS, without it by {before:.2} %",
+            "the model lacks {}: with it, held-out modes are off by {:.2} % RMS, without it by {before:.2} %",
             found.what, found.left_out_percent
         ),
         _ => format!("the modes are off by {before:.2} % RMS, and nothing that was tried explains that"),
     }
 }
 
-/// How the structure was support_in_words, in words.
+/// Returns in words how the structure was supported when its modes were measured.
 pub fn support_in_words(support: Support) -> &'static str {
     match support {
         Support::Free => "free",

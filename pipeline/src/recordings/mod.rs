@@ -8,9 +8,9 @@
 //! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out`] (recordings that no diagnosis was given, before and after),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
-//! [`configuration`] (what a configuration fits to the mechanism), [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
+//! [`column_remarks`] (what was found about columns), [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
-pub mod configuration;
+pub mod column_remarks;
 pub mod controller_origin;
 pub mod converter_range;
 pub mod diagnose;
@@ -24,8 +24,9 @@ pub mod replay;
 pub mod residuals;
 pub mod tracks;
 
+pub use column_remarks::{ColumnRemark, UnusedColumn};
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use held_out::{HeldOutRecording, replay_held_out};
 pub use identify::{AxisUnits, identify};
-pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, UnusedColumn, read};
+pub use read::{Gaps, ReadRecording, RecordingFile, read};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

@@ -1,14 +1,14 @@
 //! Recordings read as a project maps their columns.
 
-use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
-use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
+use counterpoise_diagnose::recording::sanity_checks::check_control;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
 use counterpoise_simulate::replay::{Loop, RecordedController};
 
-use super::converter_range::{BeyondRange, remove_impossible};
+use super::column_remarks::{ColumnRemark, UnusedColumn};
+use super::converter_range::remove_impossible;
 use crate::{PipelineError, model, reduce, synthesise};
 
 /// A file with recordings, handed in.
@@ -31,47 +31,6 @@ pub struct ReadRecording {
     pub remarks: Vec<ColumnRemark>,
     /// Whether demand, control and hub rate are the samples that were written, not made from other columns or resampled.
     pub keeps_samples: bool,
-}
-
-/// Something found about the columns of a recording.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ColumnRemark {
-    /// Found when the file was read.
-    File(Remark),
-    /// Readings lie beyond the range of their converter.
-    BeyondRange {
-        /// The channel.
-        channel: Channel,
-        /// How many, and where.
-        found: BeyondRange,
-    },
-    /// Repaired.
-    Repair {
-        /// The channel.
-        channel: &'static str,
-        /// What was done.
-        repair: Repair,
-    },
-    /// The recorded control is not what the project's recording controller makes of the recorded measurements.
-    Controller(ControlMismatch),
-    /// A channel looks wrong whatever the mechanism is.
-    Anomaly {
-        /// The channel.
-        channel: &'static str,
-        /// What is wrong.
-        anomaly: Anomaly,
-    },
-    /// The recording leaves the range over which a free function of the mechanism is known.
-    RangeExceeded(RangeExceedance),
-}
-
-/// A column of a file that was not used.
-#[derive(Debug, Clone, PartialEq)]
-pub struct UnusedColumn {
-    /// Name of the recording.
-    pub recording: String,
-    /// Why the column was not used.
-    pub remark: Remark,
 }
 
 /// Returns the columns of the files of recordings that were not read, or that have nearly the name of a channel that is missing.
@@ -155,7 +114,7 @@ pub fn read_table(
 
 /// Returns the controller that was in the loop when the project's recordings were made; `None` if the project names none.
 ///
-/// The project's own controller is designed anew by each call: a caller asks once.
+/// Each call designs the project's own controller again, so call it once.
 ///
 /// # Errors
 /// The project's own controller is meant, and the project does not design one; or the file of an exported one was not read.

@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::{Change, changes};
 
-use crate::{PipelineError, World, model, procedure, reduce, synthesise, verify_on};
+use crate::{PipelineError, World, model, project_procedure, reduce, synthesise, verify_on};
 use counterpoise_project::Project;
 
 /// The project's design, verified before and after its model was improved.
@@ -14,7 +14,7 @@ pub struct Consequence {
     pub before: Verification,
     /// The same controller on the improved model.
     pub kept: Verification,
-    /// A controller designed anew on the improved model, verified on it; `None` if it has no design.
+    /// A controller redesigned on the improved model, verified on it; `None` if it has no design.
     pub redesigned: Option<Verification>,
     /// Every figure from `before` to `kept`.
     pub changes: Vec<Change>,
@@ -32,7 +32,7 @@ pub fn consequence(
     if project.synth.is_none() || project.verify.is_none() {
         return Ok(None);
     }
-    let procedure = procedure(project, world)?;
+    let procedure = project_procedure(project, world)?;
     let modelled = model(project)?;
     let made = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
     let better = Project { plant: improved.clone(), ..project.clone() };

@@ -11,7 +11,8 @@ use counterpoise_project::{Project, StructureChoice};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, SelectedReplay};
 
-use super::read::{ColumnRemark, ReadRecording, unused_columns};
+use super::column_remarks::ColumnRemark;
+use super::read::{ReadRecording, unused_columns};
 use super::tracks::{Track, tracks};
 use crate::PipelineError;
 use crate::model;

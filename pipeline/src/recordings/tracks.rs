@@ -1,4 +1,4 @@
-//! Channels of recordings as they were measured and as models simulate them, for whoever draws them.
+//! Channels of recordings as they were measured and as models simulate them, ready to be drawn.
 
 use std::path::Path;
 

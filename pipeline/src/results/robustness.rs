@@ -65,13 +65,13 @@ pub struct BoundResult {
     pub frequency_hz: f64,
     /// Upper bound.
     pub upper: f64,
-    /// Lower bound; 0 where no perturbation was found.
+    /// Lower bound; 0 if no perturbation was found.
     pub lower: f64,
     /// The blocks of the scaling D that proves the upper bound: M^* D M + j (G M - M^* G) < upper^2 D.
     pub D: Vec<ScalingBlock>,
     /// The blocks of the scaling G.
     pub G: Vec<ScalingBlock>,
-    /// A perturbation of size 1, a number for each block, with det(I - M perturbation / lower) = 0; empty where none was found.
+    /// A perturbation of size 1, a number for each block, with det(I - M perturbation / lower) = 0; empty if none was found.
     pub perturbation: Vec<[f64; 2]>,
 }
 
@@ -190,7 +190,7 @@ fn range((varied, factor): &StatedRange) -> RangeResult {
     RangeResult { key: varied.key(), centre: factor.centre, a: factor.a, b: factor.b }
 }
 
-/// The bounds with what proves them.
+/// Returns the bounds with what proves them.
 fn bounds(found: &RobustStability) -> Vec<BoundResult> {
     let placed = found.proof.pulled.structure.placed();
     let blocks = |scaling: &CMat| -> Vec<ScalingBlock> {

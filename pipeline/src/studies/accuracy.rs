@@ -28,11 +28,12 @@ pub struct Accuracy {
     pub second_method: f64,
 }
 
-/// The errors on the modelled plant, against the classical Runge-Kutta method in steps a thousand times shorter.
+/// Returns the errors on the modelled plant, against the classical Runge-Kutta method in steps a thousand times
+/// shorter.
 ///
 /// # Errors
 /// A plant that a law does not fit, or that cannot be simulated.
-pub fn accuracy(modelled: &Modelled, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
+pub fn simulation_accuracy(modelled: &Modelled, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
     let all = cases(&modelled.plant)?;
     let found = map(pool, all.len(), |k| one(&all[k]));
     found.into_iter().collect()

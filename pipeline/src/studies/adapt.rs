@@ -113,7 +113,7 @@ struct Stage<'a> {
     undo: Compensation,
 }
 
-/// All runs, (a) first. Those with a nonlinear amplifier come only where the project gives its curve.
+/// Runs the study and returns all runs, (a) first. Runs with a nonlinear amplifier are included if the project gives its curve.
 ///
 /// # Errors
 /// A project without adaptation, and those of the plant and the simulator.
@@ -180,7 +180,7 @@ enum Acting {
 /// The controller with a note of the out-of-balance that it uses.
 struct Noted {
     acting: Acting,
-    /// Place of the out-of-balance among the states, and its value where there is no such state.
+    /// Place of the out-of-balance among the states, and its value if there is no such state.
     place: (Option<usize>, f64),
     used_kg_m: Vec<f64>,
 }
@@ -233,7 +233,7 @@ impl SampledController for Acting {
 }
 
 impl Acting {
-    /// The out-of-balance in force, of which the state has the given place.
+    /// Returns the out-of-balance in force, of which the state has the given place.
     fn used_kg_m(&self, (place, design): (Option<usize>, f64)) -> f64 {
         match self {
             Acting::Alone(runner) => place.and_then(|k| runner.state(k)).unwrap_or(design),
@@ -275,7 +275,7 @@ impl Stage<'_> {
         Ok(AdaptRun { letter: plan.letter, says: plan.says, adapts, intervals, trace })
     }
 
-    /// The RMS of the default case in the parts of a plan.
+    /// Returns the RMS of the default case in the parts of a plan.
     fn default_for(&self, plan: &Plan) -> Result<Vec<f64>, PipelineError> {
         let parts = plan.parts.iter().map(|(start, _)| (*start, 1.0)).collect();
         let default = Plan { letter: 'a', says: "", parts, from: None, amplifier: Amplifier::Modelled };
@@ -327,8 +327,8 @@ impl Stage<'_> {
         Ok(Simulator::new(plant)?.run(acting, &scenario)?)
     }
 
-    /// The exported controller with its own estimator, held until its time. Where the amplifier's curve is left in the loop,
-    /// an estimator beside the controller knows it.
+    /// Returns the exported controller with its own estimator, held until its time. Where the amplifier's curve is left in
+    /// the loop, an estimator beside the controller knows it.
     fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
         let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
         let beside =
@@ -354,7 +354,7 @@ impl Stage<'_> {
         }
     }
 
-    /// An estimator beside the controller; none for the gradient.
+    /// Returns an estimator beside the controller; none for the gradient.
     fn estimation(&self, amplifier: Amplifier) -> Result<Option<Estimation>, PipelineError> {
         let period_s = self.period_s();
         Ok(match self.adaptation.method {
@@ -396,7 +396,7 @@ impl Stage<'_> {
         }
     }
 
-    /// Volts and gravity, and the amplifier's curve as it was identified, made odd.
+    /// Returns volts and gravity, and the amplifier's curve as it was identified, made odd.
     fn scale(&self, amplifier: Amplifier) -> Scale {
         let p = &self.modelled.parameters;
         let gain = p.amplifier.stall_gain_a_v(&p.motor);
@@ -416,7 +416,7 @@ impl Stage<'_> {
     }
 }
 
-/// RMS of the true hub rate in the later part of a run.
+/// Returns the RMS of the true hub rate in the later part of a run.
 fn settled_rms(history: &TimeHistory) -> f64 {
     let all = &history.truth.hub_rate_rad_s;
     let late = &all[(SETTLE * all.len() as f64) as usize..];

@@ -1,5 +1,5 @@
 //! Methods of adaptation where they can fail: motions that no window fits, right and wrong starting values, sudden and slow changes of
-//! the load; each against the same controller without adaptation, and against one that is told the load.
+//! the load; each against the same controller without adaptation, and against one that knows the load.
 
 use counterpoise_controller::{Controller, Runner};
 use counterpoise_simulate::signal::Sine;
@@ -55,7 +55,7 @@ pub struct TrialRow {
     pub without_rad_s: f64,
     /// With adaptation, rad/s.
     pub with_rad_s: f64,
-    /// With a controller that is told the load, rad/s.
+    /// With a controller that knows the load, rad/s.
     pub told_rad_s: f64,
 }
 
@@ -128,7 +128,7 @@ impl Trials {
 ///
 /// # Errors
 /// A project without adaptation, and those of the plant and the simulator.
-pub fn trials(
+pub fn run_trials(
     project: &Project,
     modelled: &Modelled,
     made: &Synthesised,
@@ -183,7 +183,7 @@ fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<
     Ok(Trials { rows, refused })
 }
 
-/// The trial in which a method does worst, if that is reason enough to refuse it.
+/// Returns the trial in which a method does worst, if that is reason enough to refuse it.
 fn refusal(method: &'static str, rows: &[TrialRow]) -> Option<Refusal> {
     let own = rows.iter().filter(|row| row.method == method);
     let worst = *own.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
@@ -206,7 +206,7 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// The RMS of the hub's rate after the load has settled; infinite if the motion diverges.
+    /// Returns the RMS of the hub's rate after the load has settled; infinite if the motion diverges.
     fn hub_rms(&self, platform: &PlatformMotion, load: Load, acts: Acts) -> Result<f64, PipelineError> {
         let mut runner = self.runner(acts)?;
         let design = self.modelled.plant.body().out_of_balance_kg_m;
@@ -268,7 +268,7 @@ impl Stage<'_> {
         Ok(PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..PlatformMotion::STILL })
     }
 
-    /// The road, driven again and again for the whole trial.
+    /// Returns the road, driven again and again for the whole trial.
     fn road(&self) -> Result<PlatformMotion, PipelineError> {
         let seed = self.procedure.seed;
         let road = match (&self.procedure.road, RoadClass::from_letter("C")) {
@@ -317,7 +317,7 @@ struct Part {
     factor: f64,
 }
 
-/// The parts of a run.
+/// Returns the parts of a run.
 fn parts(load: Load) -> Vec<Part> {
     let part = |from_s, to_s, factor| Part { from_s, to_s, factor };
     match load {
@@ -335,7 +335,7 @@ fn parts(load: Load) -> Vec<Part> {
     }
 }
 
-/// The motion from a time on.
+/// Returns the motion from a time on.
 fn shifted(platform: &PlatformMotion, from_s: f64, initial_angle_rad: f64) -> PlatformMotion {
     let later = |signal: &Signal| match signal {
         Signal::Sines(sines) => {

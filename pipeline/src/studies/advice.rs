@@ -77,7 +77,7 @@ pub struct Change {
 }
 
 /// A weight with its key.
-type Knob = (&'static str, fn(&mut Specification, f64));
+type WeightParameter = (&'static str, fn(&mut Specification, f64));
 
 /// Step of the difference quotient, and the widest change that is tried, as factors.
 const STEP: f64 = 1.05;
@@ -91,7 +91,7 @@ const TRIED: usize = 3;
 ///
 /// # Errors
 /// Those of the plant and the verification; a change that admits no controller is left out.
-pub fn advice(
+pub fn advise_changes(
     project: &Project,
     modelled: &Modelled,
     reduced: &Reduced,
@@ -101,17 +101,17 @@ pub fn advice(
 ) -> Result<Vec<Advice>, PipelineError> {
     let Some(asked) = project.synth.as_ref() else { return Ok(Vec::new()) };
     let bench = Bench { project, modelled, reduced, procedure, kept };
-    let knobs = knobs(&asked.specification);
+    let parameters = weight_parameters(&asked.specification);
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, .. } if value.is_finite() => Some((requirement, *value)),
         _ => None,
     });
-    failing.map(|(requirement, value)| bench.advise(requirement, value, &knobs)).collect()
+    failing.map(|(requirement, value)| bench.advise(requirement, value, &parameters)).collect()
 }
 
-/// The weights that a specification has.
-fn knobs(specification: &Specification) -> Vec<Knob> {
-    let mut all: Vec<Knob> = vec![
+/// Returns the weights that a specification has.
+fn weight_parameters(specification: &Specification) -> Vec<WeightParameter> {
+    let mut all: Vec<WeightParameter> = vec![
         ("synth.feedback.error.gain", |s, by| scale(&mut s.feedback.error, by)),
         ("synth.feedback.control.gain", |s, by| scale(&mut s.feedback.control, by)),
         ("synth.feedback.measurement_noise", |s, by| s.feedback.measurement_noise *= by),
@@ -144,7 +144,12 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn advise(&self, requirement: &Requirement, value: f64, knobs: &[Knob]) -> Result<Advice, PipelineError> {
+    fn advise(
+        &self,
+        requirement: &Requirement,
+        value: f64,
+        parameters: &[WeightParameter],
+    ) -> Result<Advice, PipelineError> {
         let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
         let designed = self.designed(None)?;
         let before = designed.map(|controller| self.measured(&figures, &controller)).transpose()?;
@@ -157,22 +162,22 @@ impl Bench<'_> {
             });
         };
         let (mut sensitivities, mut candidates) = (Vec::new(), Vec::new());
-        for knob in knobs {
-            let Some((after, tried)) = self.tried(&figures, (knob, STEP))? else { continue };
+        for parameter in parameters {
+            let Some((after, tried)) = self.tried(&figures, (parameter, STEP))? else { continue };
             let slope = (after[0] - before[0]) / STEP.ln();
-            sensitivities.push(Sensitivity { key: knob.0, per_factor_e: slope, tried });
+            sensitivities.push(Sensitivity { key: parameter.0, per_factor_e: slope, tried });
             let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
             if needed.is_finite() {
-                candidates.push((knob, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
+                candidates.push((parameter, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
             }
         }
         candidates.sort_by(|a, b| a.2.total_cmp(&b.2));
         let mut best: Option<Change> = None;
-        for (knob, factor, _) in candidates.into_iter().take(TRIED) {
-            let Some((after, tried)) = self.tried(&figures, (knob, factor))? else { continue };
+        for (parameter, factor, _) in candidates.into_iter().take(TRIED) {
+            let Some((after, tried)) = self.tried(&figures, (parameter, factor))? else { continue };
             let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
             let gain_margin_db = after[1] - before[1];
-            let change = Change { key: knob.0, factor, value: after[0], gain_margin_db, holds, tried };
+            let change = Change { key: parameter.0, factor, value: after[0], gain_margin_db, holds, tried };
             let better = |old: &Change| {
                 (change.holds, requirement.limit.distance_to_limit(after[0]).min(0.0))
                     > (old.holds, requirement.limit.distance_to_limit(old.value).min(0.0))
@@ -184,11 +189,14 @@ impl Bench<'_> {
         Ok(Advice { requirement: requirement.clone(), value, sensitivities, change: best })
     }
 
-    /// The controller of the design with a weight changed; `None` if there is none.
-    fn designed(&self, knob: Option<(&Knob, f64)>) -> Result<Option<Controller>, PipelineError> {
+    /// Returns the controller of the design with a weight changed; `None` if there is none.
+    fn designed(
+        &self,
+        parameter: Option<(&WeightParameter, f64)>,
+    ) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
-        if let (Some(synth), Some((knob, factor))) = (&mut project.synth, knob) {
-            (knob.1)(&mut synth.specification, factor);
+        if let (Some(synth), Some((parameter, factor))) = (&mut project.synth, parameter) {
+            (parameter.1)(&mut synth.specification, factor);
         }
         match synthesise(&project, self.modelled, self.reduced) {
             Ok(made) => Ok(Some(made.sampled.controller)),
@@ -197,13 +205,14 @@ impl Bench<'_> {
         }
     }
 
-    /// Figures of the design with a weight changed, and the design; `None` as in [`Self::measured`], and without a controller.
+    /// Returns figures of the design with a weight changed, and the design; `None` as in [`Self::measured`], and without a
+    /// controller.
     fn tried(
         &self,
         figures: &[Figure],
-        knob: (&Knob, f64),
+        parameter: (&WeightParameter, f64),
     ) -> Result<Option<(Vec<f64>, TriedDesign)>, PipelineError> {
-        let Some(controller) = self.designed(Some(knob))? else { return Ok(None) };
+        let Some(controller) = self.designed(Some(parameter))? else { return Ok(None) };
         let Some(values) = self.measured(figures, &controller)? else { return Ok(None) };
         let (plant, procedure) = (&self.modelled.plant, self.procedure);
         let history = match self.kept {
@@ -211,7 +220,7 @@ impl Bench<'_> {
             Kept::Histories => history_of(plant, &controller, procedure, &figures[0])?,
         };
         let tried = TriedDesign {
-            factor: knob.1,
+            factor: parameter.1,
             value: values[0],
             systems: controllers_of(plant, &controller, procedure)?,
             history: history.map(|found| HistoryResult::new(&found, controller.sample_period_s())),
@@ -219,7 +228,7 @@ impl Bench<'_> {
         Ok(Some((values, tried)))
     }
 
-    /// Figures under a controller; `None` if one of them is not a finite number.
+    /// Returns figures under a controller; `None` if one of them is not a finite number.
     fn measured(
         &self,
         figures: &[Figure],

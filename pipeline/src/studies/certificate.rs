@@ -20,11 +20,12 @@ pub struct RegimeRobustness {
     pub found: Option<RobustStability>,
 }
 
-/// The cases of a project: the design's own first, then the configurations and factors of its schedule.
+/// Returns the cases of a project: the design's own first, then the configurations and factors of its
+/// schedule.
 ///
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
-pub fn cases(
+pub fn certified_cases(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
@@ -50,25 +51,25 @@ pub fn cases(
     Ok(all)
 }
 
-/// The certificate of a project's controller, moved as the project's verification moves it.
+/// Returns the certificate of a project's controller, moved as the project's verification moves it.
 ///
 /// # Errors
-/// As [`cases`], and those of the loop and the simulator.
-pub fn certificate(
+/// As [`certified_cases`], and those of the loop and the simulator.
+pub fn certify_controller(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
     procedure: &Procedure,
 ) -> Result<Certificate, PipelineError> {
-    let cases = cases(project, modelled, synthesised)?;
+    let cases = certified_cases(project, modelled, synthesised)?;
     Ok(certify(&synthesised.sampled.controller, procedure, &cases)?)
 }
 
-/// The structured singular value in each case and each regime of friction: the ranges of the sweep, and the presliding stiffness among
-/// them where the project varies it. Empty if the project varies nothing.
+/// Returns the structured singular value in each case and each regime of friction: the ranges of the sweep, and the presliding
+/// stiffness among them where the project varies it. Empty if the project varies nothing.
 ///
 /// # Errors
-/// As [`cases`], and those of the linear loop.
+/// As [`certified_cases`], and those of the linear loop.
 pub fn robust_regimes(
     project: &Project,
     modelled: &Modelled,
@@ -83,7 +84,7 @@ pub fn robust_regimes(
     };
     let controller = &synthesised.sampled.controller;
     let mut all = Vec::new();
-    for case in cases(project, modelled, synthesised)? {
+    for case in certified_cases(project, modelled, synthesised)? {
         let parameters = case.plant.parameters();
         if parameters.lumped.is_none() {
             continue;

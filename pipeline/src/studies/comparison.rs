@@ -14,11 +14,11 @@ use serde::Serialize;
 use super::cost_basis::{CostBasis, cost_basis};
 use crate::exchange::SystemResult;
 use crate::synth::design_plant;
-use crate::synth::schedule::{BalanceRow, rows};
+use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 
 /// A design compared with its alternatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -163,7 +163,7 @@ pub fn compare_designs(
         methods: methods(asked, made)?,
         lowered: lowered(made)?,
         motions: motions(&made.design)?,
-        balance: rows(&made.balance),
+        balance: balance_rows(&made.balance),
         spillover: spillover(project, (asked, modelled), made)?,
         total_cost: cost_of(made)?,
     })
@@ -188,7 +188,7 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
     Ok(Some(TotalCostResult { total: found.total, parts: found.sources.iter().map(row).collect(), basis }))
 }
 
-/// One problem has one cost; its parts are the gains from its sensors.
+/// Returns the cost of a joint design. It has one cost for all paths; its parts are the gains from its sensors.
 fn joint_result(joint: &JointOptimum, total: f64) -> TotalCostResult {
     let names = std::iter::once("hub").chain(joint.channels.iter().map(|channel| match channel {
         Channel::Heave => "heave",
@@ -243,7 +243,7 @@ fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, Pi
     })
 }
 
-/// The figures of the design with another feedback.
+/// Returns the figures of the design with another feedback.
 fn with_feedback(
     made: &Synthesised,
     controller: &StateSpace,
@@ -261,7 +261,8 @@ fn words(findings: &[counterpoise_synth::Finding]) -> String {
     findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
-/// The feedback as built; with alternatives, each of them with the error weight and with that without integral action.
+/// Returns the feedback as built; with alternatives, each of them with the error weight and with that without integral
+/// action.
 fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, PipelineError> {
     let mut rows = vec![as_built(asked, made)?];
     if asked.options.alternatives.is_empty() {
@@ -335,7 +336,7 @@ fn method_row(
     })
 }
 
-/// The weight with its poles on the axis moved to the left, its height above them kept.
+/// Returns the weight with its poles on the axis moved to the left, its height above them kept.
 fn without_integral(weight: &Weight) -> Weight {
     let rational = weight.rational();
     if rational.poles.iter().all(|pole| pole.re != 0.0) {
@@ -376,8 +377,8 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
     Ok(rows)
 }
 
-/// The sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures); `None` if
-/// the project has no beam.
+/// Returns the sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures);
+/// `None` if the project has no beam.
 fn spillover(
     project: &Project,
     (asked, modelled): (&Synthesis, &Modelled),

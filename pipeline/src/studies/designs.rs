@@ -3,8 +3,8 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
 use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::{
     Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Method,
@@ -19,7 +19,7 @@ use crate::tuning::{
     tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
-    Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, observed, reduce,
+    Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, reduce, run_observed,
     synthesise,
 };
 
@@ -129,7 +129,7 @@ pub struct ComparisonRequest {
 /// The band of [`DesignRow::rejection`], rad/s: 0.2 to 2 Hz.
 const BAND_RAD_S: [f64; 2] = [1.26, 12.6];
 
-/// The structures that are tuned, with their names.
+/// Returns the structures that are tuned, with their names.
 fn structures() -> Vec<(&'static str, FixedStructure)> {
     use BlockKind::{Lead, LowPass, Notch, ProportionalIntegral};
     let of = |kinds: &[BlockKind]| FixedStructure {
@@ -202,7 +202,8 @@ pub fn design_table(
 /// Name of the H2 feedback whose weights were tuned.
 const TUNED_WEIGHTS: &str = "H2, weights tuned";
 
-/// The specification from which weights are tuned: the project's, its parts put together by `simple-add`.
+/// Returns the specification from which weights are tuned: the project's, its parts put together by
+/// `simple-add`.
 fn three_part(asked: &Synthesis) -> Specification {
     let mut specification = asked.specification.clone();
     if specification.assembly == Assembly::Joint {
@@ -223,8 +224,8 @@ fn own_name(asked: &Synthesis) -> String {
     }
 }
 
-/// The equal limits of a tuned structure: the figures that the own controller reaches. Its decay is among them, because a slow pole costs
-/// little under a motion and shows in every step.
+/// Returns the equal limits of a tuned structure: the figures that the own controller reaches. Its decay is among them, because a slow
+/// pole costs little under a motion and shows in every step.
 fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
     LoopLimits {
         max_sensitivity: own.max_sensitivity,
@@ -237,7 +238,7 @@ fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
     }
 }
 
-/// The methods that the project did not choose: the three-part H2 design, and the joint optimum.
+/// Returns the methods that the project did not choose: the three-part H2 design, and the joint optimum.
 fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
     let mut plain = asked.clone();
     plain.options.structure = FixedStructure::default();
@@ -272,18 +273,18 @@ struct Bench<'a> {
 impl Bench<'_> {
     fn row(&self, name: &str, project: &Project) -> Result<DesignRow, PipelineError> {
         let made =
-            observed(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;
+            run_observed(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;
         self.judged(name, &made)
     }
 
-    /// The row of a synthesis in place of the project's, or the reason why there is none.
+    /// Returns the row of a synthesis in place of the project's, or the reason why there is none.
     fn attempted(&self, name: &str, synthesis: Synthesis) -> DesignRow {
         let project = Project { synth: Some(synthesis), ..self.project.clone() };
         self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(why.to_string())))
     }
 
     fn tuned(&self, name: &str, subject: TuningSubject<'_>, wanted: &Tuning) -> DesignRow {
-        let made = observed(self.world, Step::Synthesise, || {
+        let made = run_observed(self.world, Step::Synthesise, || {
             let (tuned, _) = tune_feedback(subject, self.ground, wanted)?;
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
             synthesis.options.structure = FixedStructure::default();
@@ -306,7 +307,7 @@ impl Bench<'_> {
         DesignRow { limits: Some(LimitsResult::from(&wanted.limits)), ..row }
     }
 
-    /// The row of the best that a linear feedback can do: no controller, and no simulation.
+    /// Returns the row of the best that a linear feedback can do: no controller, and no simulation.
     fn best(&self, limits: LoopLimits, wanted: &Tuning) -> DesignRow {
         let ground = self.ground;
         let task = BestLoopTask {
@@ -316,7 +317,7 @@ impl Bench<'_> {
             limits,
         };
         let name = "best linear feedback";
-        let row = match observed(self.world, Step::Synthesise, || best_loop(&task)) {
+        let row = match run_observed(self.world, Step::Synthesise, || best_loop(&task)) {
             Err(why) => blank_row(name, Some(why.to_string())),
             Ok(found) => {
                 let is_band = ground.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
@@ -334,7 +335,7 @@ impl Bench<'_> {
         DesignRow { limits: Some(LimitsResult::from(&limits)), ..row }
     }
 
-    /// The figures of a design on the linear plant and in the nonlinear closed loop.
+    /// Returns the figures of a design on the linear plant and in the nonlinear closed loop.
     fn judged(&self, name: &str, made: &Synthesised) -> Result<DesignRow, PipelineError> {
         let controller = &made.sampled.controller;
         let on = |disturbance: &Disturbance| -> Result<LoopMeasures, PipelineError> {
@@ -343,7 +344,7 @@ impl Bench<'_> {
         };
         let linear = on(&self.ground.disturbance)?;
         let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
-        let nonlinear = observed(self.world, Step::Verify, || self.run(controller))?;
+        let nonlinear = run_observed(self.world, Step::Verify, || self.run(controller))?;
         let order = match &made.design.joint {
             Some(joint) => joint.controller.order(),
             None => made.design.feedback_controller().order(),

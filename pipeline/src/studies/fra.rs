@@ -19,6 +19,7 @@ use counterpoise_verify::linear::plant::Resolver;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use crate::tolerance::LEAST_SWING_RAD;
 use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -137,7 +138,7 @@ impl Around {
         }
     }
 
-    /// Unit of the excitation.
+    /// Returns the unit of the excitation.
     pub fn unit(self) -> &'static str {
         if self == Self::Plant { "V" } else { "rad/s" }
     }
@@ -204,7 +205,7 @@ impl Analyser {
         })
     }
 
-    /// The same instrument and controller on another structure of the project's mechanism.
+    /// Returns the same instrument and controller on another structure of the project's mechanism.
     ///
     /// # Errors
     /// Those of the model.
@@ -261,7 +262,7 @@ impl Analyser {
         by_amplitude.map(|point| Ok(point.clone()?)).collect()
     }
 
-    /// The map of what was measured, with the linear models beside it.
+    /// Returns the map of what was measured, with the linear models beside it.
     ///
     /// # Errors
     /// Those of the linearisation.
@@ -281,7 +282,8 @@ impl Analyser {
         })
     }
 
-    /// The same instrument on the columns of a recording, over the last whole cycles of each frequency.
+    /// Returns the same instrument on the columns of a recording, over the last whole cycles of each
+    /// frequency.
     ///
     /// # Errors
     /// A channel that was not recorded, a frequency that does not fit into the recording, and those of the linearisation.
@@ -341,7 +343,7 @@ impl Analyser {
         }
     }
 
-    /// The describing function at the hub amplitude that it leads to itself, by damped iteration.
+    /// Returns the describing function at the hub amplitude that it leads to itself, by damped iteration.
     fn described(
         &self,
         linear: &Expected,
@@ -367,7 +369,7 @@ impl Analyser {
         Ok(None)
     }
 
-    /// What the sampled linear model gives at one frequency.
+    /// Returns what the sampled linear model gives at one frequency.
     fn expected(&self, friction: FrictionLinearisation, rate: f64) -> Result<Expected, PipelineError> {
         let equilibrium = self.plant.equilibrium(&self.point);
         let linear = self.plant.linearise(&equilibrium, friction, Angles::Keep)?;
@@ -399,7 +401,7 @@ impl Analyser {
         })
     }
 
-    /// The controller's gain from each reading.
+    /// Returns the controller's gain from each reading.
     fn gains(&self, rate: f64, period: f64) -> Result<Vec<C64>, PipelineError> {
         let mut gains = vec![C64::new(0.0, 0.0); counterpoise_controller::COMMON_READINGS];
         match &self.acting {
@@ -440,8 +442,6 @@ const HUB: usize = 0;
 const FIRST_READING: usize = 5;
 const HUB_GYRO: usize = FIRST_READING + 1;
 const PLATFORM_GYRO: usize = FIRST_READING + 2;
-/// Swing of the hub below which its friction is not told apart, rad.
-const LEAST_SWING_RAD: f64 = 1e-12;
 /// Relative change of the swing at which the describing function agrees with itself.
 const SELF_CONSISTENT: f64 = 5e-3;
 /// Trials to find that swing.
@@ -450,7 +450,8 @@ const MOST_TRIALS: usize = 30;
 /// A line of a recording's input counts as excitation when it stands this many times above what noise leaves of it.
 const ABOVE_NOISE: f64 = 5.0;
 
-/// Whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of their RMS.
+/// Returns whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of
+/// their RMS.
 fn excited(found: &Response, period_s: f64) -> bool {
     let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
     found.input.harmonics[0].norm() > ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
@@ -494,7 +495,7 @@ fn acting(
     Ok(Acting::Designed(Box::new(controller), linear))
 }
 
-/// The plant without a motor, balanced: nothing would hold a weight.
+/// Returns the plant without a motor, balanced: nothing would hold a weight.
 fn disconnected(
     project: &Project,
     modelled: &Modelled,

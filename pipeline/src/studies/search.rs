@@ -7,7 +7,7 @@ use counterpoise_synth::{
 use counterpoise_verify::VerifiedController;
 
 use crate::design_views::{WeightResponses, weight_responses};
-use crate::export::weights;
+use crate::export::describe_weights;
 use crate::synth::{design_plant, sampling};
 use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
 use counterpoise_project::Project;
@@ -22,7 +22,7 @@ pub struct Searched {
     pub curve: Vec<(f64, Found)>,
     /// The figures of what was found on the plant as it was before reduction.
     pub on_full_plant: Figures,
-    /// What the best trial misses there, 0 where the requirements hold.
+    /// What the best trial misses there, 0 if the requirements hold.
     pub missed_on_full_plant: f64,
     /// The project with the weights that were found.
     pub project: Project,
@@ -76,13 +76,13 @@ pub fn search(
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
-    let weights = project.synth.as_ref().map(weights).unwrap_or_default();
+    let weights = project.synth.as_ref().map(describe_weights).unwrap_or_default();
     let weight_responses = weight_responses(&found.best.specification);
     Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
 }
 
-/// The trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its points were
-/// searched further.
+/// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
+/// points were searched further.
 fn better_point(curve: &[(f64, Found)], (found, wanted): (&Found, &Requirements)) -> Option<Trial> {
     let rejection = |trial: &Trial| trial.figures.rejection;
     let points = curve.iter().map(|(_, point)| &point.best);
@@ -107,14 +107,14 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Whether the searched requirements and every verdict hold.
+    /// Returns whether the searched requirements and every verdict hold.
     pub fn holds(&self) -> bool {
         self.found.best.missed == 0.0 && self.verified.verification().passes()
     }
 }
 
-/// The answer of a search and the points of its curve, each verified by the project's `[verify]`: the answer first, the
-/// points then in the order of their rejection. `go_on` is asked before each.
+/// Returns the answer of a search and the points of its curve, each verified by the project's `[verify]`: the answer
+/// first, the points then in the order of their rejection. `go_on` is asked before each.
 ///
 /// # Errors
 /// A project without `[verify]`, and those of the design and the verification.

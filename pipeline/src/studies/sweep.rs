@@ -10,7 +10,8 @@ use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
-use crate::{Modelled, PipelineError, World, procedure};
+use crate::tolerance::DRIFTING_POLE;
+use crate::{Modelled, PipelineError, World, project_procedure};
 use counterpoise_project::Project;
 
 /// A campaign that was run, with everything that a report, a terminal or another program shows of it.
@@ -87,35 +88,34 @@ pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
     Ok(())
 }
 
-/// The requirements that a campaign judges: those of the project, or [`usual_requirements`] if it states none.
+/// Returns the requirements that a campaign judges: those of the project, or [`usual_requirements`] if it
+/// states none.
 fn judged(project: &Project) -> Vec<Requirement> {
     let stated = project.verify.as_ref().map(|asked| asked.requirements.clone()).unwrap_or_default();
     if stated.is_empty() { usual_requirements() } else { stated }
 }
 
-/// What every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a gain margin
-/// of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
+/// Returns what every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a
+/// gain margin of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
 fn usual_requirements() -> Vec<Requirement> {
     let require =
         |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
     vec![
         require(LoopFigure::MaxSensitivity, Limit::AtMost(USUAL_SENSITIVITY)),
-        require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING)),
+        require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING_POLE)),
     ]
 }
 
 /// Largest sensitivity that is reasonable, 1.4 to 2 (K. J. Astrom and R. M. Murray, Feedback Systems, section 12.3).
 const USUAL_SENSITIVITY: f64 = 2.0;
-/// A pole that only drifts is on the unit circle up to rounding.
-const DRIFTING: f64 = 1e-6;
 /// Where requirements come from that no project states.
 const USUAL: &str = "usual, because the project states no requirement";
 
-/// The Monte Carlo campaign of the project's requirements over its variations.
+/// Returns the Monte Carlo campaign of the project's requirements over its variations.
 ///
 /// # Errors
 /// A section that is missing, a recorded road that cannot be read, variations that make no mechanism.
-pub fn campaign(
+pub fn prepare_campaign(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
@@ -127,18 +127,19 @@ pub fn campaign(
     Ok(Campaign::new(
         modelled.parameters.clone(),
         verified.controller().clone(),
-        procedure(project, world)?,
+        project_procedure(project, world)?,
         asked.variations.clone(),
         judged(project),
         Layout { samples: asked.samples, seed: asked.seed, points: asked.layout },
     )?)
 }
 
-/// The figures of the project's requirements in each configuration and with each parameter of a family varied alone.
+/// Returns the figures of the project's requirements in each configuration and with each parameter of a family
+/// varied alone.
 ///
 /// # Errors
-/// As [`campaign`].
-pub fn families(
+/// As [`prepare_campaign`].
+pub fn vary_families(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
@@ -148,17 +149,17 @@ pub fn families(
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
     let figures: Vec<Figure> = judged(project).iter().map(|requirement| requirement.figure).collect();
     let (parameters, controller, procedure) =
-        (&modelled.parameters, verified.controller(), procedure(project, world)?);
+        (&modelled.parameters, verified.controller(), project_procedure(project, world)?);
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;
     members.extend(configurations(parameters, controller, &procedure, &figures)?);
     Ok(members)
 }
 
-/// How far the ranges of the project's variations may be widened together before the linear loop can be unstable; `None` if the
-/// project varies nothing, has no lumped structure, or its loop is unstable as it is.
+/// Returns how far the ranges of the project's variations may be widened together before the linear loop can be unstable;
+/// `None` if the project varies nothing, has no lumped structure, or its loop is unstable as it is.
 ///
 /// # Errors
-/// As [`campaign`], and those of the linear loop.
+/// As [`prepare_campaign`], and those of the linear loop.
 pub fn robust_stability(
     project: &Project,
     modelled: &Modelled,
@@ -174,7 +175,7 @@ pub fn robust_stability(
         input_error: asked.input_error,
         output_error: asked.output_error,
     };
-    let procedure = procedure(project, world)?;
+    let procedure = project_procedure(project, world)?;
     let parameters = &modelled.parameters;
     Ok(counterpoise_verify::structured::robust_stability(parameters, controller, &procedure, &uncertainty)?)
 }

@@ -16,13 +16,13 @@ pub struct EffortPoint {
     pub figures: Figures,
 }
 
-/// The feedback for each factor on its error weight: |S| over the band of the project's search (its usual one where the project
-/// asks for none) against the control that noise costs. A factor without a stable sampled loop is left out; `None` if `go_on`
-/// returned `false` before the end.
+/// Returns the feedback for each factor on its error weight: |S| over the band of the project's search (its usual one where the
+/// project asks for none) against the control that noise costs. A factor without a stable sampled loop is left out; `None` if
+/// `go_on` returned `false` before the end.
 ///
 /// # Errors
 /// A project without weights, and those of the plant.
-pub fn effort(
+pub fn trade_off_points(
     project: &Project,
     modelled: &Modelled,
     reduced: &Reduced,

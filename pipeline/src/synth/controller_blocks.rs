@@ -1,4 +1,4 @@
-//! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
+//! The controller blocks beside the design's paths: the demand's prefilter, friction observers, the estimator.
 
 use counterpoise_controller::signal::{HUB_POSITION, HUB_RATE};
 use counterpoise_controller::{
@@ -14,7 +14,7 @@ use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant::{sensed, torque_per_volt};
 use crate::synth::friction_observers::observed;
 use crate::{Modelled, PipelineError};
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::resolve::synthesis_options::{
     Adaptation, AdaptationMethod, Compensation, FrictionModel, ObserverOptions,
 };
@@ -31,11 +31,11 @@ const LEAST_SLOPE: f64 = 0.2;
 /// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
 pub(crate) const SMALL_KG_M: f64 = 10.0;
 
-/// The sampled controller with what surrounds its paths, checked anew.
+/// Returns the sampled controller with the blocks beside its paths, checked again.
 ///
 /// # Errors
 /// Those of the controller.
-pub(crate) fn surrounded(
+pub(crate) fn with_controller_blocks(
     sampled: Sampled,
     asked: &Synthesis,
     modelled: &Modelled,
@@ -73,9 +73,9 @@ pub(crate) fn surrounded(
     Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
 }
 
-/// The projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of heave. The
-/// angle is that of the resolver, or of the loop's own sensor; without either it stays that of the design. With a
-/// gyroscope on the platform its pitch angle is added, so that the angle is inertial.
+/// Returns the projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of
+/// heave. The angle is that of the resolver, or of the loop's own sensor; without either it stays that of the design. With a gyroscope on
+/// the platform its pitch angle is added, so that the angle is inertial.
 fn projection(asked: &Synthesis, modelled: &Modelled) -> Option<Projection> {
     let sensors = &modelled.parameters.sensors;
     sensors.surge_accelerometer.as_ref()?;
@@ -93,7 +93,8 @@ fn projection(asked: &Synthesis, modelled: &Modelled) -> Option<Projection> {
     })
 }
 
-/// What takes the known gain and bias of each sensor out of its reading, where the project asks for it.
+/// Returns what takes the known gain and bias of each sensor out of its reading, where the project asks for
+/// it.
 fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
     if asked.options.sensor_errors == Compensation::Absent {
         return Vec::new();
@@ -116,7 +117,7 @@ fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
     each.collect()
 }
 
-/// The controller with the limits of its readings, which the sensors' scales give.
+/// Returns the controller with the limits of its readings, which the sensors' scales give.
 ///
 /// # Errors
 /// Those of the controller.
@@ -126,8 +127,8 @@ pub(crate) fn with_reading_limits(sampled: Sampled, sensors: &Sensors) -> Result
     Ok(Sampled { controller, ..sampled })
 }
 
-/// Largest good readings: [`BEYOND_FULL_SCALE`] times what a fitted sensor gives at its converter's end. The demand has the scale
-/// of the hub gyroscope. `usual` stays where no sensor is fitted.
+/// Returns the largest good readings: [`BEYOND_FULL_SCALE`] times what a fitted sensor gives at its converter's end. The demand
+/// has the scale of the hub gyroscope. `usual` stays if no sensor is fitted.
 fn reading_limits(sensors: &Sensors, usual: [f64; READINGS]) -> [f64; READINGS] {
     let fitted = [
         Some(&sensors.hub_gyro),
@@ -168,7 +169,7 @@ fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObse
     Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
 }
 
-/// The estimator of the out-of-balance.
+/// Returns the estimator of the out-of-balance.
 pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimator {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
@@ -217,15 +218,16 @@ fn learning(adaptation: &Adaptation, modelled: &Modelled) -> Learning {
     }
 }
 
-/// Volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of the hub.
+/// Returns volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of
+/// the hub.
 pub(crate) fn inertia_v_s2_rad(modelled: &Modelled) -> [f64; 2] {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     [modelled.plant.body().inertia_kg_m2 * volts, p.motor.inertia_kg_m2 * p.gearbox.ratio.powi(2) * volts]
 }
 
-/// The inverse of the amplifier's measured curve: (volts of a linear amplifier, control), rising, from its positive
-/// points. A point that would make a stretch steeper or shorter than the measurement can tell is left out.
+/// Returns the inverse of the amplifier's measured curve: (volts of a linear amplifier, control), rising, from its
+/// positive points. A point that would make a stretch steeper or shorter than the measurement can tell is left out.
 pub(crate) fn drive_curve(map: &[MapPoint], gain_a_v: f64) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> =
         map.iter().map(|point| [point.current_a / gain_a_v, point.input_v]).filter(|p| p[1] > 0.0).collect();

@@ -9,7 +9,7 @@ use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
 use counterpoise_models::{AmplifierDynamics, Axis};
 use counterpoise_project::Assumption;
-use counterpoise_project::resolve::design::{LoopKind, Synthesis};
+use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
 
 use super::torque_per_volt;
@@ -128,7 +128,7 @@ fn no_load_rate(modelled: &Modelled) -> f64 {
     }
 }
 
-/// The controller with the limit of what its loop of position demands.
+/// Returns the controller with the limit of what its loop of position demands.
 ///
 /// # Errors
 /// Those of the controller.

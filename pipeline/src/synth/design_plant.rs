@@ -8,10 +8,10 @@ use counterpoise_synth::{DesignPlant, RateLoop, Sampling};
 
 use crate::model::CONVERTER_RANGE_V;
 use crate::{Modelled, PipelineError, Reduced};
-use counterpoise_project::resolve::design::{LoopKind, Synthesis};
+use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_project::resolve::synthesis_options::Compensation;
 
-/// The plant as the design sees it: the reduced plant, the sensors, the loop's delay.
+/// Returns the plant as the design sees it: the reduced plant, the sensors, the loop's delay.
 pub fn design_plant(
     asked: &Synthesis,
     modelled: &Modelled,
@@ -38,7 +38,8 @@ pub fn design_plant(
     Ok(DesignPlant { rate_loop, ..plant })
 }
 
-/// The inner loop of a cascade: its sensor is that of the position, with the lag of the difference of two readings.
+/// Returns the inner loop of a cascade: its sensor is that of the position, with the lag of the difference of two
+/// readings.
 fn rate_loop(
     asked: &Synthesis,
     modelled: &Modelled,
@@ -60,14 +61,16 @@ fn rate_loop(
     Ok(Some(RateLoop { plant, period_s }))
 }
 
-/// The accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the projection of two.
+/// Returns the accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the projection
+/// of two.
 fn heave_sensor(sensors: &Sensors, share: f64) -> Result<StateSpace, PipelineError> {
     let mut sensor = sensors.platform_accelerometer.dynamics()?;
     (sensor.C, sensor.D) = (sensor.C.scale(share), sensor.D.scale(share));
     Ok(sensor)
 }
 
-/// The design plant with its sensors as they are: what a projection makes of them is part of the controller.
+/// Returns the design plant with its sensors as they are: what a projection makes of them is part of the
+/// controller.
 pub(crate) fn sensed(
     plant: &DesignPlant,
     sensors: &Sensors,
@@ -81,7 +84,7 @@ pub(crate) fn sensed(
     })
 }
 
-/// The sensors as the design takes them: where the controller undoes their errors, without.
+/// Returns the sensors as the design takes them: where the controller undoes their errors, without.
 pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
     let mut sensors = sensors.clone();
     if asked.options.sensor_errors == Compensation::Applied {
@@ -118,7 +121,7 @@ pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Samplin
 /// The acceleration that an out-of-balance is judged by where no gravity acts on it, m/s^2.
 const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 
-/// Torque at the stalled hub for one volt of control, N m/V.
+/// Returns the torque at the stalled hub for one volt of control, N m/V.
 pub(crate) fn torque_per_volt(p: &Parameters) -> f64 {
     p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor)
 }

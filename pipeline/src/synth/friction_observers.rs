@@ -15,8 +15,8 @@ const LEVEL_AT: [f64; 14] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.
 /// A level nearer than this to the one of the point before is left out.
 const SAME_LEVEL: f64 = 1e-4;
 
-/// The friction as an observer follows it: its law with the Stribeck curve of its level; what the level does with angle,
-/// load, warmth and direction is left out. `None` where there is no dry friction.
+/// Returns the friction as an observer follows it: its law with the Stribeck curve of its level; what the level does
+/// with angle, load, warmth and direction is left out. `None` if there is no dry friction.
 ///
 /// Laws that truly stick have no state: their sign is softened below `sign_rate_rad_s` (Karnopp's below its own stick
 /// rate). Bristles become Dahl's law of their stiffness.
@@ -81,7 +81,7 @@ fn by_itself(friction: &Friction, sign_rate_rad_s: f64) -> (ObserverLaw, f64, Op
     }
 }
 
-/// Points of g(w) / F_c; `None` if it is constant.
+/// Returns points of g(w) / F_c; `None` if it is constant.
 fn level(friction: &Friction, curve: StribeckCurve) -> Vec<[f64; 2]> {
     let (coulomb_nm, rate) = (friction.coulomb_nm(), friction.stribeck_rate_rad_s);
     let level = StribeckLevel::new(coulomb_nm, friction.static_ratio, rate, curve);
@@ -95,8 +95,8 @@ fn level(friction: &Friction, curve: StribeckCurve) -> Vec<[f64; 2]> {
     if points.len() < 2 { Vec::new() } else { points }
 }
 
-/// The stiffness at rest with which Dahl's law stands for a law; of a law without one, what lets it break away within
-/// half a milliradian.
+/// Returns the stiffness at rest with which Dahl's law stands for a law; of a law without one, what lets it break
+/// away within half a milliradian.
 pub fn rest_stiffness_nm_rad(law: &FrictionLaw) -> f64 {
     match law {
         FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => *rest_stiffness_nm_rad,

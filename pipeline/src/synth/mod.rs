@@ -14,10 +14,10 @@ use counterpoise_synth::{
     discretise, discretise_schedule,
 };
 
-use crate::synth::controller_blocks::{surrounded, with_reading_limits};
+use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
 use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 
 pub use demanded_rate::DemandedRate;
 use demanded_rate::{demanded_rate, with_demand_limit};
@@ -61,7 +61,7 @@ pub struct Lowered {
     pub reduction: ControllerReduction,
 }
 
-/// Designs feedback and feedforwards, and samples them with what surrounds them.
+/// Designs feedback and feedforwards, and samples them with the other controller blocks.
 ///
 /// # Errors
 /// [`PipelineError::NoController`] with every reason, and those of the plant and the design.
@@ -79,7 +79,7 @@ pub fn synthesise(
     let lowered = asked.options.controller_order.map(|order| lower(&mut design, order)).transpose()?;
     let sampling = sampling(asked, modelled)?;
     let balance = match &asked.options.schedule {
-        Some(wanted) => schedule::balance(project, asked, modelled, wanted)?,
+        Some(wanted) => schedule::schedule_entries(project, asked, modelled, wanted)?,
         None => Vec::new(),
     };
     let sampled = match &asked.options.schedule {
@@ -88,7 +88,7 @@ pub fn synthesise(
         }
         _ => discretise(&design, &sampling)?,
     };
-    let sampled = surrounded(sampled, asked, modelled, &plant, &sampling)?;
+    let sampled = with_controller_blocks(sampled, asked, modelled, &plant, &sampling)?;
     let sampled = with_reading_limits(sampled, &modelled.parameters.sensors)?;
     let demanded_rate = demanded_rate(asked, modelled, &design, &sampled, &sampling)?;
     let sampled = with_demand_limit(sampled, asked, demanded_rate)?;

@@ -9,7 +9,7 @@ use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
 use crate::{Modelled, PipelineError, model, reduce};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
 
 /// A state of balance with what becomes of the controllers there.
@@ -37,11 +37,11 @@ pub struct BalanceRow {
     pub error_after_rad_s: Option<f64>,
 }
 
-/// Every state of balance designed for, the nominal one first.
+/// Returns every state of balance designed for, the nominal one first.
 ///
 /// # Errors
 /// A configuration that does not exist, and those of the plant and the design.
-pub fn balance(
+pub fn schedule_entries(
     project: &Project,
     asked: &Synthesis,
     modelled: &Modelled,
@@ -52,10 +52,10 @@ pub fn balance(
     Ok(schedule(&nominal, &others, &asked.specification)?)
 }
 
-/// Every state of balance besides the nominal one.
+/// Returns every state of balance besides the nominal one.
 ///
 /// # Errors
-/// As [`balance`].
+/// As [`schedule_entries`].
 pub(crate) fn other_configurations(
     project: &Project,
     asked: &Synthesis,
@@ -90,7 +90,7 @@ fn configured(
     })
 }
 
-/// The mechanism with its out-of-balance times a factor, everything else kept.
+/// Returns the mechanism with its out-of-balance times a factor, everything else kept.
 ///
 /// # Errors
 /// Those of the plant.
@@ -103,7 +103,7 @@ pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Resul
     Ok(Modelled { plant, linear, rate, parameters, elements })
 }
 
-/// The plant with its out-of-balance times a factor.
+/// Returns the plant with its out-of-balance times a factor.
 pub(crate) fn unbalanced(plant: &Plant, factor: f64) -> Result<Plant, PipelineError> {
     let mut body: Body = plant.body().clone();
     body.out_of_balance_kg_m *= factor;
@@ -111,7 +111,7 @@ pub(crate) fn unbalanced(plant: &Plant, factor: f64) -> Result<Plant, PipelineEr
     Ok(Plant::with_whole_body(plant.parameters(), body)?)
 }
 
-/// Whether the exported controller interpolates redesigns.
+/// Returns whether the exported controller interpolates redesigns.
 pub(crate) fn redesigns(asked: &ScheduleOptions, entries: &[Entry]) -> bool {
     match asked.law {
         ScheduleLaw::Gain => false,
@@ -120,8 +120,8 @@ pub(crate) fn redesigns(asked: &ScheduleOptions, entries: &[Entry]) -> bool {
     }
 }
 
-/// The designs that the exported controller interpolates: those of the configurations; of the factors where there are
-/// none, because two designs of one out-of-balance and different inertia cannot both hold.
+/// Returns the designs that the exported controller interpolates: those of the configurations; of the factors where
+/// there are none, because two designs of one out-of-balance and different inertia cannot both hold.
 pub(crate) fn interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) -> &'a [Entry] {
     match asked.configurations.len() {
         0 => entries,
@@ -129,8 +129,8 @@ pub(crate) fn interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) ->
     }
 }
 
-/// The entries as plain rows.
-pub fn rows(entries: &[Entry]) -> Vec<BalanceRow> {
+/// Returns the entries as plain rows.
+pub fn balance_rows(entries: &[Entry]) -> Vec<BalanceRow> {
     entries.iter().map(row).collect()
 }
 

@@ -73,7 +73,7 @@ pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top
     draw_cells(sheet, map, &layout)
 }
 
-/// The scale of colours with what it means.
+/// Returns the scale of colours with what it means.
 fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64) -> Drawn<DB> {
     for k in 0..=10 {
         let x = MARGIN + SCALE_CELL * f64::from(k);
@@ -95,7 +95,7 @@ fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64
     sheet.text(Ink::Text, (right + SCALE_CELL + 6.0, top + 31.0), LEFT, &map.frame_meaning)
 }
 
-/// The cells, in a system of coordinates whose unit is a cell.
+/// Returns the cells, in a system of coordinates whose unit is a cell.
 fn draw_cells<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, layout: &Layout) -> Drawn<DB> {
     let (columns, rows) = (map.columns.len() as f64, map.rows.len() as f64);
     let size = (columns * layout.cell_width, rows * ROW);

@@ -83,7 +83,7 @@ struct Sheet<'a, DB: DrawingBackend> {
 }
 
 impl<DB: DrawingBackend> Sheet<'_, DB> {
-    /// A length in units of the backend.
+    /// Returns a length in units of the backend.
     fn units(&self, pixels: f64) -> i32 {
         (pixels * self.unit).round() as i32
     }
@@ -92,7 +92,7 @@ impl<DB: DrawingBackend> Sheet<'_, DB> {
         (self.units(at.0), self.units(at.1))
     }
 
-    /// The part of the area from a corner on.
+    /// Returns the part of the area from a corner on.
     fn part(&self, corner: Place, size: Place) -> DrawingArea<DB, Shift> {
         self.area.clone().shrink(self.point(corner), self.point(size))
     }

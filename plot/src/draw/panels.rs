@@ -14,7 +14,7 @@ use crate::figure::{Aspect, Band, Mark, Panel, Panels, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
 use crate::ruler::{Margin, Ruler};
-use crate::thin::{MOST_POINTS, thin};
+use crate::thin::{MOST_POINTS, thin_points};
 
 /// Space at the right of panels, and below each.
 const RIGHT: f64 = 18.0;
@@ -110,12 +110,12 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The place of a point on both axes; `None` if it cannot be drawn.
+    /// Returns the place of a point on both axes; `None` if it cannot be drawn.
     fn place(&self, x: f64, y: f64) -> Option<clip::Place> {
         Some((self.x.place(x)?, self.y.place(y)?))
     }
 
-    /// The values at places on both axes.
+    /// Returns the values at places on both axes.
     fn values(&self, places: &[clip::Place]) -> Vec<(f64, f64)> {
         places.iter().map(|(x, y)| (self.x.value_at(*x), self.y.value_at(*y))).collect()
     }
@@ -181,7 +181,7 @@ fn draw_series<DB: DrawingBackend>(
     let x = series.points.index_axis(Dimension(1), 0);
     let turns_back = x.iter().zip(x.iter().skip(1)).any(|(now, next)| next < now);
     let kept: Vec<usize> =
-        if turns_back { (0..x.len()).collect() } else { thin(series.points.view(), MOST_POINTS / 4) };
+        if turns_back { (0..x.len()).collect() } else { thin_points(series.points.view(), MOST_POINTS / 4) };
     let places = kept.into_iter().map(|k| frame.place(series.points[[k, 0]], series.points[[k, 1]]));
     for run in runs(places) {
         for mut part in clip::polyline(&run) {

@@ -18,21 +18,21 @@ impl Attachments {
         Self::default()
     }
 
-    /// The same with one file more.
+    /// Returns the same with one file more.
     #[must_use]
     pub fn with(mut self, name: &str, bytes: Vec<u8>) -> Self {
         self.files.insert(name.to_owned(), bytes);
         self
     }
 
-    /// The same with the reason why a file could not be read.
+    /// Returns the same with the reason why a file could not be read.
     #[must_use]
     pub fn with_problem(mut self, name: &str, problem: String) -> Self {
         self.problems.insert(name.to_owned(), problem);
         self
     }
 
-    /// A file as text.
+    /// Returns a file as text.
     pub(crate) fn text(&self, name: &str) -> Result<String, String> {
         let bytes = self.bytes(name)?;
         if bytes.len() > LARGEST_TEXT {
@@ -47,12 +47,13 @@ impl Attachments {
     fn bytes(&self, name: &str) -> Result<&[u8], String> {
         let missing = || match self.problems.get(name) {
             Some(problem) => format!("the file \"{name}\" cannot be read: {problem}"),
-            None => format!("the file \"{name}\" was not found beside the project file"),
+            None => format!("the file \"{name}\" was not found in the folder of the project file"),
         };
         self.files.get(name).map(Vec::as_slice).ok_or_else(missing)
     }
 
-    /// The first two numeric columns of a CSV file with a header row; lines that start with # are comments.
+    /// Returns the first two numeric columns of a CSV file with a header row; lines that start with # are
+    /// comments.
     pub(crate) fn pairs(&self, name: &str) -> Result<Vec<[f64; 2]>, String> {
         let bytes = self.bytes(name)?;
         let mut reader = csv::ReaderBuilder::new()

@@ -80,7 +80,7 @@ fn steps(path: &str) -> Result<Vec<Step<'_>>, EditError> {
     path.split('.').map(step).collect()
 }
 
-/// The text with the value at the path set; tables on the way are made.
+/// Returns the text with the value at the path set; tables on the way are made.
 pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, EditError> {
     let mut document = open(text)?;
     let value = setting
@@ -113,7 +113,8 @@ pub(crate) fn set_first(text: &str, key: &str, setting: &Setting) -> Result<Stri
     Ok(format!("{before}{gap}{line}{after}"))
 }
 
-/// The text without the key, table or item of a list of tables at the path; the same text if it is not there.
+/// Returns the text without the key, table or item of a list of tables at the path; the same text if it is
+/// not there.
 pub(crate) fn remove(text: &str, path: &str) -> Result<String, EditError> {
     let mut document = open(text)?;
     let steps = steps(path)?;
@@ -184,7 +185,7 @@ fn walk<'t>(
     walk(next, rest, path)
 }
 
-/// A new table that gets a header only when it has keys of its own.
+/// Returns a new table that gets a header only when it has keys of its own.
 fn implicit() -> Item {
     let mut table = Table::new();
     table.set_implicit(true);
@@ -195,7 +196,7 @@ fn no_items() -> Item {
     Item::ArrayOfTables(toml_edit::ArrayOfTables::new())
 }
 
-/// An item of a list of tables; the one after the last is made.
+/// Returns an item of a list of tables; the one after the last is made.
 fn item_of<'t>(
     item: &'t mut Item,
     key: &str,

@@ -12,7 +12,7 @@ pub(crate) struct Field {
     pub meaning: &'static str,
     /// The canonical text has the key even where absence means the same.
     pub shown: bool,
-    /// Unit of the second number of each pair, where it is not that of the first.
+    /// Unit of the second number of each pair, if it is not that of the first.
     pub second_unit: Option<&'static str>,
     /// By which rule the default stands in for a value that is not known.
     pub assumed: Option<Assumed>,
@@ -89,7 +89,7 @@ pub(crate) enum Form {
 }
 
 impl Field {
-    /// A key that must be there, of any value.
+    /// Returns a key that must be there, of any value.
     pub const fn new(key: &'static str, meaning: &'static str) -> Self {
         Self {
             key,
@@ -109,7 +109,7 @@ impl Field {
         self
     }
 
-    /// The units of the two numbers of each pair.
+    /// Returns the units of the two numbers of each pair.
     pub const fn units(mut self, first: &'static str, second: &'static str) -> Self {
         self.unit = first;
         self.second_unit = Some(second);
@@ -124,13 +124,14 @@ impl Field {
         }
     }
 
-    /// The default stands in for a value that is not known, by a rule. The rule and its source are phrases without a full stop.
+    /// Declares that the default stands in for a value that is not known, by a rule. The rule and its source are phrases without a
+    /// full stop.
     pub const fn assumed(mut self, rule: &'static str, source: &'static str, usual: UsualRange) -> Self {
         self.assumed = Some(Assumed { rule, source, usual });
         self
     }
 
-    /// What to do if the value of this required key is not known.
+    /// Returns what to do if the value of this required key is not known.
     pub const fn if_unknown(mut self, what: &'static str) -> Self {
         self.unknown = what;
         self
@@ -146,19 +147,19 @@ impl Field {
         self
     }
 
-    /// The number that is meant when the key is absent.
+    /// Returns the number that is meant when the key is absent.
     pub const fn or(mut self, default: f64) -> Self {
         self.default = Fallback::Number(default);
         self
     }
 
-    /// The text that is meant when the key is absent.
+    /// Returns the text that is meant when the key is absent.
     pub const fn or_text(mut self, default: &'static str) -> Self {
         self.default = Fallback::Text(default);
         self
     }
 
-    /// An absent key means an empty list.
+    /// Declares that an absent key means an empty list.
     pub const fn or_empty(mut self) -> Self {
         self.default = Fallback::Empty;
         self
@@ -186,7 +187,7 @@ impl TableField {
 }
 
 impl Limit {
-    /// The limit that stands for a range of the models.
+    /// Returns the limit that stands for a range of the models.
     pub const fn of(range: Range) -> Self {
         match range {
             Range::Any => Self::Any,
@@ -208,7 +209,7 @@ impl Limit {
         }
     }
 
-    /// The range in words, with the unit.
+    /// Returns the range in words, with the unit.
     pub fn words(self, unit: &str) -> String {
         let u = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {

@@ -45,7 +45,7 @@ struct Frame {
 /// Walks that see every combination of choices within a table and one level into it: 4320 of `[synth]`.
 const TURNS: usize = 4320;
 /// Combinations of choices up to which the items of a list are seen under each of them, as the factors of a product are. Behind more
-/// (the blocks of `[synth]`) they start anew: the walks would be ten times as many, and no key of theirs depends on those choices.
+/// (the blocks of `[synth]`) they start again: the walks would be ten times as many, and no key of theirs depends on those choices.
 const MOST_INHERITED: usize = 480;
 /// All walks: those that leave the choices of `[plant]` at their defaults, then those that make them too.
 pub(crate) const WALKS: usize = 2 * TURNS;
@@ -68,7 +68,7 @@ impl Guide {
         self.stack.push(Frame { path, digit: 1, chosen: Vec::new() });
     }
 
-    /// A section stands behind the last one of its parent.
+    /// Returns the index of a new section: after the last section with the same parent.
     fn place(&self, path: &str) -> usize {
         let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
         let last = self.sections.iter().rposition(|s| !parent.is_empty() && s.path.starts_with(parent));
@@ -106,7 +106,7 @@ impl Guide {
         }
     }
 
-    /// The reference as Markdown.
+    /// Returns the reference as Markdown.
     pub fn text(&self) -> String {
         let mut text = String::new();
         for (index, section) in self.sections.iter().enumerate().filter(|(_, s)| !s.rows.is_empty()) {
@@ -154,7 +154,7 @@ fn table(rows: &[Row]) -> String {
     rows.iter().fold(head.to_owned(), |text, row| text + &line(row))
 }
 
-/// Under which choices a key exists, where it does not under all.
+/// Under which choices a key exists, if it does not under all.
 fn condition(row: &Row) -> String {
     let some = row.with.iter().filter(|(_, count, names)| names.len() < *count);
     let words: Vec<String> = some.map(|(key, _, names)| format!("`{key}` {}", names.join(", "))).collect();
@@ -232,7 +232,8 @@ impl Visit for Guide {
         self.stack.pop();
     }
 
-    /// One item shows what an item is; an item inside an item of its own kind is not shown again.
+    /// Enters a list and returns the number of its items to show: one, which shows what an item is, or none if the list is nested in
+    /// an item of the same kind.
     fn enter_list(&mut self, table: &TableField, _length: usize) -> usize {
         let path = self.path(table.key);
         let again = path.split('.').filter(|part| *part == table.key).count() > 1;

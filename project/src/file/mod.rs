@@ -11,7 +11,6 @@ pub(crate) mod setter;
 pub(crate) mod setting;
 pub(crate) mod source;
 pub(crate) mod tree;
-mod users_unit;
 pub(crate) mod visit;
 pub(crate) mod writer;
 
@@ -122,23 +121,24 @@ impl Document {
         }
     }
 
-    /// The text as it stands, without its parts.
+    /// Returns the text as it stands, without its parts.
     pub fn text(&self) -> &str {
         self.source.text()
     }
 
-    /// The name under which findings are reported.
+    /// Returns the name under which findings are reported.
     pub fn name(&self) -> &str {
         self.source.name()
     }
 
-    /// Names of the parts that the file includes, as far as they are known: those of a part only once it was given.
+    /// Returns names of the parts that the file includes, as far as they are known: those of a part only once it
+    /// was given.
     pub fn parts(&self) -> &[String] {
         &self.included
     }
 
-    /// Names of the files that the project file refers to and that resolving it needs, its parts among them. The files that a
-    /// part names are known once the part was given to [`Document::with_parts`].
+    /// Returns names of the files that the project file refers to and that resolving it needs, its parts among them. The
+    /// files that a part names are known once the part was given to [`Document::with_parts`].
     pub fn attachments(&self) -> Vec<String> {
         let mut names: Vec<String> = NAMING_FILES.iter().filter_map(|path| self.text_at(path)).collect();
         names.retain(|name| !name.is_empty());
@@ -153,7 +153,7 @@ impl Document {
         self.source.line(finding).map_or_else(|| finding.to_string(), |line| finding.with_line(line))
     }
 
-    /// The text at a path of keys, where one stands there.
+    /// Returns the text at a path of keys, where one stands there.
     fn text_at(&self, path: &str) -> Option<String> {
         match self.node_at(path).map(|node| &node.value) {
             Some(Value::Text(text)) => Some(text.clone()),
@@ -181,19 +181,8 @@ impl Document {
         node.filter(|_| found == Found::There)
     }
 
-    /// The same file with one value set; comments, order and spaces stay. Sections on the way are made. A number that was written
-    /// with a unit or a tolerance keeps both.
-    /// A path names keys and items of lists (from 0), as in `plant.beam.section[1].to`.
-    ///
-    /// # Errors
-    /// The text is not TOML, the path leads nowhere, the value cannot be written, or it stands in a part.
-    pub fn set(&self, path: &str, setting: &Setting) -> Result<Self, EditError> {
-        self.refuse_part(path)?;
-        let (path, setting) = users_unit::kept(self, path, setting);
-        edit::set(self.text(), &path, &setting).map(|text| self.reread(&text))
-    }
-
-    /// The same file with the value at a path replaced as it is given, whatever unit stood there before.
+    /// Returns the same file with the value at a path replaced as it is given, whatever unit stood there
+    /// before.
     ///
     /// # Errors
     /// As for [`Document::set`].
@@ -202,7 +191,7 @@ impl Document {
         edit::set(self.text(), path, setting).map(|text| self.reread(&text))
     }
 
-    /// The same file without a key.
+    /// Returns the same file without a key.
     ///
     /// # Errors
     /// The text is not TOML, the path leads nowhere, or the key stands in a part.
@@ -218,7 +207,7 @@ impl Document {
     }
 
     /// Refuses to change what stands in a part, which other projects may share.
-    fn refuse_part(&self, path: &str) -> Result<(), EditError> {
+    pub(crate) fn refuse_part(&self, path: &str) -> Result<(), EditError> {
         let (node, found) = tree::find(&self.entries, path);
         let inside_of_list = path.contains('[');
         let Some(node) = node.filter(|_| found == Found::There || inside_of_list) else { return Ok(()) };
@@ -228,17 +217,17 @@ impl Document {
         }
     }
 
-    /// The byte at which the value at a path stands, or the nearest thing around it that is there.
+    /// Returns the byte at which the value at a path stands, or the nearest thing around it that is there.
     pub(crate) fn locate(&self, path: &str) -> usize {
         tree::find(&self.entries, path).0.map_or(0, |node| node.span.start)
     }
 
-    /// Whether something stands at a path of keys.
+    /// Returns whether something stands at a path of keys.
     pub(crate) fn has(&self, path: &str) -> bool {
         self.node_at(path).is_some()
     }
 
-    /// A finding at the place of its path.
+    /// Returns a finding at the place of its path.
     pub(crate) fn finding(&self, severity: Severity, remark: Remark) -> Diagnostic {
         let at = self.locate(&remark.path);
         self.source.diagnostic(severity, at, remark)
@@ -272,7 +261,7 @@ pub(crate) fn format_is_newer(node: &Node) -> Option<String> {
     }
 }
 
-/// What to do about a mistake in the syntax, where it is a usual one.
+/// Returns what to do about a mistake in the syntax, where it is a usual one.
 fn syntax_hint(text: &str, at: usize) -> Option<String> {
     let (before, after) = (text.get(..at)?, text.get(at..)?);
     let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());

@@ -219,7 +219,7 @@ impl Assembly<'_> {
                     let remark = Remark::new(Problem::Conflict, "", "");
                     let other = self.source.diagnostic(Severity::Error, here, remark);
                     let what =
-                        format!("stands here and in {}:{}: remove one of the two", other.file, other.line);
+                        format!("is given here and in {}:{}: remove one of the two", other.file, other.line);
                     self.refuse(entry.key_span.start, &inside.path, (Problem::Duplicate, what));
                 }
             }

@@ -23,7 +23,7 @@ pub enum Setting {
 const SMALLEST_PLAIN: f64 = 1e-3;
 const LARGEST_PLAIN: f64 = 1e6;
 
-/// A number in the shortest form that reads back as the same number.
+/// Returns a number in the shortest form that reads back as the same number.
 pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (SMALLEST_PLAIN..LARGEST_PLAIN).contains(&size) {
@@ -33,7 +33,7 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
-/// A text in quotes.
+/// Returns a text in quotes.
 pub(crate) fn quoted(text: &str) -> String {
     toml_edit::Value::from(text).to_string()
 }
@@ -43,7 +43,7 @@ fn list<T>(items: &[T], spell: impl Fn(&T) -> String) -> String {
 }
 
 impl Setting {
-    /// The value as the file spells it.
+    /// Returns the value as the file spells it.
     pub fn as_written(&self) -> String {
         match self {
             Self::Number(value) => number(*value),
@@ -56,7 +56,7 @@ impl Setting {
         }
     }
 
-    /// Whether the value can be written.
+    /// Returns whether the value can be written.
     pub(crate) fn is_finite(&self) -> bool {
         !matches!(self, Self::Number(value) if !value.is_finite())
     }

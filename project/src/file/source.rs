@@ -63,12 +63,12 @@ impl Source {
         Self { own: Text::new(name, text, 0), parts: Vec::new() }
     }
 
-    /// The project file's own text.
+    /// Returns the project file's own text.
     pub fn text(&self) -> &str {
         &self.own.text
     }
 
-    /// The project file's name.
+    /// Returns the project file's name.
     pub fn name(&self) -> &str {
         &self.own.name
     }
@@ -102,7 +102,7 @@ impl Source {
         text.text.get(start..)?.lines().next()
     }
 
-    /// The text at a place, on one line, shortened where it is long.
+    /// Returns the text at a place, on one line, shortened where it is long.
     pub fn quote(&self, span: &Range<usize>) -> String {
         let text = self.at(span.start);
         let within = span.start.saturating_sub(text.start)..span.end.saturating_sub(text.start);
@@ -120,7 +120,7 @@ impl Source {
         printable(&format!("{head}..."))
     }
 
-    /// A finding at a place of the text.
+    /// Returns a finding at a place of the text.
     pub fn diagnostic(&self, severity: Severity, at: usize, remark: Remark) -> Diagnostic {
         let text = self.at(at);
         let (line, column) = text.position(at.saturating_sub(text.start));

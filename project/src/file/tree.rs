@@ -76,7 +76,7 @@ impl Start {
     }
 }
 
-/// The tree of a text that begins at a byte; with mistakes in the syntax, what could still be read.
+/// Returns the tree of a text that begins at a byte; with mistakes in the syntax, what could still be read.
 pub(crate) fn parse(text: &str, start: Start) -> (Vec<Entry>, Vec<SyntaxError>) {
     let (table, errors) = DeTable::parse_recoverable(text);
     let error = |e: &toml::de::Error| SyntaxError {
@@ -87,7 +87,7 @@ pub(crate) fn parse(text: &str, start: Start) -> (Vec<Entry>, Vec<SyntaxError>) 
 }
 
 impl Value {
-    /// What the value is, in words.
+    /// Returns what the value is, in words.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Number(_) => "a number",

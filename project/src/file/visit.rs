@@ -49,7 +49,7 @@ pub(crate) trait Visit {
     fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
         false
     }
-    /// Returns whether a key is written in the table, or in one within it (`motor.inertia`); false where nothing is read.
+    /// Returns whether a key is written in the table, or in one within it (`motor.inertia`); false if nothing is read.
     fn has(&self, _key: &str) -> bool {
         false
     }

@@ -7,7 +7,8 @@ use super::setting::Setting;
 /// Column at which the comments stand, where the values leave room.
 const COMMENT_COLUMN: usize = 34;
 
-/// The text of listed lines. What is as usual is left out, and so are inline tables with nothing unusual.
+/// Returns the text of listed lines. What is as usual is left out, and so are inline tables with nothing
+/// unusual.
 pub(crate) fn canonical(lines: &[Line]) -> String {
     let mut text = String::new();
     let mut at = 0;
@@ -41,7 +42,7 @@ pub(crate) fn as_written(setting: &Setting, tolerance: &Option<String>) -> Strin
     }
 }
 
-/// Whether a section needs its own header: it has a key of its own, or nothing at all inside it.
+/// Returns whether a section needs its own header: it has a key of its own, or nothing at all inside it.
 fn speaks(lines: &[Line], open: usize) -> bool {
     !matches!(lines.get(open + 1), Some(Line::Open { form: Form::Section, .. }))
         && (own_values(lines, open)
@@ -59,7 +60,7 @@ fn written(line: &Line) -> bool {
     matches!(line, Line::Value { usual: false, .. })
 }
 
-/// The line that closes a table.
+/// Returns the line that closes a table.
 fn close(lines: &[Line], open: usize) -> usize {
     let mut depth = 0_usize;
     for (at, line) in lines.iter().enumerate().skip(open) {

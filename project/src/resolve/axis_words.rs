@@ -40,7 +40,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The key of a sliding axis; the same if it has none of its own.
+/// Returns the key of a sliding axis; the same if it has none of its own.
 fn sliding_key(key: &'static str) -> &'static str {
     KEYS.iter().find(|(turning, _)| *turning == key).map_or(key, |(_, sliding)| sliding)
 }

@@ -9,7 +9,7 @@ use crate::file::visit::{Choice, Count, Visit, choose, maybe_number};
 /// A recording of an inertial measurement unit on the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InertialUnit {
-    /// Name of the recording, beside the project file.
+    /// Name of the recording, in the folder of the project file.
     pub recording: String,
     /// Columns of the accelerations along the unit's x, y and z axes.
     pub acceleration: [String; 3],
@@ -51,7 +51,7 @@ const ABOVE_0: Limit = Limit::Above(0.0);
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const LEVER: Limit = Limit::Between(-100.0, 100.0);
 
-/// A unit of which nothing is known yet.
+/// Returns a unit of which nothing is known yet.
 pub(super) fn blank() -> InertialUnit {
     InertialUnit {
         recording: String::new(),
@@ -70,7 +70,10 @@ pub(super) fn blank() -> InertialUnit {
 
 /// Reads or lists a unit.
 pub(super) fn inertial_unit(v: &mut dyn Visit, unit: &mut InertialUnit) {
-    v.text(&Field::new("recording", "name of the recording, beside the project file"), &mut unit.recording);
+    v.text(
+        &Field::new("recording", "name of the recording, in the folder of the project file"),
+        &mut unit.recording,
+    );
     columns(
         v,
         "acceleration",
@@ -119,7 +122,7 @@ fn columns(v: &mut dyn Visit, key: &'static str, meaning: &'static str, names: &
     }
 }
 
-/// Three numbers, 0 where the key is absent.
+/// Three numbers, 0 if the key is absent.
 pub(super) fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
     let mut list = if *value == [0.0; 3] { Vec::new() } else { value.to_vec() };
     v.numbers(&field.or_empty(), Count::Exactly(3), &mut list);

@@ -2,7 +2,7 @@
 
 use counterpoise_models::{AccelerometerAxis, Axis, Sensor};
 
-use super::checks::Findings;
+use super::findings::Findings;
 use super::{Project, platform::PlatformSource};
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;

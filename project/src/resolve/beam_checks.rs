@@ -2,12 +2,11 @@
 
 use counterpoise_models::{Beam, Parameters, SectionShape};
 
-use super::checks::{Findings, duplicates};
+use super::findings::{Findings, duplicates};
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;
+use crate::tolerance::ADJOINING_SHARE;
 
-/// Two ends of sections closer than this fraction of the beam's length adjoin.
-const ADJOINING: f64 = 1e-9;
 /// Lumped and distributed description may differ by this fraction.
 const AGREEMENT: f64 = 0.02;
 /// A mass lies on the beam if it is within this fraction of the beam's length beyond its ends.
@@ -27,7 +26,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
     }
     for (index, two) in beam.sections.windows(2).enumerate() {
         let gap = two[1].from_m - two[0].to_m;
-        if gap.abs() > ADJOINING * length {
+        if gap.abs() > ADJOINING_SHARE * length {
             let what = if gap > 0.0 { "leaves a gap of" } else { "overlaps by" };
             let allowed = format!(
                 "{what} {} m: section \"{}\" ends at {} m; sections must adjoin in order",
@@ -53,7 +52,7 @@ fn pivot(findings: &mut Findings<'_>, beam: &Beam) {
     }
 }
 
-/// A length without the noise of a subtraction.
+/// Returns a length without the noise of a subtraction.
 fn tidy(length: f64) -> f64 {
     (length * 1e9).round() / 1e9
 }
@@ -116,8 +115,9 @@ pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
     );
 }
 
-/// First moment and inertia of the bare beam about the pivot, by Gauss quadrature exact for tapered tubes
-/// (the density times area is a polynomial of degree 2, times x^2: degree 4), rotary inertia neglected.
+/// Returns the first moment and inertia of the bare beam about the pivot, by Gauss quadrature exact for
+/// tapered tubes (the density times area is a polynomial of degree 2, times x^2: degree 4), rotary inertia
+/// neglected.
 fn rigid(beam: &Beam) -> Option<(f64, f64)> {
     let (mut moment, mut inertia) = (0.0, 0.0);
     for section in &beam.sections {
@@ -136,7 +136,7 @@ fn rigid(beam: &Beam) -> Option<(f64, f64)> {
 const GAUSS: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// Area at a fraction of a section's length.
+/// Returns the area at a fraction of a section's length.
 fn area(shape: &SectionShape, at: f64) -> f64 {
     let along = |ends: &[f64; 2]| ends[0] + at * (ends[1] - ends[0]);
     match shape {

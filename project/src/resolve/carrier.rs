@@ -104,7 +104,7 @@ fn sides(v: &mut dyn Visit, vehicle: &mut Vehicle) {
     });
 }
 
-/// A sea of which nothing is known yet, under a ship of the size of a frigate.
+/// Returns a sea of which nothing is known yet, under a ship of the size of a frigate.
 pub(super) fn blank_sea() -> Sea {
     Sea {
         waves: Waves {
@@ -129,7 +129,7 @@ pub(super) fn blank_sea() -> Sea {
 /// Damping ratio of roll of a ship with bilge keels (A. Lloyd, Seakeeping: Ship Behaviour in Rough Weather, 1989, ch. 4).
 const ROLL_DAMPING: f64 = 0.1;
 
-/// Whether a value is still missing, so that the sea cannot be tried.
+/// Returns whether a value is still missing, so that the sea cannot be tried.
 pub(super) fn is_unread(sea: &Sea) -> bool {
     let (waves, ship) = (&sea.waves, &sea.ship);
     [

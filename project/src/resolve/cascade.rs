@@ -4,7 +4,7 @@ use counterpoise_lti::Discretisation;
 use counterpoise_models::{Axis, Measured};
 use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
 
-use super::design::{LoopKind, Synthesis};
+use super::synthesis::{LoopKind, Synthesis};
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
 

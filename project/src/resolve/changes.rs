@@ -3,7 +3,7 @@
 use crate::file::lister::Line;
 use crate::file::{Document, EditError, Setting};
 
-/// The file with what differs between two listings set or removed.
+/// Returns the file with what differs between two listings set or removed.
 pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Result<Document, EditError> {
     let mut out = document.clone();
     for path in gone(before, after).into_iter().rev() {

@@ -1,43 +1,28 @@
 //! What no single key can say: names that must differ or exist, sections that must adjoin, descriptions that must agree.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
-use super::design::{LoopKind, ReductionMethod};
+use super::design::ReductionMethod;
+use super::findings::{Findings, duplicates};
 use super::model::StructureChoice;
+use super::synthesis::LoopKind;
 use super::{Project, base_motion_checks, beam_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
 use crate::file::visit::Choice;
+use crate::tolerance::SAME_SAMPLE_PERIOD;
 
 /// Keys and sections that describe the structure.
 const DESCRIPTIONS: [&str; 5] = ["plant.inertia", "plant.mass", "plant.lumped", "plant.beam", "plant.import"];
-/// Relative difference between two sample periods that is rounding in a file.
-const SAME_PERIOD: f64 = 1e-6;
-/// Most findings that are kept.
-const MOST_FINDINGS: usize = 1000;
 
-/// Findings of one check.
-pub(super) struct Findings<'a> {
-    document: &'a Document,
-    list: Vec<Diagnostic>,
-}
-
-impl Findings<'_> {
-    pub(super) fn add(&mut self, severity: Severity, remark: Remark) {
-        if self.list.len() < MOST_FINDINGS {
-            self.list.push(self.document.finding(severity, remark));
-        }
-    }
-}
-
-/// All findings about values that do not fit each other.
+/// Returns all findings about values that do not fit each other.
 pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
-    let mut findings = Findings { document, list: Vec::new() };
+    let mut findings = Findings::new(document);
     let plant = &project.plant;
     let described = DESCRIPTIONS.iter().any(|path| document.has(path));
     if document.has("plant") && !described && !is_without_structure(project) {
@@ -72,20 +57,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     units(&mut findings, &project.recording, project.channel_units());
     configuration(&mut findings, project);
     tolerances(&mut findings, project);
-    findings.list
-}
-
-/// Names in a list must differ.
-pub(super) fn duplicates<'n>(findings: &mut Findings<'_>, list: &str, names: impl Iterator<Item = &'n str>) {
-    let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
-    for (index, name) in names.enumerate().filter(|(_, name)| !name.is_empty()) {
-        if let Some(first) = seen.get(name) {
-            let allowed = format!("the name is taken by {list}[{first}]; names must differ");
-            let remark = Remark::new(Problem::Duplicate, &format!("{list}[{index}].name"), allowed);
-            findings.add(Severity::Error, remark.found(format!("\"{name}\"")));
-        }
-        seen.entry(name).or_insert(index);
-    }
+    findings.into_list()
 }
 
 /// Returns whether the structure that the model takes is missing, and with it the masses that configurations name.
@@ -231,7 +203,7 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
     ];
     for (key, value, ideal) in of_mesh.into_iter().filter(|_| gearbox.is_rigid()) {
         let stated = ["gearbox", "ball_screw", "harmonic_drive"].map(|kind| format!("plant.{kind}.{key}"));
-        let Some(path) = stated.iter().find(|path| findings.document.has(path) && value != ideal) else {
+        let Some(path) = stated.iter().find(|path| findings.states(path) && value != ideal) else {
             continue;
         };
         let section = path.trim_end_matches(key);
@@ -303,7 +275,7 @@ fn recorded_period(findings: &mut Findings<'_>, project: &Project) {
     let Some(RecordingController::Exported(source)) = &project.recording_controller else { return };
     let Some(content) = &source.content else { return };
     let (own, period) = (content.controller.sample_period_s(), project.plant.interface.sample_period_s);
-    if (own - period).abs() > SAME_PERIOD * period {
+    if (own - period).abs() > SAME_SAMPLE_PERIOD * period {
         let allowed = format!(
             "must be a controller with the sample period of plant.interface, {period} s; this one has {own} s"
         );

@@ -8,14 +8,14 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{Axis, Measured};
 use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
-    Specification, Weight,
 };
 
 use super::cascade;
 use super::fixed_structure::{TunedWeights, Tuning};
 use super::model::count;
+use super::synthesis::{Synthesis, WeightSource, blank_feedback, blank_feedforward};
 use super::synthesis_options::{self, SynthesisOptions};
-use super::weight::{blank_weight, weight};
+use super::weight::weight;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Visit, choose, maybe_number, optional, table};
 
@@ -41,62 +41,6 @@ pub enum ReductionMethod {
     Guyan,
     /// Balanced truncation.
     Balanced,
-}
-
-/// What is asked of a design.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Synthesis {
-    /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`].
-    pub specification: Specification,
-    /// Whether the file states the feedback's weights.
-    pub weights: WeightSource,
-    /// Bandwidth that chosen weights aim at, rad/s; `None` asks for the highest.
-    pub bandwidth_rad_s: Option<f64>,
-    /// What the loop controls.
-    pub loop_kind: LoopKind,
-    /// Largest rate that a loop of position demands, rad/s or m/s; 0 for no limit, `None` for what the drive allows.
-    pub rate_limit: Option<f64>,
-    /// Delay of the design plant in sample periods.
-    pub delay_samples: f64,
-    /// Order of the Pade approximation of that delay.
-    pub pade_order: usize,
-    /// How the controller is sampled.
-    pub discretisation: SamplingMethod,
-    /// The form in which each path runs.
-    pub form: Form,
-    /// Time in which the step of a changed out-of-balance fades in, s.
-    pub transfer_time_s: f64,
-    /// Method, order, observer, schedule, adaptation, search.
-    pub options: SynthesisOptions,
-}
-
-/// What the loop controls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LoopKind {
-    /// The rate that the loop's sensor measures.
-    #[default]
-    Rate,
-    /// The position that the loop's sensor measures.
-    Position,
-    /// That position, by a proportional loop around a loop of its rate.
-    Cascade,
-}
-
-/// Where the feedback's weights come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum WeightSource {
-    /// They are to be chosen for the highest bandwidth, or for the one that is asked for.
-    #[default]
-    Chosen,
-    /// The file states them.
-    Stated,
-}
-
-impl Default for Synthesis {
-    /// A design of which nothing is stated.
-    fn default() -> Self {
-        blank_synthesis()
-    }
 }
 
 /// What code is generated.
@@ -200,59 +144,6 @@ impl Default for Export {
     }
 }
 
-/// A design still to be read.
-pub(crate) fn blank_synthesis() -> Synthesis {
-    let unit = Weight::Constant { gain: 1.0 };
-    // what stands here until weights are chosen equals itself, so that projects without weights can be compared
-    let feedback =
-        FeedbackWeights { error: unit.clone(), control: unit, measurement_noise: 0.0, ..blank_feedback() };
-    let (assembly, reference) = (Assembly::default(), Reference::default());
-    Synthesis {
-        specification: Specification {
-            feedback,
-            heave: None,
-            pitch: None,
-            assembly,
-            reference,
-            position_gain: None,
-        },
-        loop_kind: LoopKind::Rate,
-        rate_limit: None,
-        weights: WeightSource::Chosen,
-        bandwidth_rad_s: None,
-        delay_samples: 1.0,
-        pade_order: 2,
-        discretisation: SamplingMethod::TUSTIN,
-        form: Form::LeastSensitive,
-        transfer_time_s: 0.0,
-        options: SynthesisOptions::default(),
-    }
-}
-
-/// Weights of the feedback still to be read.
-fn blank_feedback() -> FeedbackWeights {
-    FeedbackWeights {
-        error: blank_weight(),
-        control: blank_weight(),
-        combination: Vec::new(),
-        measurement_noise: f64::NAN,
-        disturbances: Vec::new(),
-        loop_recovery: 0.0,
-    }
-}
-
-fn blank_feedforward() -> FeedforwardWeights {
-    let knowledge = Knowledge::Measured { noise: f64::NAN };
-    FeedforwardWeights {
-        error: blank_weight(),
-        control: blank_weight(),
-        generator: blank_weight(),
-        knowledge,
-        output: None,
-        basis: Basis::OpenLoop,
-    }
-}
-
 /// Reads or lists the reduction.
 pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
     choose(v, &Field::new("method", "how the plant is reduced").or_text("none").shown(), &mut reduce.method);
@@ -343,8 +234,7 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
         (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
         if synth.bandwidth_rad_s.is_some() {
-            let allowed =
-                "must not stand beside [synth.feedback]: a bandwidth is for weights that are chosen";
+            let allowed = "must not be given together with [synth.feedback]: a bandwidth is for weights that are chosen";
             v.complain("bandwidth", allowed, Some("remove one of the two".to_owned()));
         }
     }
@@ -358,7 +248,7 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
     });
 }
 
-/// Complains where weights are to be tuned of a feedback that has none of its own, and where there is nothing to tune.
+/// Complains if weights are to be tuned of a feedback that has none, and if there is nothing to tune.
 fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
     let specification = &synth.specification;
     let problem = match tuning.weights {
@@ -630,7 +520,7 @@ fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
 /// Longest name that generated code may start with: a language may add to it.
 const LONGEST_NAME: usize = 18;
 
-/// What keeps a name from being a short lower-case identifier.
+/// Returns what keeps a name from being a short lower-case identifier.
 fn identifier(name: &str) -> Option<&'static str> {
     let plain = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) {

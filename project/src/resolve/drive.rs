@@ -7,6 +7,7 @@ use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Paramet
 
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose};
+use crate::tolerance::WHOLE_DELAY;
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -17,8 +18,6 @@ const FULL_V: f64 = 10.0;
 const FULL_SCALE: f64 = 1000.0;
 /// Torque of such a drive if no inertia is stated as a number, N m.
 const UNKNOWN_TORQUE: f64 = 10.0;
-/// Fraction of a sample period that is rounding when a delay is counted in whole samples.
-const ROUNDING: f64 = 1e-9;
 
 /// What a drive takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +32,7 @@ impl Choice for Takes {
         &[("torque", Self::Torque), ("current", Self::Current), ("voltage", Self::Voltage)];
 }
 
-/// A drive that takes a torque, without a limit.
+/// Returns a drive that takes a torque, without a limit.
 pub(super) fn blank_amplifier() -> Amplifier {
     Amplifier {
         gain: 1.0,
@@ -48,7 +47,7 @@ pub(super) fn blank_amplifier() -> Amplifier {
     }
 }
 
-/// A motor of which nothing is written: its current is its torque.
+/// Returns a motor of which nothing is written: its current is its torque.
 pub(super) fn usual_motor() -> Motor {
     Motor {
         inertia_kg_m2: 0.0,
@@ -192,7 +191,7 @@ fn samples(plant: &Parameters) -> usize {
     let period_s = plant.interface.sample_period_s;
     match plant.amplifier.dynamics {
         AmplifierDynamics::CurrentLoop { delay_s, .. } if period_s > 0.0 => {
-            (delay_s / period_s - ROUNDING).ceil().max(0.0) as usize
+            (delay_s / period_s - WHOLE_DELAY).ceil().max(0.0) as usize
         }
         _ => 0,
     }
@@ -252,7 +251,7 @@ fn map(v: &mut dyn Visit, map: &mut Vec<MapPoint>) {
     *map = merged(pairs);
 }
 
-/// The points in order of voltage; points at one voltage become their mean.
+/// Returns the points in order of voltage; points at one voltage become their mean.
 fn merged(mut pairs: Vec<[f64; 2]>) -> Vec<MapPoint> {
     pairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mean = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).sum::<f64>() / points.len() as f64;

@@ -138,7 +138,7 @@ fn read_parameter(v: &mut dyn Visit, parameter: &mut Parameter, value: &Field, r
     }
 }
 
-/// The fields of a parameter's value and of its range.
+/// Returns the fields of a parameter's value and of its range.
 fn fields(name: ParameterName) -> (Field, Field) {
     use ParameterName::*;
     let (key, range, unit, meaning) = match name {

@@ -96,10 +96,9 @@ const BOND: Field =
 
 const VISCOUS: Field =
     Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::of(ranges::VISCOUS)).or(0.0);
-const STATIC_RATIO: Field =
-    Field::new("static_ratio", "ratio of the dry level at rest to the level while sliding")
-        .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
-        .or(1.0);
+const STATIC_RATIO: Field = Field::new("static_ratio", "ratio of the breakaway level to the Coulomb level")
+    .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
+    .or(1.0);
 const STRIBECK_RATE: Field =
     Field::new("stribeck_rate", "rate at which the excess over the sliding level has fallen to 1/e")
         .unit("rad/s")
@@ -107,7 +106,7 @@ const STRIBECK_RATE: Field =
         .or(0.01);
 const ASYMMETRY: Field = Field::new(
     "asymmetry",
-    "half the difference between the dry levels of the two directions, as a fraction",
+    "half the difference between the Coulomb levels of the two directions, as a fraction",
 )
 .limit(Limit::of(ranges::ASYMMETRY))
 .or(0.0);
@@ -121,18 +120,19 @@ const QUADRATIC: Field = Field::new("quadratic", "coefficient of quadratic drag"
     .unit("N m s^2/rad^2")
     .limit(Limit::of(ranges::QUADRATIC))
     .or(0.0);
-const LOAD: Field = Field::new("load_coefficient", "relative growth of the dry level per N m of load")
+const LOAD: Field = Field::new("load_coefficient", "relative growth of the Coulomb level per N m of load")
     .limit(Limit::of(ranges::LOAD_COEFFICIENT))
     .or(0.0);
-const WARM_UP: Field = Field::new("warm_up", "fraction by which the dry level changes as the joint warms up")
-    .limit(Limit::of(ranges::WARM_UP))
-    .or(0.0);
+const WARM_UP: Field =
+    Field::new("warm_up", "fraction by which the Coulomb level changes as the joint warms up")
+        .limit(Limit::of(ranges::WARM_UP))
+        .or(0.0);
 const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the warm-up")
     .unit("s")
     .limit(Limit::of(ranges::WARM_UP_TIME))
     .or(1.0);
 const POSITION_RIPPLE: TableField =
-    TableField::inline("position_ripple", "variation of the dry level with the angle, as a fraction");
+    TableField::inline("position_ripple", "variation of the Coulomb level with the angle, as a fraction");
 
 /// Reads or lists a friction section.
 pub(crate) fn friction(v: &mut dyn Visit, value: &mut Friction) {
@@ -162,14 +162,14 @@ pub(crate) fn ripple(v: &mut dyn Visit, section: &TableField, value: &mut Ripple
     v.leave();
 }
 
-/// Reads or lists a dry friction as it was identified: a law, Dahl's where none is named, and its Stribeck level.
+/// Reads or lists a dry friction as it was identified: a law, Dahl's if none is named, and its Stribeck level.
 pub(crate) fn identified(v: &mut dyn Visit, value: &mut Friction) {
     named_law(v, &MODEL.or_text("dahl"), &mut value.law);
     v.number(&STATIC_RATIO, &mut value.static_ratio);
     v.number(&STRIBECK_RATE, &mut value.stribeck_rate_rad_s);
 }
 
-/// An identified friction still to be read.
+/// Returns an identified friction still to be read.
 pub(crate) fn blank_identified() -> Friction {
     Friction::plain(blank(Law::Dahl), 0.0)
 }
@@ -210,7 +210,7 @@ fn name_of(law: &FrictionLaw) -> Law {
     }
 }
 
-/// A law whose numbers are still to be read.
+/// Returns a law whose numbers are still to be read.
 fn blank(law: Law) -> FrictionLaw {
     let coulomb_nm = f64::NAN;
     match law {

@@ -21,11 +21,11 @@ pub struct ImportedStructure {
     pub mass: MatrixFile,
     /// File of the stiffness matrix.
     pub stiffness: MatrixFile,
-    /// File of the damping matrix; an empty name where there is none.
+    /// File of the damping matrix; an empty name if there is none.
     pub damping: MatrixFile,
     /// File that says which node each row belongs to and where the nodes lie.
     pub node_map: String,
-    /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, where there is no damping matrix.
+    /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, if there is no damping matrix.
     pub modal_damping: Vec<f64>,
     /// Which shapes a structure is condensed to.
     pub shapes: Shapes,
@@ -130,14 +130,14 @@ struct Condensed {
 /// Condensed structures that are kept: a design with two configurations asks for two in turn.
 const KEPT_STRUCTURES: usize = 2;
 
-/// The structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every variation of
-/// a study asks for the same one again. The answer depends on nothing but what is compared.
+/// Returns the structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every
+/// variation of a study asks for the same one again. The answer depends on nothing but what is compared.
 fn condensed() -> MutexGuard<'static, Vec<Condensed>> {
     static CONDENSED: Mutex<Vec<Condensed>> = Mutex::new(Vec::new());
     CONDENSED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An import still to be read.
+/// Returns an import still to be read.
 pub(crate) fn blank() -> ImportedStructure {
     ImportedStructure {
         format: MatrixFormat::MatrixMarket,
@@ -191,7 +191,7 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
     }
 }
 
-/// What the files hold, where they are at hand and make a structure; what is wrong with them is said.
+/// Returns what the files hold, where they are at hand and make a structure; what is wrong with them is said.
 fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedContent> {
     let map = read(v, "node_map", &import.node_map, NodeMap::parse)?;
     let matrices = match import.format {
@@ -264,7 +264,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
     }
 }
 
-/// The matrix of a name among those of a file, or the only one where no name is asked for.
+/// Returns the matrix of a name among those of a file, or the only one if no name is asked for.
 fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Error> {
     let found = match (name, known.len()) {
         ("", 1) => Some(0),
@@ -278,7 +278,7 @@ fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Err
     found.ok_or_else(|| counterpoise_models::Error::Import { line: 0, what: what() })
 }
 
-/// A file parsed; `None` if there is nothing to read, or what is wrong has been said.
+/// Returns a file parsed; `None` if there is nothing to read, or what is wrong has been said.
 fn read<T>(
     v: &mut dyn Visit,
     key: &str,
@@ -295,7 +295,7 @@ fn read<T>(
     }
 }
 
-/// A mistake in a file, with its line where one is to blame.
+/// Returns a mistake in a file, with its line where one is to blame.
 fn said(error: &counterpoise_models::Error) -> String {
     match error {
         counterpoise_models::Error::Import { line: 0, what } => what.clone(),

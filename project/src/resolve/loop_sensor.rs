@@ -5,7 +5,7 @@
 use counterpoise_models::{Axis, Measured, Parameters, Sensor};
 use std::f64::consts::TAU;
 
-use super::plant::{IDEAL_SCALE, sensor};
+use super::sensor::{IDEAL_SCALE, sensor};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose};
 

@@ -12,6 +12,7 @@ pub mod controller;
 pub mod controller_file;
 pub mod design;
 mod drive;
+mod findings;
 pub mod fixed_structure;
 mod format;
 mod friction;
@@ -24,11 +25,15 @@ mod plant;
 pub mod platform;
 pub mod purpose;
 mod recording;
+mod seed;
+mod sensor;
 pub mod statements;
 mod structure;
 pub mod sweep;
+pub mod synthesis;
 pub mod synthesis_options;
 mod transmission;
+mod users_unit;
 pub mod verify;
 mod weight;
 
@@ -47,11 +52,12 @@ use crate::file::setter::Setter;
 use crate::file::visit::{Presence, Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, FORMAT, writer};
 use controller::RecordingController;
-use design::{Export, Reduction, Synthesis};
+use design::{Export, Reduction};
 use format::News;
 use model::Modelling;
 use purpose::Purpose;
 use sweep::Sweep;
+use synthesis::{Synthesis, blank_synthesis};
 use verify::Verification;
 
 /// A project with every value resolved.
@@ -59,7 +65,7 @@ use verify::Verification;
 pub struct Project {
     /// The mechanism.
     pub plant: Parameters,
-    /// The structure as matrices from elsewhere, where there is one.
+    /// The structure as matrices from elsewhere, if there is one.
     pub import: Option<import::ImportedStructure>,
     /// Which description of the mechanism is taken, and where it stands.
     pub model: Modelling,
@@ -168,12 +174,14 @@ impl Project {
         self
     }
 
-    /// The canonical text of the project: sections in fixed order, units in comments, usual values left out.
+    /// Returns the canonical text of the project: sections in fixed order, units in comments, usual values
+    /// left out.
     pub fn to_text(&self) -> String {
         writer::canonical(&self.lines())
     }
 
-    /// The file with every value that differs between two projects set, and everything else of it left as it is.
+    /// Returns the file with every value that differs between two projects set, and everything else of it left
+    /// as it is.
     ///
     /// # Errors
     /// The text is not TOML, or a value leads through something that is no table.
@@ -181,7 +189,7 @@ impl Project {
         changes::apply(document, &old.lines(), &self.lines())
     }
 
-    /// The reference of all sections and keys, as Markdown, from the same walk that reads them.
+    /// Returns the reference of all sections and keys, as Markdown, from the same walk that reads them.
     pub fn reference() -> String {
         let mut guide = Guide::default();
         for walk in 0..WALKS {
@@ -275,7 +283,7 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     );
     let section = TableField::optional("synth", "the design: weights and options");
     let (measured, axis) = (project.plant.sensors.measured, project.plant.axis);
-    optional(v, &section, &mut project.synth, design::blank_synthesis(), |v, synth| {
+    optional(v, &section, &mut project.synth, blank_synthesis(), |v, synth| {
         design::synth(v, synth, measured, axis);
     });
     let section = TableField::optional("verify", "tests of the loop, and requirements");
@@ -325,7 +333,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     optional(v, &section, &mut project.measured, measured::blank(), measured::measured);
 }
 
-/// Whether a finding holds even though the syntax is broken elsewhere.
+/// Returns whether a finding holds even though the syntax is broken elsewhere.
 fn stands_alone(document: &Document, finding: &Diagnostic) -> bool {
     let elsewhere = document.syntax.iter().all(|s| s.line != finding.line);
     elsewhere && matches!(finding.problem, Problem::OutOfRange | Problem::NotFinite)

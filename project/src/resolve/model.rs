@@ -70,7 +70,7 @@ const ELEMENTS: u32 = 24;
 const MODES: u32 = 3;
 
 impl Default for Modelling {
-    /// The lumped plant, level, nothing fitted, dry friction left out of linear plants.
+    /// Returns the lumped plant, level, nothing fitted, dry friction left out of linear plants.
     fn default() -> Self {
         Self {
             structure: StructureChoice::Lumped,

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 use super::base_motion::{self, InertialUnit};
 use super::carrier;
-use super::verify::seed;
+use super::seed::seed;
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
 
@@ -41,7 +41,7 @@ impl PlatformSource {
 /// A recording of a platform in motion, and how it is taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadSource {
-    /// Name of the recording, beside the project file.
+    /// Name of the recording, in the folder of the project file.
     pub recording: String,
     /// Column of the upward acceleration; its mean (gravity) is removed.
     pub heave: String,
@@ -147,7 +147,7 @@ const DURATION_S: f64 = 30.0;
 const ROAD_PERIOD_S: f64 = 0.005;
 
 impl Motion {
-    /// The motion under standard gravity.
+    /// Returns the motion under standard gravity.
     ///
     /// # Errors
     /// Those of the generators.
@@ -155,7 +155,7 @@ impl Motion {
         self.road_under(STANDARD_GRAVITY_M_S2)
     }
 
-    /// The motion: where the base rolls or traverses, the axis feels gravity's share of it.
+    /// Returns the motion: where the base rolls or traverses, the axis feels gravity's share of it.
     ///
     /// # Errors
     /// Those of the generators.
@@ -186,7 +186,7 @@ impl Motion {
     }
 }
 
-/// A recording of which nothing is known yet.
+/// Returns a recording of which nothing is known yet.
 pub(crate) fn blank() -> PlatformSource {
     PlatformSource::Recording(blank_recording())
 }
@@ -290,7 +290,10 @@ fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
 }
 
 fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
-    v.text(&Field::new("recording", "name of the recording, beside the project file"), &mut road.recording);
+    v.text(
+        &Field::new("recording", "name of the recording, in the folder of the project file"),
+        &mut road.recording,
+    );
     v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
     v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
     let surge = "column of the forward acceleration; without it the platform does not surge";

@@ -33,7 +33,7 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// The sections that must be there; the others have usual values.
+    /// Returns the sections that must be there; the others have usual values.
     pub fn sections(self) -> &'static [&'static str] {
         match self {
             Self::Replay => &["plant", "recording_controller"],
@@ -47,7 +47,7 @@ impl Purpose {
         matches!(self, Self::Synth | Self::Compare | Self::Verify | Self::Design | Self::Export | Self::Sweep)
     }
 
-    /// The command's name.
+    /// Returns the command's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Model => "model",

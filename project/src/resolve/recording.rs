@@ -52,7 +52,7 @@ fn channels(v: &mut dyn Visit, mapping: &mut Mapping) {
     }
 }
 
-/// A column's name, or a table with the name, unit, scale and offset.
+/// Returns a column's name, or a table with the name, unit, scale and offset.
 fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSource>) -> Option<ChannelSource> {
     let mut column = String::new();
     if v.shorthand(channel, &mut column) {

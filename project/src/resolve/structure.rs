@@ -155,7 +155,7 @@ impl Choice for Shape {
         &[("tube", Self::Tube), ("rectangle", Self::Rectangle), ("given", Self::Given)];
 }
 
-/// A beam still to be read.
+/// Returns a beam still to be read.
 pub(crate) fn blank_beam() -> Beam {
     Beam {
         youngs_modulus_pa: f64::NAN,
@@ -186,7 +186,7 @@ pub(crate) fn blank_lumped() -> Lumped {
     }
 }
 
-/// A configuration still to be read.
+/// Returns a configuration still to be read.
 pub(crate) fn blank_configuration() -> Configuration {
     Configuration { name: String::new(), masses: Vec::new(), added_hub_inertia_kg_m2: 0.0 }
 }
@@ -337,7 +337,7 @@ fn chain(v: &mut dyn Visit, chain: &mut Vec<Link>, before: f64) {
     v.leave_list();
 }
 
-/// The damping of a structure of which nothing is known.
+/// Returns the damping of a structure of which nothing is known.
 fn as_usual(damping: Field) -> Field {
     damping.assumed(
         "damping ratio 0.01",
@@ -346,7 +346,7 @@ fn as_usual(damping: Field) -> Field {
     )
 }
 
-/// Damping at a damping ratio of 0.01 of the free structure; 0 if it is one body.
+/// Returns damping at a damping ratio of 0.01 of the free structure; 0 if it is one body.
 fn usual_damping(lumped: &Lumped) -> f64 {
     let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
     if lumped.is_rigid() {

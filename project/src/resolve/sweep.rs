@@ -74,7 +74,7 @@ const DEVIATION: Field =
         .limit(Limit::AboveTo(0.0, 0.33));
 const FACTORS: Field =
     Field::new("factors", "factors on the parameter, each a mechanism of its own").limit(Limit::AtLeast(0.0));
-/// Error of the plant's gain where none is stated.
+/// Error of the plant's gain if none is stated.
 const GAIN_ERROR: f64 = 0.1;
 const INPUT_ERROR: Field = Field::new(
     "input_error",
@@ -154,7 +154,7 @@ fn variation_within(tolerance: &Tolerance) -> Option<Variation> {
     Some(Variation { parameter: *parameter, distribution: Distribution::Uniform { low, high } })
 }
 
-/// A campaign of which nothing is written.
+/// Returns a campaign of which nothing is written.
 pub(crate) fn blank() -> Sweep {
     Sweep {
         samples: 200,
@@ -172,7 +172,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
         .limit(Limit::Between(1.0, MOST_SAMPLES));
     super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
-    super::verify::seed(v, "seed of the campaign", &mut sweep.seed);
+    super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);
     v.number(&INPUT_ERROR, &mut sweep.input_error);
     v.number(&OUTPUT_ERROR, &mut sweep.output_error);

@@ -195,7 +195,7 @@ impl Choice for AdaptationMethod {
 }
 
 impl Default for SynthesisOptions {
-    /// The three-part design as it is.
+    /// Returns the three-part design as it is.
     fn default() -> Self {
         Self {
             method: Method::ThreePart,
@@ -435,7 +435,7 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
     v.numbers(&limits.limit(Limit::Above(1.0)).or_empty(), Count::AtLeastOne, &mut search.ms_limits);
 }
 
-/// A limit that is infinite where it is not written.
+/// A limit that is infinite if it is not written.
 fn unlimited(v: &mut dyn Visit, field: &Field, value: &mut f64) {
     let mut slot = value.is_finite().then_some(*value);
     maybe_number(v, &field.limit(ABOVE_0), &mut slot);

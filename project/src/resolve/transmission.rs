@@ -135,8 +135,9 @@ fn harmonic(v: &mut dyn Visit, gearbox: &mut Gearbox) {
         if amplitude == 0.0 { Ripple::NONE } else { Ripple { amplitude, order: LOBES, phase_rad: 0.0 } };
 }
 
-/// The key of a compliance's damping, at a damping ratio of 0.01 of the load on it, the motor held, if it is absent; 0 if the compliance
-/// is rigid or the load's inertia is not stated as a number. Without any damping a resonance has no bound, and no loop bears it.
+/// Returns the key of a compliance's damping, at a damping ratio of 0.01 of the load on it, the motor held, if it is absent; 0 if the
+/// compliance is rigid or the load's inertia is not stated as a number. Without any damping a resonance has no bound, and no loop bears
+/// it.
 fn as_usual(damping: Field, stiffness_nm_rad: f64, load_kg_m2: f64) -> Field {
     let usual = 2.0 * DAMPING_RATIO * (stiffness_nm_rad * load_kg_m2).sqrt();
     damping.or(if usual.is_finite() { usual } else { 0.0 }).assumed(

@@ -6,6 +6,7 @@ use counterpoise_verify::{
 
 use super::model::Modelling;
 use super::platform::{self, PlatformSource};
+use super::seed::seed;
 use crate::diagnostic::nearest;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Count, Visit, list, maybe_number, optional, table};
@@ -40,7 +41,7 @@ fn usual_procedure(sample_period_s: f64) -> Procedure {
     }
 }
 
-/// A verification of which nothing is written: the usual procedure without requirements.
+/// Returns a verification of which nothing is written: the usual procedure without requirements.
 pub(crate) fn blank(sample_period_s: f64) -> Verification {
     Verification { procedure: usual_procedure(sample_period_s), road: None, requirements: Vec::new() }
 }
@@ -157,14 +158,6 @@ fn optics(v: &mut dyn Visit, optics: &mut Optics) {
     );
 }
 
-/// A seed of random numbers.
-pub(crate) fn seed(v: &mut dyn Visit, meaning: &'static str, seed: &mut u64) {
-    let mut whole = u32::try_from(*seed).unwrap_or(u32::MAX);
-    let range = Limit::Between(0.0, f64::from(u32::MAX));
-    v.whole(&Field::new("seed", meaning).limit(range).or(1.0).shown(), &mut whole);
-    *seed = u64::from(whole);
-}
-
 fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
     let field = Field::new("rejection_frequencies", "frequencies at which the rejection ratio is tabulated")
         .unit("Hz")
@@ -191,7 +184,7 @@ fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str, duration_s
     );
 }
 
-/// The triangle where nothing more is written.
+/// The triangle if nothing more is written.
 const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.1, period_s: 4.0 };
 
 fn triangle(v: &mut dyn Visit, triangle: &mut Triangle, controlled: &'static str) {

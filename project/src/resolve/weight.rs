@@ -85,7 +85,7 @@ const ORDER: Field =
 const WITHIN_DB: f64 = 3.0;
 const PART: TableField = TableField::required("part", "a factor of the product");
 
-/// A weight still to be read.
+/// Returns a weight still to be read.
 pub(crate) fn blank_weight() -> Weight {
     Weight::Constant { gain: f64::NAN }
 }
@@ -111,7 +111,7 @@ pub(crate) fn weight(v: &mut dyn Visit, weight: &mut Weight) {
     }
 }
 
-/// A table and the function that stands for it; fitted anew only where points or order have changed.
+/// A table and the function that stands for it; fitted again only where points or order have changed.
 fn table(v: &mut dyn Visit, weight: &mut Weight) {
     let Weight::Table { points, order, .. } = &*weight else { return };
     let (mut new, mut new_order) = (points.clone(), *order);
@@ -174,7 +174,8 @@ fn resonator(gain: f64, natural: f64, damping: f64) -> Weight {
 /// Digits at which a natural frequency, a damping ratio and a gain are written.
 const DIGITS: i32 = 12;
 
-/// Gain, natural frequency and damping ratio, where a few digits of them give the weight to the last bit.
+/// Returns the gain, natural frequency and damping ratio, where a few digits of them give the weight to the
+/// last bit.
 fn second_order_parts(weight: &Weight) -> Option<(f64, f64, f64)> {
     let Weight::ZeroPoleGain { zeros, poles, gain } = weight else { return None };
     let ([], [first, _]) = (&zeros[..], &poles[..]) else { return None };

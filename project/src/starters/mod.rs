@@ -136,7 +136,7 @@ impl Kind {
         KINDS.iter().find(|row| row.0 == self).unwrap_or(&KINDS[0])
     }
 
-    /// The name by which a kind is asked for.
+    /// Returns the name by which a kind is asked for.
     pub fn name(self) -> &'static str {
         self.row().1
     }
@@ -146,12 +146,12 @@ impl Kind {
         KINDS.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     pub fn text(self) -> &'static str {
         self.row().2
     }
 
-    /// The questions whose answers make the file that of a machine of one's own.
+    /// Returns the questions whose answers turn the starter into a file of the user's own machine.
     pub fn questions(self) -> &'static [Question; 4] {
         &self.row().3
     }

@@ -1,7 +1,7 @@
 //! Quantities with units: `0.5 mrad`, `120 kg cm^2`, `3000 rpm`, `200:1`, `14 bit`.
 //!
 //! A key of the project file states the unit in which it takes a bare number. A text in its place is a number with a unit of
-//! the user's choice, of the same dimension. [`read`] converts it to the unit of the key, and [`rewrite`] puts a new value into
+//! the user's choice, of the same dimension. [`read_quantity`] converts it to the unit of the key, and [`rewrite_quantity`] puts a new value into
 //! a text in the unit that the user wrote.
 //!
 //! A unit is a size, split into a factor and a power of ten so that decimal prefixes are exact (`"0.5 mrad"` is the same number
@@ -20,4 +20,4 @@ pub mod table;
 
 pub use dimension::Dimension;
 pub use parser::{Reading, Unit, UnitError};
-pub use quantity::{QuantityError, read, rewrite};
+pub use quantity::{QuantityError, read_quantity, rewrite_quantity};

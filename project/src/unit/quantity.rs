@@ -101,7 +101,7 @@ const LONGEST: usize = 200;
 ///
 /// # Errors
 /// [`QuantityError`].
-pub fn read(text: &str, wanted: &str) -> Result<f64, QuantityError> {
+pub fn read_quantity(text: &str, wanted: &str) -> Result<f64, QuantityError> {
     let parts = Parts::of(text, wanted)?;
     if wanted.is_empty()
         && let Some(per) = parts.ratio()
@@ -117,7 +117,7 @@ pub fn read(text: &str, wanted: &str) -> Result<f64, QuantityError> {
 
 /// Returns the text with a new value, given in the wanted unit, in the unit that the text has; `None` if the text is no
 /// quantity of the wanted unit.
-pub fn rewrite(text: &str, value: f64, wanted: &str) -> Option<String> {
+pub fn rewrite_quantity(text: &str, value: f64, wanted: &str) -> Option<String> {
     let parts = Parts::of(text, wanted).ok()?;
     if let (true, Some(per)) = (wanted.is_empty(), parts.ratio()) {
         return Some(format!("{}{}{}", plain(value * per), parts.gap, parts.unit));
@@ -211,7 +211,7 @@ fn scale(parts: &Parts<'_>, text: &str, wanted: &str) -> Result<Scale, QuantityE
     Err(mismatch(text, wanted, &unit.dimension.name(), unit.dimension))
 }
 
-/// Whether a unit counts something a minute, without saying what.
+/// Returns whether a unit counts something a minute, without saying what.
 fn is_per_minute(unit: &str) -> bool {
     unit.contains("min^-1") || unit.contains("1/min")
 }

@@ -63,12 +63,12 @@ const fn unit(name: &'static str, factor: f64, exponent: i32, dimension: [i32; B
     Named { name, meaning, prefixes: Prefixes::None, weight: None }
 }
 
-/// A coherent SI unit, which takes prefixes.
+/// Returns a coherent SI unit, which takes prefixes.
 const fn si(name: &'static str, dimension: [i32; BASES]) -> Named {
     Named { prefixes: Prefixes::Taken, ..unit(name, 1.0, 0, dimension) }
 }
 
-/// A unit of mass, whose name also stands for the weight of that mass under standard gravity.
+/// Returns a unit of mass, whose name also stands for the weight of that mass under standard gravity.
 const fn mass(name: &'static str, factor: f64, exponent: i32) -> Named {
     let weight = Meaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: Dimension(FORCE) };
     Named { weight: Some(weight), ..unit(name, factor, exponent, base(0, 1, 0, 0)) }

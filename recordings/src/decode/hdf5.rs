@@ -10,9 +10,8 @@ use ndarray::{Array2, ShapeBuilder};
 use super::Decoded;
 use super::arrays::{Array, Found};
 use super::budget::Budget;
-use crate::mapping::TIME_NAMES;
 use crate::remark::Unread;
-use crate::table::name_and_unit;
+use crate::table::{TIME_NAMES, name_and_unit};
 use crate::{Channel, Error};
 
 /// Groups may lie in groups this deep.
@@ -254,7 +253,7 @@ fn described(error: &Hdf5Error) -> String {
         error if is_link(error) => {
             "it holds a link to another place or file, and links are not followed: save the data sets themselves".to_owned()
         }
-        _ => format!("{error}: copy the file again from where it was recorded, or save it anew"),
+        _ => format!("{error}: copy the file again from where it was recorded, or save it again"),
     }
 }
 

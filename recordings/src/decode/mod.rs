@@ -13,7 +13,7 @@ mod zip;
 
 pub use csv::CsvParts;
 
-use crate::{Column, Error, Remark};
+use crate::{Column, Error, Remark, Table};
 
 /// First bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
@@ -33,6 +33,18 @@ const TEXT: usize = 1024;
 pub(crate) struct Decoded {
     pub(crate) columns: Vec<Column>,
     pub(crate) remarks: Vec<Remark>,
+}
+
+impl Table {
+    /// Reads the bytes of a recording. The format is recognised by the first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy, else CSV
+    /// with one header row `name [unit]`.
+    ///
+    /// # Errors
+    /// Returns what is wrong with the file, with row, column and value where they are known.
+    pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
+        let Decoded { columns, remarks } = decoded(bytes, name)?;
+        Self { name: name.to_owned(), columns, remarks }.checked()
+    }
 }
 
 /// Returns whether a file with these first bytes is read as text.

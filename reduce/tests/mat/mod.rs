@@ -4,7 +4,7 @@ use std::path::Path;
 
 use counterpoise_linalg::Mat;
 
-/// All numeric matrices of a file by name.
+/// Returns all numeric matrices of a file by name.
 pub fn read(path: &Path) -> HashMap<String, Mat> {
     let bytes = std::fs::read(path).expect("readable file");
     let mut found = HashMap::new();

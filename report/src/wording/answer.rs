@@ -150,12 +150,12 @@ pub fn describe_answer(answer: &Answer, chart: &LocalisationChart) -> AnswerText
     }
 }
 
-/// A unit as it is written after a number: a space and the unit, or nothing for a pure number.
+/// Returns a unit as it is written after a number: a space and the unit, or nothing for a pure number.
 pub fn unit_suffix(parameter: &FittedParameter) -> String {
     if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) }
 }
 
-/// Names of components, separated by commas.
+/// Returns names of components, separated by commas.
 pub fn component_list(components: &[Component]) -> String {
     let names: Vec<&str> = components.iter().map(|component| component.name()).collect();
     names.join(", ")

@@ -1,7 +1,7 @@
 //! The plan of an experiment in words and as plain data.
 
 use counterpoise_diagnose::experiment::{Plan, PlannedExperiment, Shape};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use serde::Serialize;
 
 /// A plan.
@@ -82,5 +82,5 @@ fn describe_demand(experiment: &PlannedExperiment) -> String {
         Shape::Multisine => "sines at many frequencies".to_owned(),
         Shape::Steps => "steps of the rate with rests".to_owned(),
     };
-    format!("{shape}, with a rate of up to {} rad/s", short(experiment.reached.rate_rad_s))
+    format!("{shape}, with a rate of up to {} rad/s", short_number(experiment.reached.rate_rad_s))
 }

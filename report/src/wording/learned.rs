@@ -5,7 +5,7 @@ use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
 use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use serde::Serialize;
 
 /// A model without a name.
@@ -138,7 +138,7 @@ fn variable(variable: RegimeVariable) -> &'static str {
     }
 }
 
-/// The subject of a sentence about a function.
+/// Returns the subject of a sentence about a function.
 fn subject(element: &LearnedElement) -> String {
     let at = place(element.place);
     match element.quantity {
@@ -165,16 +165,16 @@ fn range(element: &LearnedElement) -> String {
     )
 }
 
-/// A value of the variable with a unit of its size.
+/// Returns a value of the variable with a unit of its size.
 fn along(variable: RegimeVariable, value: f64) -> String {
     let unit = variable.unit();
     if unit.starts_with("rad") && value.abs() < 0.5 && value != 0.0 {
-        return format!("{} m{unit}", short(1e3 * value));
+        return format!("{} m{unit}", short_number(1e3 * value));
     }
-    format!("{} {unit}", short(value))
+    format!("{} {unit}", short_number(value))
 }
 
-/// A change of the function, with its interval: in percent for a factor.
+/// Returns a change of the function, with its interval: in percent for a factor.
 fn change(element: &LearnedElement, value: f64, half: f64) -> String {
     if element.quantity.is_factor() {
         return format!(
@@ -184,7 +184,7 @@ fn change(element: &LearnedElement, value: f64, half: f64) -> String {
             100.0 * (value + half)
         );
     }
-    format!("{} N m ({} to {})", short(value), short(value - half), short(value + half))
+    format!("{} N m ({} to {})", short_number(value), short_number(value - half), short_number(value + half))
 }
 
 /// Describes what a curve says, with its numbers and intervals.
@@ -205,7 +205,7 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> 
         Form::Cubic => cubic(element, &subject, reading),
         Form::Sine => sine(element, &subject, reading),
         Form::Quadratic => {
-            let bend = short(reading.value("bend"));
+            let bend = short_number(reading.value("bend"));
             format!(
                 "{subject} bends with the square of the {}: {bend} per ({})^2",
                 variable(element.variable),
@@ -226,8 +226,8 @@ fn without_form(element: &LearnedElement, subject: &str) -> String {
     let over = variable(element.variable);
     format!(
         "{subject} follows the {over} by no simple form, between {} and {}{unit}",
-        short(low),
-        short(high)
+        short_number(low),
+        short_number(high)
     )
 }
 
@@ -253,8 +253,8 @@ fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
             "{subject} {} by {} with a constant of {} +- {} {}",
             rises("rise"),
             of("rise"),
-            short(reading.value("constant")),
-            short(reading.half_width("constant")),
+            short_number(reading.value("constant")),
+            short_number(reading.half_width("constant")),
             element.variable.unit()
         ),
         _ => format!(
@@ -276,7 +276,7 @@ fn evenly(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) ->
     format!("{subject} {rises} evenly with the {}, by {by} over its range", variable(element.variable))
 }
 
-/// What a bump is called where engineers have a word for it.
+/// Returns what a bump is called where engineers have a word for it.
 fn spot(element: &LearnedElement, height: f64) -> &'static str {
     match (element.quantity, height > 0.0) {
         (LearnedQuantity::FrictionLevel, true) => ": a tight spot",
@@ -288,10 +288,10 @@ fn spot(element: &LearnedElement, height: f64) -> &'static str {
 fn line(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) -> String {
     let size = format!(
         "{} N m per {} ({} to {})",
-        short(slope.abs()),
+        short_number(slope.abs()),
         element.variable.unit(),
-        short(slope.abs() - half),
-        short(slope.abs() + half)
+        short_number(slope.abs() - half),
+        short_number(slope.abs() + half)
     );
     match (element.variable, slope > 0.0) {
         (RegimeVariable::Angle, true) => {
@@ -309,8 +309,8 @@ fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     format!(
         "{subject} sets in beyond {} of {over} to either side, with {} +- {} per {}{}",
         along(element.variable, reading.value("distance")),
-        short(slope),
-        short(reading.half_width("slope")),
+        short_number(slope),
+        short_number(reading.half_width("slope")),
         element.variable.unit(),
         if hard { ": soft stops" } else { "" }
     )
@@ -328,10 +328,10 @@ fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     let unit = element.variable.unit();
     format!(
         "{subject} is {} x + {} x^3 ({} to {}), x in {unit}{what}",
-        short(slope),
-        short(cube),
-        short(cube - reading.half_width("cubic")),
-        short(cube + reading.half_width("cubic"))
+        short_number(slope),
+        short_number(cube),
+        short_number(cube - reading.half_width("cubic")),
+        short_number(cube + reading.half_width("cubic"))
     )
 }
 
@@ -341,13 +341,13 @@ fn sine(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     match element.variable {
         RegimeVariable::Time => format!(
             "{subject} swings by {amplitude} at {} +- {} Hz",
-            short(order / std::f64::consts::TAU),
-            short(half / std::f64::consts::TAU)
+            short_number(order / std::f64::consts::TAU),
+            short_number(half / std::f64::consts::TAU)
         ),
         RegimeVariable::Angle | RegimeVariable::Turn => format!(
             "{subject} repeats {} +- {} times a turn, with an amplitude of {amplitude}",
-            short(order),
-            short(half)
+            short_number(order),
+            short_number(half)
         ),
         _ => format!(
             "{subject} repeats every {} of the {}, with an amplitude of {amplitude}",

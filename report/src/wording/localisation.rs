@@ -42,7 +42,7 @@ fn describe_extent(extent: Extent) -> String {
     format!("over {:.3} to {:.3}{}", extent.low, extent.high, after_number(extent.unit))
 }
 
-/// A unit as it is written after a number.
+/// Returns a unit as it is written after a number.
 fn after_number(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }

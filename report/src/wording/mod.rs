@@ -1,7 +1,7 @@
 //! The English sentences of results: what the diagnosis and the identification find, as a person reads it.
 //!
 //! The crates below compute enums and numbers. Here, and nowhere else, they become sentences: [`answer`], a diagnosis; `effects`, the effects
-//! of the library; [`localisation`], where and when; [`recordings`], what is wrong with recordings; [`learned`], a model without a name; [`experiment`], the plan of the next one; [`held_out`], recordings
+//! of the library; [`localisation`], which component in which regime; [`recordings`], what is wrong with recordings; [`learned`], a model without a name; [`experiment`], the plan of the next one; [`held_out`], recordings
 //! that a diagnosis was not given; [`identification`].
 
 pub mod answer;
@@ -14,3 +14,14 @@ pub mod localisation;
 pub mod recordings;
 
 pub use effects::{EffectText, describe_effect, experiment_for};
+
+/// Returns the text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Returns the name of an effect, a component or a regime in words: its key without underscores.
+pub(crate) fn name_in_words(key: &str) -> String {
+    key.replace('_', " ")
+}

@@ -8,8 +8,8 @@ use counterpoise_diagnose::recording::instrument_faults::{
 use counterpoise_diagnose::recording::remarks::{Comparison, HeaveTreatment, RecordingRemark};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, Meaning, Standstill};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
-use counterpoise_pipeline::recordings::converter_range::BeyondRange;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
@@ -171,7 +171,7 @@ pub fn describe_repair(repair: &Repair) -> String {
         Repair::Split { gaps, missing_s, first_s, parts } => {
             let many = if *gaps == 1 { "a gap".to_owned() } else { format!("{gaps} gaps") };
             let kept = match parts {
-                0 => "nothing that is left is long enough to be".to_owned(),
+                0 => "no part that remains is long enough to be".to_owned(),
                 1 => "the longest stretch is".to_owned(),
                 n => format!("{n} stretches are, each by itself,"),
             };
@@ -256,7 +256,7 @@ pub fn describe_fault(fault: &InstrumentFault) -> String {
     format!("{} {kind}{place}{others}; {}", fault.column.name(), describe_treatment(fault.treatment))
 }
 
-/// What is wrong with a column, to follow the column's name.
+/// Returns what is wrong with a column, to follow the column's name.
 fn describe_fault_kind(kind: &FaultKind) -> String {
     match kind {
         FaultKind::Scale { gain, .. } => describe_scale(*gain, kind.unit_mistake()),
@@ -308,7 +308,7 @@ fn describe_treatment(treatment: Treatment) -> &'static str {
     match treatment {
         Treatment::UsedAsItIs => "it is used as it is",
         Treatment::ControlRecomputed => {
-            "the control is made anew from demand and hub_rate by the recorded controller there"
+            "the control there is recomputed from demand and hub_rate by the recording controller"
         }
         Treatment::Interpolated => "straight lines are drawn between its readings",
         Treatment::StretchesLeftOut => "the recording is used without these stretches",

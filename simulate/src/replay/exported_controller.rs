@@ -7,7 +7,7 @@ use counterpoise_controller::{Controller, READINGS, Runner};
 use counterpoise_recordings::Recording;
 
 use super::initial_controller_state::fit_initial_states;
-use crate::tolerance::NOISE_RESPONSE_SAMPLES;
+use crate::tolerance::{NOISE_RESPONSE_SAMPLES, SMALL_IMPULSE};
 
 /// A controller as it is exported, with what its replays ask for again and again.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,18 +77,17 @@ impl FittedStart {
 /// Returns the responses of the control to a small impulse on each reading, V per unit, from the controller at rest. A small impulse
 /// keeps friction observers in presliding and the limiter out of the way.
 fn impulse_responses(controller: &Controller) -> [Vec<f64>; READINGS] {
-    const SMALL: f64 = 1e-6;
     let run = |impulse: Option<usize>| -> Vec<f64> {
         let mut runner = controller.runner();
         let step = |k: usize| {
             let mut readings = [0.0; READINGS];
             if let (Some(j), 0) = (impulse, k) {
-                readings[j] = SMALL;
+                readings[j] = SMALL_IMPULSE;
             }
             runner.step_array(&readings)
         };
         (0..NOISE_RESPONSE_SAMPLES).map(step).collect()
     };
     let rest = run(None);
-    std::array::from_fn(|j| run(Some(j)).iter().zip(&rest).map(|(a, b)| (a - b) / SMALL).collect())
+    std::array::from_fn(|j| run(Some(j)).iter().zip(&rest).map(|(a, b)| (a - b) / SMALL_IMPULSE).collect())
 }

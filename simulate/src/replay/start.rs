@@ -16,8 +16,8 @@ use crate::history::TimeHistory;
 use crate::run::Simulator;
 use crate::scenario::Scenario;
 use crate::tolerance::{
-    FAR, FIRST_SAMPLES, IMBALANCE, START_EXPLAINED, START_FLAT, START_ITERATIONS, START_STUCK,
-    START_WINDOW_S, START_WINDOW_SHARE,
+    FAR, FIRST_SAMPLES, IMBALANCE, LEAST_DAMPING, START_ANGLE_STEP_RAD, START_EXPLAINED, START_FLAT,
+    START_ITERATIONS, START_STUCK, START_WINDOW_S, START_WINDOW_SHARE,
 };
 use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::Hose;
@@ -164,7 +164,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             .round()
             .min(START_WINDOW_SHARE * recording.len() as f64) as usize;
         let steps = [
-            1e-5,
+            START_ANGLE_STEP_RAD,
             1e-4,
             0.01 * parameters.pivot_friction.breakaway_nm().max(1.0),
             0.01 * parameters.motor_friction.breakaway_nm().max(1e-4),
@@ -399,7 +399,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             if new_cost < cost {
                 let fall = (cost - new_cost) / cost;
                 (now, residuals, cost) = (next, tried, new_cost);
-                damping = (damping * 0.2).max(1e-9);
+                damping = (damping * 0.2).max(LEAST_DAMPING);
                 if fall < START_FLAT {
                     break;
                 }

@@ -12,8 +12,8 @@ use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
 use crate::tolerance::{
-    EXPLAINED, LONGEST_START_FIT_S, SHORTEST_WINDOW, WINDOW_FITTED_SHARE, WINDOW_FLAT, WINDOW_ITERATIONS,
-    WINDOW_STUCK,
+    EXPLAINED, LEAST_BEND_RAD, LEAST_DAMPING, LONGEST_START_FIT_S, SHORTEST_WINDOW, START_ANGLE_STEP_RAD,
+    WINDOW_FITTED_SHARE, WINDOW_FLAT, WINDOW_ITERATIONS, WINDOW_STUCK,
 };
 use crate::{Error, PlantState, PlatformMotion};
 use counterpoise_models::plant::core::state;
@@ -144,7 +144,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         let (motor, pivot) =
             (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         let gearbox = &parameters.gearbox;
-        let bent = (pivot / gearbox.stiffness_nm_rad).max(1e-7);
+        let bent = (pivot / gearbox.stiffness_nm_rad).max(LEAST_BEND_RAD);
         Ok(Self {
             channels: channels.collect(),
             platform_rad: angles(replayer),
@@ -154,7 +154,7 @@ impl<'a, 'b> Windows<'a, 'b> {
             length,
             control_v,
             steps: [
-                1e-5,
+                START_ANGLE_STEP_RAD,
                 1e-4,
                 1e-4 * gearbox.ratio,
                 0.01 * bent,
@@ -214,7 +214,7 @@ impl<'a, 'b> Windows<'a, 'b> {
             if new_cost < cost {
                 let fall = (cost - new_cost) / cost;
                 (now, residuals, cost) = (next, tried, new_cost);
-                damping = (damping * 0.2_f64).max(1e-9);
+                damping = (damping * 0.2_f64).max(LEAST_DAMPING);
                 if fall < WINDOW_FLAT {
                     break;
                 }

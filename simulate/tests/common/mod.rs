@@ -1,25 +1,16 @@
-//! Recordings beside the workspace, read for tests.
+//! What the tests of the simulator share: the practice recordings, and the controller of their loop.
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_recordings::{Mapping, Recording, Table};
-use std::path::PathBuf;
 
-/// A file beside the workspace.
-pub fn shared(path: &str) -> Option<PathBuf> {
-    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/data").join(path);
-    if file.exists() {
-        return Some(file);
-    }
-    panic!("{} is absent", file.display());
+/// Returns a practice recording, made by an independent simulator: `p04/triangle`.
+pub fn recording(path: &str) -> Recording {
+    let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/practice");
+    let bytes = std::fs::read(format!("{base}/{path}.parquet")).unwrap();
+    Mapping::default().apply(&Table::read(&bytes, path).unwrap()).unwrap()
 }
 
-/// A practice recording.
-pub fn recording(path: &str) -> Option<Recording> {
-    let bytes = std::fs::read(shared(&format!("practice/{path}.parquet"))?).unwrap();
-    Some(Mapping::default().apply(&Table::read(&bytes, path).unwrap()).unwrap())
-}
-
-/// The controller that was in the loop when the practice recordings were made.
+/// Returns the controller that was in the loop when the practice recordings were made.
 pub fn controller() -> ProportionalIntegral {
     ProportionalIntegral {
         kp_v_s_rad: 18.0,

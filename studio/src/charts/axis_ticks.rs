@@ -24,7 +24,7 @@ fn linear_ticks(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let step_size = ticks::linear_step(low, high, count);
     let mark = |tick: ticks::Tick| GridMark { value: tick.value, step_size };
-    ticks::linear(low, high, count).into_iter().map(mark).collect()
+    ticks::linear_ticks(low, high, count).into_iter().map(mark).collect()
 }
 
 /// Writes the number of a linear tick, with the digits that its step needs.
@@ -45,7 +45,8 @@ fn decade_ticks(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let (from, to) = (10f64.powf(low.max(-LARGEST_EXPONENT)), 10f64.powf(high.min(LARGEST_EXPONENT)));
     let mark = |value: f64, step_size| GridMark { value: value.log10(), step_size };
-    let numbered = ticks::logarithmic(from, to, count).into_iter().map(|tick| mark(tick.value, NUMBERED));
+    let numbered =
+        ticks::logarithmic_ticks(from, to, count).into_iter().map(|tick| mark(tick.value, NUMBERED));
     let bare = ticks::logarithmic_minor(from, to).into_iter().map(|value| mark(value, BARE));
     numbered.chain(bare).collect()
 }

@@ -15,7 +15,7 @@ const SCALE: f64 = 2.0;
 
 /// Returns the chart as an SVG document.
 pub fn chart_svg(chart: &Chart) -> String {
-    svg::standalone(&chart_to_figure(chart), Theme::Light)
+    svg::standalone_svg(&chart_to_figure(chart), Theme::Light)
 }
 
 /// Returns the chart as pixels.

@@ -110,7 +110,7 @@ impl Drop for Journal {
 }
 
 /// Reads a journal; a last line that is cut off is left out. Returns `None` if there is no journal or it holds no edits.
-pub fn recover(path: &Path) -> Option<RecoveredJournal> {
+pub fn recover_journal(path: &Path) -> Option<RecoveredJournal> {
     let mut lines = BufReader::new(File::open(path).ok()?).lines().map_while(Result::ok);
     let mut header: JournalHeader = serde_json::from_str(&lines.next()?).ok()?;
     let mut commands: Vec<Command> = Vec::new();
@@ -147,21 +147,21 @@ mod tests {
         journal.append(&Command::SetText { path: "plant.name".to_owned(), value: "x".to_owned() });
         drop(journal);
         fs::OpenOptions::new().append(true).open(&path).unwrap().write_all(b"{\"set\":{\"pa").unwrap();
-        let found = recover(&path).unwrap();
+        let found = recover_journal(&path).unwrap();
         assert_eq!(found.header, header);
         assert_eq!(found.commands.len(), 2);
         let journal = Journal::new(Arc::new(Native), Arc::new(|| {}));
         journal.begin(&path, &header, &found.commands);
         journal.flush().wait();
-        assert_eq!(recover(&path).unwrap(), found);
+        assert_eq!(recover_journal(&path).unwrap(), found);
         let later = JournalHeader { text: "[plant]\nname = \"x\"\n".to_owned(), ..header };
         journal.begin(&path, &later, &[]);
         journal.flush().wait();
-        assert_eq!(recover(&path), None, "all of it is saved");
+        assert_eq!(recover_journal(&path), None, "all of it is saved");
         journal.append(&Command::Redo);
         journal.flush().wait();
         let expected = RecoveredJournal { header: later, commands: vec![Command::Redo] };
-        assert_eq!(recover(&path).unwrap(), expected);
+        assert_eq!(recover_journal(&path).unwrap(), expected);
         journal.end(JournalEnding::Remove, None);
         drop(journal);
         assert!(!path.exists());

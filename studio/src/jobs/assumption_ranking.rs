@@ -19,7 +19,7 @@ pub struct RankingRequest {
 }
 
 /// Ranks the assumptions of a project; if it has no design, they are listed without their effects.
-pub fn rank(request: RankingRequest) -> RankedAssumptions {
+pub fn answer_ranking(request: RankingRequest) -> RankedAssumptions {
     let RankingRequest { project, modelled, assumptions } = request;
     rank_assumptions(&project, &modelled, &assumptions, LoopSystems::LeftOut)
         .unwrap_or(RankedAssumptions { assumptions, ..RankedAssumptions::default() })

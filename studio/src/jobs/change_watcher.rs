@@ -1,6 +1,6 @@
 //! A thread that looks at files and folders once a second and wakes the window only if one of them has changed.
 //!
-//! The window itself does not look: a window that nobody touches draws nothing.
+//! The window itself does not look: a window that is not touched draws nothing.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};

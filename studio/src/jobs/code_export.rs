@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use counterpoise_host::code_files::{Library, write};
+use counterpoise_host::code_files::{Library, write_code};
 use counterpoise_host::worker::Token;
 use counterpoise_pipeline as pipeline;
 use counterpoise_verify::VerifiedController;
@@ -40,7 +40,7 @@ pub fn export_code(request: &ExportRequest, token: &Token) -> Result<Option<Writ
     let VerificationRequest { design, folder } = &request.design;
     let made = pipeline::export(&design.project, &design.modelled, &request.verified, folder)
         .map_err(|error| error.to_string())?;
-    let paths = write(&request.output, &made.files, request.library, &|| !token.is_cancelled())?;
+    let paths = write_code(&request.output, &made.files, request.library, &|| !token.is_cancelled())?;
     let left_out = made.left_out.iter().map(ToString::to_string).collect();
     Ok(paths.map(|paths| WrittenCode { paths, left_out }))
 }

@@ -31,7 +31,7 @@ pub fn diagnosis_worker(wake: &Wake, progress: &Progress) -> DiagnosisWorker {
     Worker::new(Arc::clone(wake), move |request: DiagnosisRequest, token: &Token| {
         let watch = Watch { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
-        let files = projects::recordings(&request.paths).map_err(|error| vec![format!("{error:#}")])?;
+        let files = projects::read_recordings(&request.paths).map_err(|error| vec![format!("{error:#}")])?;
         let found = diagnose(&request.project, &files, &watch)
             .map_err(|error| vec![describe_recordings_error(&error)])?;
         Ok(describe_diagnosed_recordings(&found))

@@ -174,11 +174,8 @@ impl ProjectStore {
             FileJob::Open { path } => FileJobResult::Loaded(self.load(&files::project_file(&path))),
             FileJob::Reread { path } => {
                 let modified = modification_time(&path);
-                let found = files::read(self.disk.as_ref(), &path).map(|(text, attachments)| DiskText {
-                    text,
-                    attachments: Some(attachments),
-                    modified,
-                });
+                let found = files::read_project(self.disk.as_ref(), &path)
+                    .map(|(text, attachments)| DiskText { text, attachments: Some(attachments), modified });
                 FileJobResult::Reread { path, found }
             }
             FileJob::Create { folder, like } => FileJobResult::Loaded(self.create(&folder, like)),
@@ -195,7 +192,8 @@ impl ProjectStore {
     }
 
     fn create(&self, folder: &Path, like: Option<Kind>) -> Result<Box<LoadedProject>, String> {
-        let path = files::create(folder, &Document::parse(like.map_or(STARTER, Kind::text), PROJECT_FILE))?;
+        let path =
+            files::create_project(folder, &Document::parse(like.map_or(STARTER, Kind::text), PROJECT_FILE))?;
         let mut loaded = self.load(&path)?;
         loaded.origin = ProjectOrigin::Created;
         Ok(loaded)
@@ -243,7 +241,7 @@ impl ProjectStore {
     }
 
     fn load(&self, path: &Path) -> Result<Box<LoadedProject>, String> {
-        let (text, attachments) = files::read(self.disk.as_ref(), path)?;
+        let (text, attachments) = files::read_project(self.disk.as_ref(), path)?;
         let modified = modification_time(path);
         self.flush.wait();
         let lock = ProjectLock::acquire(&self.state, path);
@@ -270,7 +268,7 @@ impl ProjectStore {
 
     /// Returns the edits in a project's journal as one command, or `None` if they lead to the text on disk.
     fn unsaved_edits(&self, path: &Path, text: &str) -> Option<RestoredEdits> {
-        let found = journal::recover(&counterpoise_host::journals::journal_path(&self.state, path))?;
+        let found = journal::recover_journal(&counterpoise_host::journals::journal_path(&self.state, path))?;
         let mut before = Session::new(&found.header.text, &file_name(path), Attachments::none());
         let applies = found.commands.iter().all(|command| before.apply(command).is_ok());
         (applies && before.text() != text).then(|| RestoredEdits {

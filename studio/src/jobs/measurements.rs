@@ -105,7 +105,7 @@ fn run_campaign(
     watch: &Watch,
 ) -> Result<CampaignResult, ErrorLines> {
     let design = &of.design;
-    let campaign = pipeline::campaign(&design.project, &design.modelled, verified, &of.folder)
+    let campaign = pipeline::prepare_campaign(&design.project, &design.modelled, verified, &of.folder)
         .map_err(|error| error_lines(&error))?;
     let mut samples: Vec<Sample> = Vec::new();
     while samples.len() < campaign.len() {

@@ -37,7 +37,7 @@ use counterpoise_report::wording::answer::DescribedDiagnosis;
 use crate::editing::session::Session;
 use crate::settings::{SettingsFile, write_settings};
 use crate::versioned::Versioned;
-use assumption_ranking::{RankingRequest, rank};
+use assumption_ranking::{RankingRequest, answer_ranking};
 use change_watcher::ChangeWatcher;
 use code_export::{ExportRequest, WrittenCode, export_code};
 use diagnosis::{DiagnosisWorker, diagnosis_worker};
@@ -159,7 +159,9 @@ impl Jobs {
             reduction: Worker::new(Arc::clone(wake), |plant: PlantPreview, _: &Token| {
                 ReductionPicture::new(&plant)
             }),
-            ranking: Worker::new(Arc::clone(wake), |request: RankingRequest, _: &Token| rank(request)),
+            ranking: Worker::new(Arc::clone(wake), |request: RankingRequest, _: &Token| {
+                answer_ranking(request)
+            }),
             beam_modes: Worker::new(Arc::clone(wake), |beam, _: &Token| BeamModes::new(beam)),
             copy: Worker::new(Arc::clone(wake), |request, _: &Token| copy_plot(request)),
             nearby_recordings: Vec::new(),

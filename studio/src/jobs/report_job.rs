@@ -10,7 +10,7 @@ use counterpoise_pipeline::studies::assumptions::{LoopSystems, effects_on_design
 use counterpoise_pipeline::{FirstDesignResult, design};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html, of_design};
+use counterpoise_report::{Origin, html_page, of_design};
 
 use super::error_lines::error_lines;
 
@@ -43,13 +43,13 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
     let run = DesignRun {
         origin: &Origin { command: format!("counterpoise design {project}"), project },
         times: &[],
-        proofs: &proofs::proofs(code, &designed.targets.compared),
-        costs: &processor::costs(code),
+        proofs: &proofs::prove_code(code, &designed.targets.compared),
+        costs: &processor::measure_costs(code),
         assumptions: &with_those_of_design(&request.assumptions, &designed.stages.synthesised),
         effects: &effects_on_design(&request.project, stages, &request.assumptions, left_out).effects,
         first_design: first_design.as_ref(),
     };
-    files::write(&request.output, html(&of_design(&designed, &result, &run)).as_bytes())
+    files::write(&request.output, html_page(&of_design(&designed, &result, &run)).as_bytes())
         .map_err(|error| format!("{} cannot be written: {error}", request.output.display()))?;
     Ok(request.output.clone())
 }

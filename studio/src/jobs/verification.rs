@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use counterpoise_host::files::Folder;
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline::preview::DesignPreview;
-use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
+use counterpoise_pipeline::studies::trade_off::{EffortPoint, trade_off_points};
 use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_verify::linear::{LoopShape, loop_shape};
 use counterpoise_verify::{Verification, VerifiedController};
@@ -71,7 +71,7 @@ pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
     Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, token: &Token| {
         let go_on = || !token.is_cancelled();
         let factors = error_weight_factors();
-        effort(&design.project, &design.modelled, &design.reduced, &factors, &go_on).ok()?
+        trade_off_points(&design.project, &design.modelled, &design.reduced, &factors, &go_on).ok()?
     })
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::WeightSource;
+use counterpoise_project::resolve::synthesis::WeightSource;
 use counterpoise_verify::Source;
 use egui::{RichText, Ui};
 

@@ -131,7 +131,7 @@ fn show_verdicts(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: 
 
 /// Shows the line of sight and its error budget; nothing if the project does not ask for them.
 fn show_line_of_sight(ui: &mut Ui, view: &View, found: &Verification) {
-    let lines = error_budget::lines(found);
+    let lines = error_budget::budget_lines(found);
     if lines.is_empty() {
         return;
     }

@@ -1,7 +1,7 @@
 //! The plot of the weights, with handles that are dragged or moved by arrow keys.
 
 use counterpoise_project::Project;
-use counterpoise_project::resolve::design::WeightSource;
+use counterpoise_project::resolve::synthesis::WeightSource;
 use counterpoise_synth::{FeedforwardWeights, Weight};
 use egui::{Color32, Ui};
 

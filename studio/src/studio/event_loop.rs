@@ -35,7 +35,7 @@ impl Studio {
             (self.jobs.design.is_busy(), self.jobs.verify.is_busy());
     }
 
-    /// Returns when the studio needs the next frame although nobody touches it; `None` if it needs none before a worker wakes it.
+    /// Returns when the studio needs the next frame without any input; `None` if a worker wakes it before that.
     pub fn next_wake_after(&self) -> Option<Duration> {
         let verification = self.verify_at.map(|at| at.saturating_duration_since(Instant::now()));
         verification.map(|wait| wait.max(SHORTEST_WAIT))

@@ -251,7 +251,7 @@ impl Studio {
         );
     }
 
-    /// Takes over that a project has been written: the journal begins anew, with what was edited meanwhile.
+    /// Takes over that a project has been written: the journal begins again, with what was edited meanwhile.
     fn finish_save(&mut self, path: &Path, text: &str, lock: Option<ProjectLock>) {
         let Some(opened) = &mut self.opened else { return };
         opened.session.mark_saved(text);

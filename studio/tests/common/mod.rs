@@ -1,6 +1,7 @@
 //! What the tests of the window share.
 #![allow(dead_code)]
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,10 +12,15 @@ use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
+/// Says that a test is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that `.ci/skips` sees it.
+pub fn skipped(reason: &str) {
+    let _ = writeln!(std::io::stderr(), "skipped: {reason}");
+}
+
 /// A window with a studio.
 pub type Bench = Harness<'static, Studio>;
 
-/// A copy of the reference rig in a folder of its own.
+/// Returns a copy of the reference rig in a folder of its own.
 pub fn rig(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("counterpoise-studio-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
@@ -26,7 +32,7 @@ pub fn rig(name: &str) -> PathBuf {
     folder
 }
 
-/// A studio with the project of a folder.
+/// Returns a studio with the project of a folder.
 pub fn studio(folder: &Path) -> Studio {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });
@@ -45,12 +51,12 @@ pub fn filed(studio: &mut Studio) {
     }
 }
 
-/// A window with that studio.
+/// Returns a window with that studio.
 pub fn bench(folder: &Path) -> Bench {
     around(studio(folder))
 }
 
-/// A window around a studio.
+/// Returns a window around a studio.
 pub fn around(studio: Studio) -> Bench {
     let show = |ui: &mut egui::Ui, studio: &mut Studio| {
         studio.update();
@@ -85,7 +91,7 @@ impl counterpoise_host::files::Disk for FullDisk {
     }
 }
 
-/// A window with the project of a folder on a disk.
+/// Returns a window with the project of a folder on a disk.
 pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> Bench {
     let disk = Arc::clone(disk) as Arc<dyn counterpoise_host::files::Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
@@ -129,12 +135,12 @@ pub fn until(bench: &mut Bench, what: &str, so: impl Fn(&Studio) -> bool) {
     }
 }
 
-/// The project's text.
+/// Returns the project's text.
 pub fn text(bench: &Bench) -> String {
     bench.state().opened.as_ref().unwrap().session.text().to_owned()
 }
 
-/// Whether something in the window says this.
+/// Returns whether something in the window says this.
 pub fn says(bench: &Bench, what: &str) -> bool {
     bench.query_all_by_label_contains(what).next().is_some()
 }

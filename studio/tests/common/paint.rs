@@ -31,7 +31,7 @@ impl Painter {
         }
     }
 
-    /// The picture of a frame.
+    /// Returns the picture of a frame.
     pub fn paint(&mut self, drawn: &TessellatedFrame, size: [u32; 2]) -> RgbaImage {
         self.take(&drawn.textures);
         let mut out = RgbaImage::from_pixel(size[0], size[1], Rgba([0, 0, 0, 255]));
@@ -61,7 +61,7 @@ fn edge(a: egui::Pos2, b: egui::Pos2, p: egui::Pos2) -> f32 {
     (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
 }
 
-/// A pixel on an edge that two triangles share belongs to one of them.
+/// Returns whether a pixel belongs to a triangle by one of its edges: of two triangles that share an edge, one has its pixels.
 fn is_inside(a: egui::Pos2, b: egui::Pos2, w: f32) -> bool {
     let top_left = (a.y == b.y && b.x > a.x) || b.y < a.y;
     w > 0.0 || (w == 0.0 && top_left)
@@ -95,7 +95,7 @@ fn triangle(out: &mut RgbaImage, texture: &ColorImage, v: [Vertex; 3], clip: Rec
     }
 }
 
-/// The texture between its four nearest texels.
+/// Returns the texture between its four nearest texels.
 fn sample(texture: &ColorImage, u: f32, v: f32) -> [f32; 4] {
     let [width, height] = texture.size;
     let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);

@@ -5,7 +5,7 @@ use counterpoise_lti::zeros;
 
 use super::Ground;
 use crate::Error;
-use crate::tolerance::WEAKEST_DIRECTION;
+use crate::tolerance::{SMALLEST_ZERO, WEAKEST_DIRECTION};
 
 /// Delays of the whole basis: at a millisecond they reach over a sixth of a second.
 const DELAYS: usize = 160;
@@ -86,7 +86,7 @@ impl Basis {
 /// The functions whose poles are a stable zero of the plant and its conjugate: with them Q can be the plant's inverse there.
 fn of_zero(zero: C64, z: &[C64]) -> Vec<(Vec<C64>, f64)> {
     let radius = zero.norm();
-    if !(1e-6..LARGEST_ZERO).contains(&radius) || zero.im < 0.0 {
+    if !(SMALLEST_ZERO..LARGEST_ZERO).contains(&radius) || zero.im < 0.0 {
         return Vec::new();
     }
     let one = C64::ONE;

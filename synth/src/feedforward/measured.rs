@@ -48,7 +48,7 @@ impl Problem {
     }
 
     /// What the estimation error of the plant's state costs: it is driven by w and by the noise, through the filter.
-    /// `None` where it is not bounded.
+    /// `None` if it is not bounded.
     fn error_cost(&self, system: &StateSpace, L: &Mat, Lx: &Mat, density: f64) -> Result<Option<f64>, Error> {
         let (open, entering) = self.uncontrolled();
         let (k, f, d) = (open.nrows(), system.order(), self.generator.order());

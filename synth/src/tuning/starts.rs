@@ -7,6 +7,7 @@ use super::family::Family;
 use super::grid::LoopGrid;
 use super::problem::{LoopPlant, Problem};
 use crate::fixed_structure::ParameterName;
+use crate::tolerance::LEAST_RESPONSE;
 
 /// Crossovers of the starts, over half the sample rate: from a two-thousandth of it to a sixth, beyond which the hold leaves no phase.
 const CROSSOVERS: [f64; 2] = [5e-4, 0.16];
@@ -25,7 +26,7 @@ pub(crate) fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlan
                 least = least.min(response.norm());
                 most = most.max(response.norm());
             }
-            [1e-3 / most, 10.0 / least.max(1e-12 * most)]
+            [1e-3 / most, 10.0 / least.max(LEAST_RESPONSE * most)]
         }
         ParameterName::Frequency
         | ParameterName::Corner

@@ -119,7 +119,7 @@ fn reduced(p: &Problem) -> Result<Answer, String> {
     Ok(vec![("Ar", G.A), ("Br", G.B), ("Cr", G.C), ("Dr", G.D)])
 }
 
-/// One row a frequency, the entries of the response column by column. The frequencies are read, not computed anew: at a
+/// One row a frequency, the entries of the response column by column. The frequencies are read, not computed again: at a
 /// resonance of quality 100 the last bits of a logarithmic grid show as 2e-13 of the response.
 fn response(p: &Problem) -> Result<Answer, String> {
     let rates = p.rates.as_slice();

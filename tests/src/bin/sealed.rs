@@ -4,7 +4,7 @@
 //! `cargo run --release -p counterpoise-tests --bin sealed -- 1..141 target/sealed.jsonl`; seeds from 1000 on are the machines with one
 //! effect each of the whole vocabulary, of a size that is easily seen. Instead of one range there may be several and single seeds, as in
 //! `16,33,141..201`. `sealed --nothing 601..801 FILE` runs those machines of a range only that have nothing concealed: false alarms are
-//! counted five times as fast. `sealed --calibrate FILE` counts anew how often each kind of answer was true: the probabilities that the
+//! counted five times as fast. `sealed --calibrate FILE` counts how often each kind of answer was true: the probabilities that the
 //! diagnosis states.
 
 use std::io::Write;

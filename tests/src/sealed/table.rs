@@ -98,7 +98,7 @@ fn figures(rows: &[Row]) -> Vec<(&'static str, String)> {
         ("two effects, at least one", some(&pairs, &|r| r.top > 0)),
         ("outside the library: no name given", some(&outside, &|r| r.stated.is_empty())),
         ("95 % intervals that hold the truth", share(inside, intervals)),
-        ("damage (data not fitted got worse)", some(&rows.iter().collect::<Vec<_>>(), &|r| r.damaged)),
+        ("damage (held-out data got worse)", some(&rows.iter().collect::<Vec<_>>(), &|r| r.damaged)),
     ];
     all.extend(improvement_figures(rows));
     all
@@ -114,7 +114,7 @@ fn improvement_figures(rows: &[Row]) -> Vec<(&'static str, String)> {
     let improved: Vec<&Row> = rows.iter().filter(|r| !r.stated.is_empty()).collect();
     vec![
         (
-            "distance on data not fitted, named machines: before",
+            "distance on held-out data, named machines: before",
             format!("{:.3}", mean(&|r| r.held_out_before, &improved)),
         ),
         ("the same, after", format!("{:.3}", mean(&|r| r.held_out_after, &improved))),
@@ -133,7 +133,7 @@ fn improvement_figures(rows: &[Row]) -> Vec<(&'static str, String)> {
 const DOUBT: f64 = 0.05;
 
 /// One-sided upper bound of a rate of which `hits` of `all` were seen (Clopper and Pearson 1934): the rate at which so few would
-/// be seen once in twenty times. 1 where nothing was looked at.
+/// be seen once in twenty times. 1 if nothing was looked at.
 pub fn upper_bound(hits: usize, all: usize) -> f64 {
     if hits >= all {
         return 1.0;

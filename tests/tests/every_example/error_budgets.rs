@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use counterpoise_models::Plant;
-use counterpoise_pipeline::procedure;
+use counterpoise_pipeline::project_procedure;
 use counterpoise_tests::examples;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{Figure, LineOfSight, Procedure, Road, SightFigure, Value, error_budget};
@@ -30,7 +30,7 @@ fn cut(road: &Road) -> Road {
 /// What is wrong with the budget of an example, and the number of its sources; `None` if its loop holds no rate.
 fn budget(path: &Path) -> Option<Result<usize, String>> {
     let designed = examples::designed(path)?;
-    let whole = procedure(&designed.project, &examples::world(path)).unwrap();
+    let whole = project_procedure(&designed.project, &examples::world(path)).unwrap();
     let asked = Procedure {
         road: whole.road.as_ref().map(cut),
         duration_s: RUN_S.min(whole.duration_s),

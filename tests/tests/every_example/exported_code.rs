@@ -8,14 +8,14 @@ use std::sync::Mutex;
 use counterpoise_controller::{Controller, READINGS, SampledController};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::board::{CORES, Core};
-use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, count_differing, requests, rust_replay};
+use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, count_differing, encode_requests, rust_replay};
 use counterpoise_export::{
-    File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan, rust_crate,
-    single_precision,
+    File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan_fixed_point,
+    rust_crate, single_precision,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_pipeline::export::compare;
-use counterpoise_pipeline::{procedure, verify};
+use counterpoise_pipeline::export::run_targets;
+use counterpoise_pipeline::{project_procedure, verify};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
@@ -113,7 +113,7 @@ fn single_and_fixed_move_the_rig_nearly_as_the_reference_does() {
     let samples = histories[0].len();
     let known = Ranges::from_readings(&controller, &histories, 4.0);
     let half_step = 0.5 * 20.0 / 4096.0;
-    let fixed = plan(&controller, &known, half_step, samples).unwrap();
+    let fixed = plan_fixed_point(&controller, &known, half_step, samples).unwrap();
     let single = single_precision(&controller, &known, samples);
     let (mut reference_run, mut single_run, mut fixed_run) =
         (controller.runner(), controller.runner_in::<f32>(), FixedRunner::new(&fixed));
@@ -164,7 +164,7 @@ fn design_of(path: &Path) -> Option<Design> {
     let (project, modelled) = (&designed.project, &designed.modelled);
     let world = examples::world(path);
     let verified = verify(project, modelled, &designed.made, &world).unwrap();
-    let compared = compare(modelled, &verified, &procedure(project, &world).unwrap()).unwrap();
+    let compared = run_targets(modelled, &verified, &project_procedure(project, &world).unwrap()).unwrap();
     let name = examples::name(path);
     let controller = designed.made.sampled.controller.clone();
     Some(Design { name, plant: modelled.plant.clone(), controller, compared })
@@ -303,7 +303,7 @@ impl Design {
         assert_eq!(rustc(&tests), "");
         assert!(run(&mut Command::new(folder.join("vectors"))).contains("1 passed"));
         let records = &self.compared.figures[0].closed_loops;
-        std::fs::write(folder.join("readings"), requests(records, None)).unwrap();
+        std::fs::write(folder.join("readings"), encode_requests(records, None)).unwrap();
         let readings = std::fs::File::open(folder.join("readings")).unwrap();
         let output = Command::new(folder.join("replay")).stdin(readings).output().unwrap();
         let samples: usize = records.iter().map(|record| record.controls_v.len()).sum();
@@ -407,7 +407,7 @@ fn every_language_of_the_example_compiles_without_a_word() {
     let (plant, controller) = reference_rig();
     let run_of = drive(&plant, &mut controller.runner(), 2.0);
     let known = Ranges::from_readings(&controller, &[readings(&run_of)], 4.0);
-    let fixed = plan(&controller, &known, 1e-2, run_of.len()).unwrap();
+    let fixed = plan_fixed_point(&controller, &known, 1e-2, run_of.len()).unwrap();
     let folder = folder("rig_languages");
     write(&folder, &rust_crate(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap());
     let rust = ["--edition=2021", "--crate-type=lib", "-Dwarnings", "axis/src/lib.rs"];

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{COMMON_READINGS, Controller, READINGS, Readings, SampledController};
-use counterpoise_export::{FixedRunner, Ranges, plan};
+use counterpoise_export::{FixedRunner, Ranges, plan_fixed_point};
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
@@ -237,7 +237,7 @@ fn slowest_recovery(path: &Path) -> Option<f64> {
     let history = readings(&example.drive(&mut controller.runner()));
     guard_is_transparent(controller, &history);
     let known = Ranges::from_readings(controller, std::slice::from_ref(&history), 4.0);
-    let fixed = plan(controller, &known, 1.0, history.len()).ok();
+    let fixed = plan_fixed_point(controller, &known, 1.0, history.len()).ok();
     let double: Start = Box::new(|| Box::new(controller.runner()));
     let single: Start = Box::new(|| Box::new(controller.runner_in::<f32>()));
     let mut slowest = example.slowest_recovery("double", lengths()[0], &double);

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use counterpoise_controller::{Controller, Parts, ProportionalIntegral, Signal as ControlSignal};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::fmi::{PlantUnit, controller_unit, pack, plant_unit};
+use counterpoise_export::fmi::{PlantUnit, controller_unit, pack_unit, plant_unit};
 use counterpoise_export::{File, Options};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -67,7 +67,7 @@ fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &
     std::fs::write(folder.join("expected.csv"), csv(&expected)).unwrap();
     for (name, files) in [("axis", &axis), ("rig", &rig)] {
         let library = compiled(folder, name, files);
-        std::fs::write(folder.join(format!("{name}.fmu")), pack(files, name, Some(&library))).unwrap();
+        std::fs::write(folder.join(format!("{name}.fmu")), pack_unit(files, name, Some(&library))).unwrap();
     }
 }
 

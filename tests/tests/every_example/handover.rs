@@ -8,7 +8,7 @@ use counterpoise_controller::guard::{ALONE, REFUSED};
 use counterpoise_controller::{
     COMMON_READINGS, Controller, Number, Readings, Runner, SampledController, Sensors, Status,
 };
-use counterpoise_export::{FixedRunner, Ranges, plan};
+use counterpoise_export::{FixedRunner, Ranges, plan_fixed_point};
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Simulator, TimeHistory};
 use counterpoise_tests::examples;
@@ -151,7 +151,7 @@ fn slowest(path: &Path) -> Option<f64> {
     let mut example = Example::new(&designed.modelled.plant, controller);
     let history = readings(&example.drive(&mut controller.runner()));
     let known = Ranges::from_readings(controller, std::slice::from_ref(&history), 4.0);
-    let fixed = plan(controller, &known, 1.0, history.len()).ok();
+    let fixed = plan_fixed_point(controller, &known, 1.0, history.len()).ok();
     let double: Start = Box::new(|| Box::new(controller.runner()));
     let single: Start = Box::new(|| Box::new(controller.runner_in::<f32>()));
     let mut all = vec![example.slowest(&double), example.slowest(&single)];

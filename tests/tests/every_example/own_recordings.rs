@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_export::Ranges;
-use counterpoise_export::fixed::{FixedRunner, plan};
+use counterpoise_export::fixed::{FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, read_recording, recording_controller};
@@ -130,7 +130,7 @@ fn in_fixed_point(designed: &Designed, plant: &Plant, readings: Vec<[f64; READIN
     let length = readings.len();
     let ranges = Ranges::from_readings(controller, &[readings], RANGE_MARGIN);
     let half_step_v = 10.0 / f64::from(plant.parameters().interface.output_bits).exp2();
-    let fixed = plan(controller, &ranges, half_step_v, length).ok()?;
+    let fixed = plan_fixed_point(controller, &ranges, half_step_v, length).ok()?;
     Some(record(designed, plant, &mut FixedRunner::new(&fixed)))
 }
 

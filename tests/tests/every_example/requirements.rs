@@ -12,7 +12,7 @@ use counterpoise_verify::Verdict;
 /// Predicted and achieved H2 norm agree within this.
 const COST: f64 = 1e-6;
 
-/// What is wrong with the costs of the same design made anew in sampled time.
+/// What is wrong with the costs of the same design made again in sampled time.
 fn in_sampled_time(made: &Synthesised) -> Option<String> {
     let sampling = Sampling { method: SamplingMethod::SampledData, ..made.sampling.clone() };
     match discretise(&made.design, &sampling) {

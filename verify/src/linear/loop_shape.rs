@@ -5,7 +5,7 @@ use counterpoise_lti::{Margins, Response, StateSpace};
 
 use super::root_locus::root_locus;
 use super::{Curves, RootLocus};
-use crate::tolerance::{LOWEST_PATH_GAIN, MOST_PATH_POINTS, PATH_LOGARITHM, PATH_STEP};
+use crate::tolerance::{LOWEST_PATH_GAIN, MOST_PATH_POINTS, PATH_LOGARITHM, PATH_STEP, SAME_FREQUENCY};
 use crate::{Error, Figure, LoopFigure, Requirement};
 
 /// The loop broken at the plant's input, as charts of the whole loop show it.
@@ -101,7 +101,7 @@ pub fn loop_path(broken: &StateSpace, coarse: &LoopPath) -> Result<LoopPath, Err
     while let Some((hz, L)) = ahead.pop() {
         let last = path.frequency_hz.last().copied().zip(path.response.last().copied());
         let room = path.response.len() + ahead.len() < MOST_PATH_POINTS;
-        match last.filter(|(before, at)| room && is_far(*at, L) && hz > before * (1.0 + 1e-6)) {
+        match last.filter(|(before, at)| room && is_far(*at, L) && hz > before * (1.0 + SAME_FREQUENCY)) {
             Some((before, _)) => {
                 let between = (before * hz).sqrt();
                 ahead.push((hz, L));

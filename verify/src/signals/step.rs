@@ -16,11 +16,11 @@ pub const RISE_FROM_TO: (f64, f64) = (0.1, 0.9);
 pub struct StepFigures {
     /// Excess of the largest value over the demand, percent of the demand; 0 where there is none.
     pub overshoot_percent: f64,
-    /// From 10 % to 90 % of the demand; `None` where 90 % is never reached.
+    /// From 10 % to 90 % of the demand; `None` if 90 % is never reached.
     pub rise_time_s: Option<f64>,
-    /// From the step to the largest value; `None` where the demand is never exceeded.
+    /// From the step to the largest value; `None` if the demand is never exceeded.
     pub peak_time_s: Option<f64>,
-    /// From the step to the last sample outside +/- 5 % of the demand; `None` where the record ends outside.
+    /// From the step to the last sample outside +/- 5 % of the demand; `None` if the record ends outside.
     pub settling_time_s: Option<f64>,
     /// |demand - mean over the last tenth of the record|, percent of the demand.
     pub steady_state_error_percent: f64,

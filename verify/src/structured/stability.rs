@@ -43,7 +43,7 @@ pub struct BoundProof {
     pub ranges: Vec<StatedRange>,
     /// The scalings that prove each upper bound, in the order of the bounds.
     pub scalings: Vec<UpperBound>,
-    /// The perturbation behind each lower bound; `None` where none was found.
+    /// The perturbation behind each lower bound; `None` if none was found.
     pub perturbations: Vec<Option<Perturbation>>,
 }
 

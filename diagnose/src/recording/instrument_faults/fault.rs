@@ -1,6 +1,7 @@
 //! What can be wrong with a column of a recording.
 
 use super::column::Column;
+use crate::tolerance::recording::SAME_UNIT_FACTOR;
 use crate::tolerance::recording::UNIT_FACTOR_REACH;
 
 /// What is wrong with a column.
@@ -142,7 +143,10 @@ impl UnitMistake {
     /// Returns the mistake whose factor a gain has, whatever its sign; `None` if it is no unit's.
     pub fn of_gain(gain: f64) -> Option<Self> {
         let size = gain.abs();
-        UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 1e-9).map(|(_, mistake)| *mistake)
+        UNITS
+            .iter()
+            .find(|(factor, _)| (size / factor - 1.0).abs() < SAME_UNIT_FACTOR)
+            .map(|(_, mistake)| *mistake)
     }
 }
 

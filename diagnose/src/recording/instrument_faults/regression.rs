@@ -1,5 +1,6 @@
 //! Least squares over the samples that are numbers, and delayed series.
 
+use crate::tolerance::recording::ON_SAMPLE;
 use counterpoise_linalg::{Mat, inverse};
 
 /// y = X b, found.
@@ -60,7 +61,7 @@ pub(super) fn late(series: &[f64], samples: f64) -> Vec<f64> {
         }
         let low = low as usize;
         match series.get(low + 1) {
-            _ if share < 1e-9 => series[low],
+            _ if share < ON_SAMPLE => series[low],
             Some(next) => series[low] * (1.0 - share) + next * share,
             None => f64::NAN,
         }

@@ -9,6 +9,7 @@ use counterpoise_models::Parameters;
 
 use super::column::Column;
 use super::fault::FaultKind;
+use crate::tolerance::recording::SAME_READING;
 
 /// A run of equal readings.
 #[derive(Debug, Clone, Copy)]
@@ -129,7 +130,7 @@ fn is_grid(series: &[f64], step: f64) -> bool {
 /// Returns the smallest difference between two different neighbouring readings; infinite if there are none.
 fn step(series: &[f64]) -> f64 {
     let largest = series.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()));
-    let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9 * largest);
+    let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > SAME_READING * largest);
     differences.fold(f64::INFINITY, f64::min)
 }
 

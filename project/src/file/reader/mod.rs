@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The node of a key, which from now on is known.
+    /// Returns the node of a key, which from now on is known.
     fn look(&mut self, key: &str) -> Option<&'a Entry> {
         let frame = self.frames.last_mut()?;
         frame.known.push(key.to_owned());
@@ -135,7 +135,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The node of a field, or a finding if it is required and not there.
+    /// Returns the node of a field, or a finding if it is required and not there.
     fn find(&mut self, field: &Field) -> Option<&'a Node> {
         let entry = self.look(field.key);
         if entry.is_none() && field.default == Fallback::Required {
@@ -165,7 +165,7 @@ impl<'a> Reader<'a> {
         self.report(node.span.start, remark);
     }
 
-    /// The items of a list, or a finding.
+    /// Returns the items of a list, or a finding.
     fn items(&mut self, path: &str, node: &'a Node, wanted: &str) -> Option<&'a [Node]> {
         if let Value::List(items) = &node.value {
             return Some(items);

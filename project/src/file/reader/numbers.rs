@@ -6,10 +6,8 @@ use crate::diagnostic::Problem;
 use crate::file::field::{Assumed, Fallback, Field, Limit, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
-use crate::unit::read;
-
-/// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
+use crate::tolerance::NUMBER_SIZES;
+use crate::unit::read_quantity;
 
 /// The section of physical quantities: what is absent in it is assumed.
 pub(super) const PHYSICAL: &str = "plant.";
@@ -61,7 +59,7 @@ impl<'a> Reader<'a> {
         let relative = match &node.value {
             Value::Number(value) => Ok(*value),
             Value::Whole(value) => Ok(*value as f64),
-            Value::Text(text) => read(text, ""),
+            Value::Text(text) => read_quantity(text, ""),
             _ => {
                 self.wrong_type(path, node, "a number (relative), or a quantity (absolute)");
                 return None;
@@ -70,7 +68,7 @@ impl<'a> Reader<'a> {
         let (half_width, kind) = match (relative, &node.value) {
             (Ok(relative), _) => (relative * value.abs(), ToleranceKind::Relative),
             (Err(_), Value::Text(text)) if !field.unit.is_empty() => {
-                let absolute = read(text, field.unit);
+                let absolute = read_quantity(text, field.unit);
                 let told = |error: &crate::unit::QuantityError| format!("{error}; or a relative half-width");
                 match absolute {
                     Ok(absolute) => (absolute, ToleranceKind::Absolute),
@@ -92,7 +90,7 @@ impl<'a> Reader<'a> {
         None
     }
 
-    /// A number at a node that obeys a field's range.
+    /// Returns a number at a node that obeys a field's range.
     pub(super) fn number_at(&mut self, path: &str, node: &Node, field: &Field) -> Option<f64> {
         let value = match &node.value {
             Value::Number(value) => *value,
@@ -112,8 +110,12 @@ impl<'a> Reader<'a> {
             self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
             return None;
         }
-        if value != 0.0 && !SIZES.contains(&value.abs()) {
-            let allowed = format!("must be 0 or of a size between {:e} and {:e}", SIZES.start(), SIZES.end());
+        if value != 0.0 && !NUMBER_SIZES.contains(&value.abs()) {
+            let allowed = format!(
+                "must be 0 or of a size between {:e} and {:e}",
+                NUMBER_SIZES.start(),
+                NUMBER_SIZES.end()
+            );
             self.refuse(path, node, Problem::OutOfRange, allowed);
             return None;
         }
@@ -127,7 +129,7 @@ impl<'a> Reader<'a> {
     /// Returns a number with a unit, in the unit of the field.
     pub(super) fn quantity(&mut self, path: &str, node: &Node, (text, field): (&str, &Field)) -> Option<f64> {
         self.units.insert(node.span.start, field.unit);
-        match read(text, field.unit) {
+        match read_quantity(text, field.unit) {
             Ok(value) => Some(value),
             Err(error) => {
                 let remark = Remark::new(Problem::WrongType, path, error.to_string())
@@ -164,7 +166,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The rule of a default that has none of its own: an ideal element.
+/// Returns the rule of a default that has none of its own: an ideal element.
 fn usual_rule(value: f64) -> Assumed {
     let (rule, source) = if value == 0.0 {
         ("none, as in an ideal machine", "what is left out is ideal")

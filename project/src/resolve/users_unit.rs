@@ -2,15 +2,29 @@
 
 use std::collections::BTreeMap;
 
-use super::tree::{Node, Value};
-use super::{Document, Setting};
-use crate::unit::rewrite;
+use crate::file::tree::{Node, Value};
+use crate::file::{Document, EditError, Setting};
+use crate::unit::rewrite_quantity;
 
 /// Units of the keys by the bytes at which their quantities stand.
 type Units = BTreeMap<usize, &'static str>;
 
+impl Document {
+    /// Returns the same file with one value set; comments, order and spaces stay. Sections on the way are made. A number that was
+    /// written with a unit or a tolerance keeps both. A path names keys and items of lists (from 0), as in
+    /// `plant.beam.section[1].to`.
+    ///
+    /// # Errors
+    /// The text is not TOML, the path leads nowhere, the value cannot be written, or it stands in a part.
+    pub fn set(&self, path: &str, setting: &Setting) -> Result<Self, EditError> {
+        self.refuse_part(path)?;
+        let (path, setting) = kept(self, path, setting);
+        self.replace(&path, &setting)
+    }
+}
+
 /// Returns path and value that put a new value into the place of an old one, so that its unit and its tolerance stay.
-pub(super) fn kept(document: &Document, path: &str, setting: &Setting) -> (String, Setting) {
+fn kept(document: &Document, path: &str, setting: &Setting) -> (String, Setting) {
     let Some(node) = document.node_at(path) else { return (path.to_owned(), setting.clone()) };
     let (path, node) = match (&node.value, setting) {
         (Value::Table(entries), Setting::Number(_) | Setting::Whole(_)) => {
@@ -22,7 +36,7 @@ pub(super) fn kept(document: &Document, path: &str, setting: &Setting) -> (Strin
     if !has_text(node) {
         return (path, setting.clone());
     }
-    let units = crate::resolve::units(document);
+    let units = super::units(document);
     (path, in_units(node, setting, &units))
 }
 
@@ -39,7 +53,7 @@ fn in_units(node: &Node, setting: &Setting, units: &Units) -> Setting {
     let number = |value: f64| match &node.value {
         Value::Text(text) => {
             let unit = units.get(&node.span.start)?;
-            rewrite(text, value, unit).map(Setting::Text)
+            rewrite_quantity(text, value, unit).map(Setting::Text)
         }
         _ => None,
     };

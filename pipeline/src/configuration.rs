@@ -1,11 +1,10 @@
-//! The mechanism of recordings in the configuration that the project's model names: what is fitted to it adds inertia and out-of-balance to
+//! The mechanism in the configuration that the project's model names: what is fitted to it adds inertia and out-of-balance to
 //! those of the file.
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{Configuration, Parameters};
 use counterpoise_project::Project;
 
 use crate::PipelineError;
-use crate::model::named_configuration;
 
 /// Returns a mechanism with what the project's configuration fits to it; as it is if the project names none.
 ///
@@ -39,13 +38,29 @@ pub(crate) fn without_configuration(
     Ok(out)
 }
 
+/// Returns the configuration that the project's model names.
+///
+/// # Errors
+/// A name that no configuration has.
+pub(crate) fn named_configuration(project: &Project) -> Result<Option<&Configuration>, PipelineError> {
+    project.model.configuration.as_deref().map(|name| configuration(project, name)).transpose()
+}
+
+fn configuration<'a>(project: &'a Project, name: &str) -> Result<&'a Configuration, PipelineError> {
+    let all = &project.plant.configurations;
+    all.iter().find(|c| c.name == name).ok_or_else(|| {
+        let known: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();
+        PipelineError::Configuration { name: name.to_owned(), known: known.join(", ") }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use counterpoise_models::Configuration;
 
-    /// A mechanism in a configuration that adds 40 kg m^2 to its hub.
+    /// Returns a mechanism in a configuration that adds 40 kg m^2 to its hub.
     fn loaded() -> Project {
         let mut project = Project::parse(counterpoise_project::STARTER, "project.toml").unwrap().project;
         project.plant.configurations.push(Configuration {

@@ -1,4 +1,4 @@
-//! The section of a diagnosis' report that shows where and when: the balances, and component x regime.
+//! The section of a diagnosis' report on localisation: the balances, and the map of component against regime.
 
 use crate::wording::answer::{AnswerText, component_list};
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
@@ -7,11 +7,11 @@ use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_plot::{Figure, HeatMap, HeatRow};
 use ndarray::Array2;
 
-use crate::diagnosis::words;
+use crate::wording::name_in_words;
 use crate::{Cell, Column, Section, Table};
 
-/// Where and when.
-pub(super) fn where_section(answer: &AnswerText) -> Section {
+/// Returns the section on localisation.
+pub(super) fn localisation_section(answer: &AnswerText) -> Section {
     let mut balances = Table::new(
         "Balances that these sensors allow, and the components that each can see",
         &[Column::Text("balance"), Column::Text("available"), Column::Text("sees")],
@@ -21,7 +21,7 @@ pub(super) fn where_section(answer: &AnswerText) -> Section {
         balances.rows.push(vec![
             Cell::text(row.balance.name()),
             Cell::text(available),
-            Cell::text(words(&component_list(&row.sees))),
+            Cell::text(name_in_words(&component_list(&row.sees))),
         ]);
     }
     let section = Section::new("Where and when").listing(balances);
@@ -41,7 +41,7 @@ fn where_when(answer: &AnswerText) -> Figure {
         meaning: "of what the best cell gains".to_owned(),
         frame_meaning: "where the effect belongs that the search then named".to_owned(),
         heading: "What an error at each component explains".to_owned(),
-        columns: Regime::ALL.iter().map(|regime| words(regime.name())).collect(),
+        columns: Regime::ALL.iter().map(|regime| name_in_words(regime.name())).collect(),
         rows: rows.iter().map(row).collect(),
         shares: Array2::from_shape_fn((rows.len(), Regime::ALL.len()), |(r, c)| share(r, c)),
         framed: framed.flat_map(|(r, row)| row.found.iter().filter_map(place).map(move |c| (r, c))).collect(),
@@ -50,10 +50,10 @@ fn where_when(answer: &AnswerText) -> Figure {
         .with_caption(&format!("{} {HOW}", answer.chart_summary))
 }
 
-/// A component's row; one that no balance sees has no cells.
+/// Returns a component's row; one that no balance sees has no cells.
 fn row(row: &ChartRow) -> HeatRow {
     let cover = (!row.seen).then(|| "these sensors do not see it".to_owned());
-    HeatRow { name: words(row.component.name()), cover }
+    HeatRow { name: name_in_words(row.component.name()), cover }
 }
 
 /// What a cell is.

@@ -1,0 +1,17 @@
+//! The numbers that decide in the exported code and its error analysis, each with its reason.
+
+/// Factor by which the anti-windup is made smaller than the inputs while a form is found: so small that the form is that of the path
+/// alone, so large that its columns stay far above rounding.
+pub(crate) const ANTI_WINDUP_SHARE: f64 = 1e-6;
+
+/// Below this, relative to the sensitivity's largest entry so far, a sensitivity of the control is taken for 0.
+pub(crate) const NEGLIGIBLE_SENSITIVITY: f64 = 1e-200;
+
+/// Below this a covariance is taken for 0: it would only slow the arithmetic down.
+pub(crate) const NEGLIGIBLE_COVARIANCE: f64 = 1e-200;
+
+/// Modulus beyond which a pole of the controller is unstable: rounding may move the pole of an integrator this far from 1.
+pub(crate) const UNSTABLE_MODULUS: f64 = 1.0 + 1e-9;
+
+/// Allowance for products of errors, which a first-order bound leaves out.
+pub(crate) const SECOND_ORDER: f64 = 1.01;

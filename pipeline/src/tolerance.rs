@@ -1,0 +1,27 @@
+//! The numbers that decide in the pipeline, each with its reason and what breaks if it is changed.
+
+/// Relative residual up to which an equation counts as solved. Riccati equations of the examples are solved to 1e-11 and better;
+/// at 1e-8 the gain loses digits that a controller's coefficients would show.
+pub(crate) const SOLVED_RESIDUAL: f64 = 1e-8;
+
+/// Relative difference up to which a predicted cost agrees with the cost of the assembled loop.
+pub(crate) const SAME_COST: f64 = 1e-6;
+
+/// Share of the whole mass or inertia below which a modal mass is rounding: a mode orthogonal to the rigid motion gives about 1e-16.
+pub(crate) const NEGLIGIBLE_MASS_SHARE: f64 = 1e-14;
+
+/// Relative size of a singular value below which a state counts as neither controllable nor observable.
+pub(crate) const MINIMAL_TOLERANCE: f64 = 1e-10;
+
+/// A hub rate below this is none: rounding of the simulator, not motion, rad/s.
+pub(crate) const STILL_RAD_S: f64 = 1e-9;
+
+/// Swing of the hub below which its friction is not told apart, rad.
+pub(crate) const LEAST_SWING_RAD: f64 = 1e-12;
+
+/// Distance of a pole from the unit circle that is rounding: a pole that only drifts (an integrator, a free angle) is off by less.
+pub(crate) const DRIFTING_POLE: f64 = 1e-6;
+
+/// Share of the largest Hankel value from which on a state is kept if the project states no order: the a priori bound of the error is then
+/// about 1e-6 of the response, below what a drawing shows or a margin feels.
+pub(crate) const KEPT_HANKEL_SHARE: f64 = 1e-6;

@@ -1,0 +1,72 @@
+//! What every sensor has, whatever it measures.
+
+use counterpoise_models::{Drift, Sensor};
+
+use crate::file::field::{Field, Limit, UsualRange};
+use crate::file::visit::Visit;
+
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const ABOVE_0: Limit = Limit::Above(0.0);
+/// Volts per unit of a sensor of which nothing is known: its range is beyond every motion.
+pub(super) const IDEAL_SCALE: f64 = 1e-3;
+
+/// Returns units of a sensor's scale, in volts per unit, and of its error per acceleration.
+fn units_of(measured: &'static str) -> (&'static str, &'static str) {
+    match measured {
+        "rad/s" => ("V s/rad", "(rad/s)/(m/s^2)"),
+        "rad" => ("V/rad", "rad/(m/s^2)"),
+        _ => ("V/(m/s^2)", "(m/s^2)/(m/s^2)"),
+    }
+}
+
+/// Reads or lists what every sensor has: its dynamics, scale, noise and errors. `unit` is that of the measured quantity.
+pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str) {
+    let (scale_unit, per_acceleration) = units_of(unit);
+    let frequency =
+        Field::new("natural_frequency", "natural frequency of the sensor").unit("rad/s").limit(ABOVE_0);
+    v.number(&frequency.or(f64::INFINITY), &mut sensor.natural_frequency_rad_s);
+    v.number(
+        &Field::new("damping_ratio", "damping ratio of the sensor").limit(ABOVE_0).or(0.7),
+        &mut sensor.damping_ratio,
+    );
+    let scale = Field::new("scale", "voltage at the converter per unit of the measured quantity");
+    let scale = scale.unit(scale_unit).limit(ABOVE_0).or(IDEAL_SCALE).assumed(
+        "0.001: a range of 10 000 units",
+        "an ideal sensor has no range",
+        UsualRange::Unknown,
+    );
+    v.number(&scale, &mut sensor.scale_v_unit);
+    let noise = Field::new("noise", "RMS of the noise, white at the sample rate");
+    v.number(&noise.unit(unit).limit(AT_LEAST_0).or(0.0), &mut sensor.noise_rms);
+    v.number(
+        &Field::new("gain", "factor on the reading; 1 is no error").limit(Limit::Not0).or(1.0),
+        &mut sensor.gain,
+    );
+    v.number(&Field::new("bias", "constant error of the reading").unit(unit).or(0.0), &mut sensor.bias);
+    v.number(
+        &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).assumed(
+            "none, as in an ideal sensor",
+            "what is left out is ideal; digital sensors are usually up to 2 ms late",
+            UsualRange::Values(0.0, 2e-3),
+        ),
+        &mut sensor.delay_s,
+    );
+    v.number(
+        &Field::new("g_sensitivity", "error of the reading per m/s^2 of heave")
+            .unit(per_acceleration)
+            .or(0.0),
+        &mut sensor.g_sensitivity,
+    );
+    drift(v, &mut sensor.drift, unit);
+}
+
+/// Slow errors, as the Allan deviation shows them.
+fn drift(v: &mut dyn Visit, drift: &mut Drift, unit: &'static str) {
+    let field = |key, meaning| Field::new(key, meaning).unit(unit).limit(AT_LEAST_0).or(0.0);
+    let walk = "white noise of any bandwidth: the Allan deviation at 1 s on its slope of -1/2";
+    v.number(&field("angle_random_walk", walk), &mut drift.angle_random_walk);
+    let flicker = "flicker of the bias: the lowest Allan deviation over 0.664";
+    v.number(&field("bias_instability", flicker), &mut drift.bias_instability);
+    let rate = "random walk of the bias: the Allan deviation at 3 s on its slope of +1/2";
+    v.number(&field("rate_random_walk", rate), &mut drift.rate_random_walk);
+}

@@ -1,0 +1,120 @@
+//! What is asked of a design, as plain data.
+
+use counterpoise_controller::sensitivity::Form;
+use counterpoise_synth::{
+    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
+    Specification, Weight,
+};
+
+use super::synthesis_options::SynthesisOptions;
+use super::weight::blank_weight;
+
+/// What is asked of a design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Synthesis {
+    /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`](counterpoise_models::plant::LinearPlant).
+    pub specification: Specification,
+    /// Whether the file states the feedback's weights.
+    pub weights: WeightSource,
+    /// Bandwidth that chosen weights aim at, rad/s; `None` asks for the highest.
+    pub bandwidth_rad_s: Option<f64>,
+    /// What the loop controls.
+    pub loop_kind: LoopKind,
+    /// Largest rate that a loop of position demands, rad/s or m/s; 0 for no limit, `None` for what the drive allows.
+    pub rate_limit: Option<f64>,
+    /// Delay of the design plant in sample periods.
+    pub delay_samples: f64,
+    /// Order of the Pade approximation of that delay.
+    pub pade_order: usize,
+    /// How the controller is sampled.
+    pub discretisation: SamplingMethod,
+    /// The form in which each path runs.
+    pub form: Form,
+    /// Time in which the step of a changed out-of-balance fades in, s.
+    pub transfer_time_s: f64,
+    /// Method, order, observer, schedule, adaptation, search.
+    pub options: SynthesisOptions,
+}
+
+/// What the loop controls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoopKind {
+    /// The rate that the loop's sensor measures.
+    #[default]
+    Rate,
+    /// The position that the loop's sensor measures.
+    Position,
+    /// That position, by a proportional loop around a loop of its rate.
+    Cascade,
+}
+
+/// Where the feedback's weights come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WeightSource {
+    /// They are to be chosen for the highest bandwidth, or for the one that is asked for.
+    #[default]
+    Chosen,
+    /// The file states them.
+    Stated,
+}
+
+impl Default for Synthesis {
+    /// Returns a design of which nothing is stated.
+    fn default() -> Self {
+        blank_synthesis()
+    }
+}
+
+/// Returns a design still to be read.
+pub(crate) fn blank_synthesis() -> Synthesis {
+    let unit = Weight::Constant { gain: 1.0 };
+    // what stands here until weights are chosen equals itself, so that projects without weights can be compared
+    let feedback =
+        FeedbackWeights { error: unit.clone(), control: unit, measurement_noise: 0.0, ..blank_feedback() };
+    let (assembly, reference) = (Assembly::default(), Reference::default());
+    Synthesis {
+        specification: Specification {
+            feedback,
+            heave: None,
+            pitch: None,
+            assembly,
+            reference,
+            position_gain: None,
+        },
+        loop_kind: LoopKind::Rate,
+        rate_limit: None,
+        weights: WeightSource::Chosen,
+        bandwidth_rad_s: None,
+        delay_samples: 1.0,
+        pade_order: 2,
+        discretisation: SamplingMethod::TUSTIN,
+        form: Form::LeastSensitive,
+        transfer_time_s: 0.0,
+        options: SynthesisOptions::default(),
+    }
+}
+
+/// Returns weights of the feedback still to be read.
+pub(super) fn blank_feedback() -> FeedbackWeights {
+    FeedbackWeights {
+        error: blank_weight(),
+        control: blank_weight(),
+        combination: Vec::new(),
+        measurement_noise: f64::NAN,
+        disturbances: Vec::new(),
+        loop_recovery: 0.0,
+    }
+}
+
+/// Returns weights of a feedforward still to be read.
+pub(super) fn blank_feedforward() -> FeedforwardWeights {
+    let knowledge = Knowledge::Measured { noise: f64::NAN };
+    FeedforwardWeights {
+        error: blank_weight(),
+        control: blank_weight(),
+        generator: blank_weight(),
+        knowledge,
+        output: None,
+        basis: Basis::OpenLoop,
+    }
+}

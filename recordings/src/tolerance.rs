@@ -1,0 +1,24 @@
+//! The numbers that decide when recordings are read, each with its reason.
+
+/// A period that is this near to the project's, or to a whole number of microseconds, as a fraction of itself, is meant to be it: the times
+/// of a file are rounded when they are written.
+pub(crate) const SAME_PERIOD_BY_ROUNDING: f64 = 1e-6;
+
+/// Places on a clock are compared with this margin, in samples: far above the rounding of their products, far below a sample.
+pub(crate) const SAME_PLACE_SAMPLES: f64 = 1e-9;
+
+/// By this much, in samples, the window of an average is moved so that the samples at its two ends count half each.
+pub(crate) const WINDOW_SHIFT_SAMPLES: f64 = 1e-6;
+
+/// An outlier is this many times farther from its neighbours' mean than nine in ten samples are from the sample before: 46 standard
+/// deviations of white noise, which no healthy recorder shows.
+pub(crate) const OUTLIER_DISTANCE: f64 = 20.0;
+
+/// The neighbours of an outlier agree within this fraction of its distance: in a step or a slope they do not.
+pub(crate) const OUTLIER_NEIGHBOURS: f64 = 0.1;
+
+/// A larger fraction of outliers is a signal of pulses.
+pub(crate) const MOST_OUTLIERS: f64 = 1e-3;
+
+/// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
+pub(crate) const STATED_PERIOD: f64 = 1e-3;
