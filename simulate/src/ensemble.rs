@@ -73,7 +73,7 @@ fn run_few(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHis
         return variants.iter_mut().map(run_alone).collect();
     }
     // lanes without a variant have a plant that stands still
-    let mut idle = vec![variants[0].simulator.clone(); LANES - variants.len()];
+    let mut idle: Vec<Simulator> = (variants.len()..LANES).map(|_| variants[0].simulator.clone()).collect();
     let steppers = variants.iter_mut().map(|variant| variant.simulator.parts().1);
     let steppers = steppers.chain(idle.iter_mut().map(|simulator| simulator.parts().1));
     let group = four(steppers).and_then(|mut steppers| LaneGroup::new(&mut steppers, registers));

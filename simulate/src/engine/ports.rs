@@ -313,6 +313,8 @@ impl Ports {
             || self.gear_hysteresis.is_some()
             || self.needs_mesh_torque
             || self.learned.is_some()
+            || self.loads.is_some()
+            || self.measured == Measured::Torque
             || self.frictions().iter().any(|friction| friction.is_modulated());
         (!has_others).then_some(CommonParts {
             has_motor_extras: self.motor_extras,

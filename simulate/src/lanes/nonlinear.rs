@@ -240,6 +240,8 @@ impl<S: Simd> LanePorts<Lane<S>> {
             Measured::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
             Measured::HubPosition => outputs[HUB_ANGLE] - platform.angle,
             Measured::MotorPosition => outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle,
+            // a machine whose loop measures torque runs alone
+            Measured::Torque | Measured::Current => outputs[CURRENT],
         }
     }
 }
