@@ -79,7 +79,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// imaginary part.
 ///
 /// Scaling by powers of two, then Emami-Naeini and Van Dooren's reduction (Automatica 18 (1982) 415) to a system with an
-/// invertible direct path, then the generalised eigenvalues of its pencil. The reduction is made twice: by orthogonal
+/// invertible direct path, whose zeros are eigenvalues (generalised ones if the path is nearly singular). The reduction is made twice: by orthogonal
 /// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
 /// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
 /// otherwise the second is, corrected in 32 digits if there are as many inputs as outputs and at most 32 states and inputs

@@ -130,7 +130,7 @@ impl Path {
     /// Takes a step of the given size relative to `X`; a long one makes the derivative stale.
     fn advance(&mut self, equation: &impl Equation, step: &Mat, relative: f64) -> Option<()> {
         self.ahead += step;
-        if self.ahead.norm_fro() <= NEWTON_SHORT_STEP * self.X.high.norm_fro() {
+        if self.ahead.norm_fro() <= short_step(equation.kind()) * self.X.high.norm_fro() {
             let X = &self.X.high + &self.ahead;
             self.residual = &self.here.residual + &equation.change(&self.here, &self.ahead, &X)?.residual;
             return Some(());
@@ -179,6 +179,11 @@ impl Path {
             contraction: 0.0,
         })
     }
+}
+
+/// What a step is short below, relative to `X`: of the continuous equation, whose residual costs half as much, none is.
+fn short_step(kind: Kind) -> f64 {
+    if kind == Kind::Continuous { 0.0 } else { NEWTON_SHORT_STEP }
 }
 
 fn derivative_of(closed: &Mat, kind: Kind) -> Option<Operator> {
