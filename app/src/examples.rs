@@ -33,7 +33,7 @@ pub fn write_example(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
     files
         .into_iter()
         .map(|(path, bytes)| {
-            projects::write(&path, bytes)?;
+            projects::write_file(&path, bytes)?;
             Ok(path)
         })
         .collect()

@@ -236,8 +236,3 @@ fn without_direct_path(g: &StateSpace) -> Option<Mat> {
     let is_small = growth <= DIRECT_GROWTH * g.A.norm_fro() && linalg::rcond_one(&g.D) * DIRECT_GROWTH >= 1.0;
     is_small.then(|| &g.A - &(&(&g.B * &inverse) * &g.C))
 }
-
-/// Sorts by real, then imaginary part.
-pub(crate) fn sort(roots: &mut [C64]) {
-    roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
-}

@@ -1,6 +1,6 @@
 //! The error budget of the line of sight in words: what the error is, and what it is made of.
 
-use counterpoise_plot::number::short;
+use counterpoise_plot::number::short_number;
 use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
 
 use crate::error_budget_figures::figures;
@@ -153,8 +153,8 @@ fn spread(budget: &ErrorBudget) -> Option<String> {
     let [half, most] = [0.5, 0.9].map(below);
     (total > 0.0).then_some(format!(
         "Half of the mean square at the hub lies below {} Hz, nine tenths below {} Hz.",
-        short(*half?),
-        short(*most?)
+        short_number(*half?),
+        short_number(*most?)
     ))
 }
 

@@ -88,6 +88,7 @@ mod tests {
             phase_margin_deg: 50.0,
             max_sensitivity: 1.5,
             max_sensitivity_modes_shifted: 1.9,
+            loops: Vec::new(),
             left_out: Vec::new(),
         };
         let section = first_design_section(&first);

@@ -17,8 +17,7 @@ use counterpoise_project::{Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
 use counterpoise_report::wording::recordings::describe_replay;
-use counterpoise_simulate::signal::Signal;
-use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+use counterpoise_simulate::{Imperfections, Initial, Scenario, Simulator};
 use counterpoise_studio::command::Command;
 use counterpoise_studio::jobs::recording_views::{ReplayRequest, replay_files};
 use serde::Serialize;
@@ -91,13 +90,9 @@ fn recorded(project: &Project) -> String {
     let plant = model(project).unwrap().plant;
     let period_s = plant.parameters().interface.sample_period_s;
     let scenario = Scenario {
-        duration_s: LENGTH_S.min(SAMPLES * period_s),
-        demand_rad_s: Signal::ZERO,
-        injection_v: Signal::ZERO,
-        platform: PlatformMotion::STILL,
         imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
         initial: Initial::Rest { hub_angle_rad: project.model.operating_point.hub_angle_rad },
-        detail: Detail::Recording,
+        ..Scenario::still(LENGTH_S.min(SAMPLES * period_s))
     };
     let mut control = Sines { amplitude_v: 0.5, sample: 0.0, period_s };
     let history = Simulator::new(&plant).unwrap().run(&mut control, &scenario).unwrap();

@@ -188,7 +188,11 @@ impl Runs<'_> {
             edges_hz: bands.edges_hz,
             total: total.spectrum.clone(),
             none: none.spectrum.clone(),
-            runs: self.done.iter().map(|(on, error)| BudgetRun { on: on.clone(), error_rad: error.rad }).collect(),
+            runs: self
+                .done
+                .iter()
+                .map(|(on, error)| BudgetRun { on: on.clone(), error_rad: error.rad })
+                .collect(),
         })
     }
 
