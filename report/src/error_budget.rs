@@ -126,14 +126,14 @@ fn superposition(budget: &ErrorBudget) -> String {
     )
 }
 
-/// Least RMS, rad, that is compared: a twentieth of a microradian is not printed.
-const LEAST_COMPARED_RAD: f64 = 5e-8;
+/// Least RMS, microradians, that is compared: less is printed as 0.
+const LEAST_COMPARED_URAD: f64 = 0.05;
 
 fn linear(budget: &ErrorBudget) -> String {
     let hub = place(SightFigure::Hub);
     let (linear, total) = (budget.linear_rad()[hub], budget.total_rad[hub]);
     let made = format!("The linear loop makes {:.1} urad of all sources at the hub", MICRO * linear);
-    if total < LEAST_COMPARED_RAD {
+    if MICRO * total < LEAST_COMPARED_URAD {
         return format!("{made}.");
     }
     format!("{made}, {:+.1} % against the simulation.", 100.0 * (linear / total - 1.0))

@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `sampling_errors`, `drive_limits`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `sampling_errors`, `drive_limits`, [`history`], [`recording`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -38,6 +38,7 @@ mod drive_limits;
 mod engine;
 pub mod ensemble;
 pub mod error;
+pub mod firing;
 pub mod fra;
 pub mod history;
 mod lanes;
@@ -54,10 +55,11 @@ pub use engine::ports::{Bonds, FrictionState};
 pub use engine::state::{Effort, PlantState};
 pub use ensemble::{Registers, Variant, Watch, run_ensemble, run_ensemble_in};
 pub use error::Error;
+pub use firing::Firing;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
 pub use motion::{FurtherMotion, PlatformMotion};
 pub use replay::{ChannelFit, Loop, Playback, Replay, Replayer, replay};
 pub use run::{Simulator, run, state_at_rest};
-pub use scenario::{Detail, Firing, Initial, Scenario};
+pub use scenario::{Detail, Initial, Scenario};
 pub use sensing::Imperfections;
 pub use signal::{Signal, Sine};

@@ -1,6 +1,7 @@
 //! What is done to the mechanism in a run.
 
 use crate::engine::state::PlantState;
+use crate::firing::Firing;
 use crate::motion::PlatformMotion;
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
@@ -24,16 +25,6 @@ pub struct Scenario {
     pub detail: Detail,
     /// Whether the machine fires its shots.
     pub firing: Firing,
-}
-
-/// Whether a machine that recoils fires.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Firing {
-    /// At the instants that its parameters state: on duty, and in recordings.
-    Stated,
-    /// Not at all: what is measured of rest, steps and limit cycles is that of the machine that does not fire.
-    #[default]
-    Silent,
 }
 
 /// Where the mechanism starts.

@@ -16,7 +16,7 @@
 //! (the integral of J v dv = -k d (1 + c v) dd over the way in and over the way out). For small c v the coefficient of restitution is
 //! 1 - 2 c v / 3.
 
-use super::{finite, not_negative, positive, require};
+use super::ranges::{finite, not_negative, positive, require};
 use crate::Error;
 
 /// Stops at the ends of the travel of the hub on the platform.

@@ -17,7 +17,7 @@
 //! with the upper signs for a cylinder that pulls (its gas is pressed together as it grows longer) and the lower ones for a strut that pushes.
 //! The charge follows the gas law at a constant volume, fast strokes the polytropic exponent n (1 isothermal, 1.4 adiabatic).
 
-use super::{finite, positive, require};
+use super::ranges::{finite, positive, require};
 use crate::Error;
 
 /// Pressure of the atmosphere, Pa (ISO 2533).

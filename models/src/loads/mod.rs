@@ -3,10 +3,11 @@
 //!
 //! Each acts as a torque on the hub that is a function of time, of the hub's angle and rate on the platform, and of the load on its mass.
 //!
-//! Modules in reading order: [`equilibrator`], [`end_stops`], [`recoil`].
+//! Modules in reading order: `ranges`, [`equilibrator`], [`end_stops`], [`recoil`].
 
 pub mod end_stops;
 pub mod equilibrator;
+mod ranges;
 pub mod recoil;
 
 pub use end_stops::EndStops;
@@ -82,29 +83,4 @@ impl Loads {
         self.end_stops.as_ref().map_or(Ok(()), EndStops::check)?;
         self.recoil.as_ref().map_or(Ok(()), Recoil::check)
     }
-}
-
-/// Refuses a number outside a range, named with its path.
-fn require(
-    is_allowed: impl Fn(f64) -> bool,
-    parameter: &str,
-    value: f64,
-    allowed: &str,
-) -> Result<(), Error> {
-    if is_allowed(value) {
-        return Ok(());
-    }
-    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.to_owned().into() })
-}
-
-fn positive(parameter: &str, value: f64) -> Result<(), Error> {
-    require(|value| value > 0.0 && value.is_finite(), parameter, value, "must be positive and finite")
-}
-
-fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
-    require(|value| value >= 0.0 && value.is_finite(), parameter, value, "must be 0 or more, and finite")
-}
-
-fn finite(parameter: &str, value: f64) -> Result<(), Error> {
-    require(f64::is_finite, parameter, value, "must be finite")
 }

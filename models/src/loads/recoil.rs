@@ -26,7 +26,8 @@
 
 use std::f64::consts::PI;
 
-use super::{LoadPoint, finite, positive, require};
+use super::LoadPoint;
+use super::ranges::{finite, positive, require};
 use crate::Error;
 
 /// What a machine fires.

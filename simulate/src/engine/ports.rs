@@ -3,7 +3,7 @@
 use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
-use crate::scenario::Firing;
+use crate::firing::Firing;
 use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION};
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 use counterpoise_models::plant::{Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};

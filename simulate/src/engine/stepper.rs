@@ -10,7 +10,7 @@ use super::present::{Ordinary, Present, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS};
 use crate::Error;
-use crate::scenario::Firing;
+use crate::firing::Firing;
 use crate::tolerance::{
     BRISTLE_LEVELS, CONTACT_LEVELS, CONTACT_TOLERANCE, EVENT_BITS, FEWEST_CONTACT_LEVELS, LENGTHEN_BELOW,
     MANY_CHANGES,

@@ -7,8 +7,9 @@
 
 use super::normal::{Normal, squares};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
+use crate::firing::Firing;
 use crate::run::{Simulator, holding_control};
-use crate::scenario::{Detail, Firing, Initial, Scenario};
+use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
 use crate::tolerance::{

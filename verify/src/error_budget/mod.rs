@@ -15,7 +15,7 @@ pub mod propagation;
 pub mod sources;
 
 use counterpoise_controller::Controller;
-use counterpoise_models::Plant;
+use counterpoise_models::{Measured, Plant};
 use counterpoise_simulate::{Simulator, TimeHistory};
 
 use crate::line_of_sight::{SightAngles, experiment};
@@ -104,7 +104,7 @@ impl ErrorBudget {
 }
 
 /// Divides the error of the line of sight of a controller on a plant among its sources; `None` if a motion with some of them diverges, if the
-/// procedure does not ask for the line of sight, or if the loop holds a position.
+/// procedure does not ask for the line of sight, or if the loop does not hold a rate.
 ///
 /// # Errors
 /// Those of the plant, the controller and the simulator.
@@ -113,8 +113,11 @@ pub fn error_budget(
     controller: &Controller,
     procedure: &Procedure,
 ) -> Result<Option<ErrorBudget>, Error> {
-    let Some(sight) = procedure.line_of_sight.filter(|_| !plant.parameters().sensors.measured.is_position())
-    else {
+    let holds_rate = matches!(
+        plant.parameters().sensors.measured,
+        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate
+    );
+    let Some(sight) = procedure.line_of_sight.filter(|_| holds_rate) else {
         return Ok(None);
     };
     let found = Runs { plant, controller, procedure, sight, done: Vec::new() }.budget();

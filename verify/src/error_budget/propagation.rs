@@ -27,7 +27,6 @@ use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
 use crate::linear::{Closed, SampledPlant, arranged, disturbance, surge::acting_arrangement};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
-use crate::verification::linear_plant;
 use crate::{Arrangement, Error, LineOfSight, Procedure, Source};
 
 /// The linear loop with what its noise makes.
@@ -111,8 +110,8 @@ impl<'a> Propagation<'a> {
     ) -> Result<Option<Self>, Error> {
         let (parameters, resolver) = (plant.parameters(), resolver_use(controller));
         // dry friction enters as a torque, so the linear plant has none
-        let sliding = Procedure { friction: FrictionLinearisation::Viscous, ..procedure.clone() };
-        let linear = linear_plant(plant, &sliding)?;
+        let equilibrium = plant.equilibrium(&procedure.operating_point);
+        let linear = plant.linearise(&equilibrium, FrictionLinearisation::Viscous, plant.angles())?;
         let sampled = SampledPlant::new(&linear, parameters, resolver)?;
         let torqued = SampledPlant::driven_by_torques(&linear, parameters, resolver)?;
         let moment = controller.parts().design_out_of_balance_kg_m;

@@ -1,0 +1,11 @@
+//! Whether a machine that recoils fires in a run.
+
+/// Whether a machine that recoils fires.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Firing {
+    /// At the instants that its parameters state: on duty, and in recordings.
+    Stated,
+    /// Not at all: what is measured of rest, steps and limit cycles is that of the machine that does not fire.
+    #[default]
+    Silent,
+}
