@@ -121,7 +121,7 @@ fn is_import(line: &str) -> bool {
 fn inline_paths(code: &str) -> Vec<Vec<String>> {
     let is_part = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == ':';
     let statements = code.split_inclusive(';');
-    let own = statements.filter(|statement| !statement.lines().any(|line| is_import(line)));
+    let own = statements.filter(|statement| !statement.lines().any(is_import));
     let words = own.flat_map(|statement| statement.split(|letter: char| !is_part(letter)));
     words.filter(|word| word.contains("::") && !word.ends_with(':')).map(names).collect()
 }
