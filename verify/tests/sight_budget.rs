@@ -144,7 +144,8 @@ fn noise_alone_has_the_mean_square_of_its_density() {
         Drift { bias_instability: 5e-5, ..Drift::NONE },
         Drift { rate_random_walk: 5e-5, ..Drift::NONE },
     );
-    let cases: [(ErrorSource, Box<dyn Fn(&mut Parameters)>); 6] = [
+    type Change = Box<dyn Fn(&mut Parameters)>;
+    let cases: [(ErrorSource, Change); 6] = [
         (ErrorSource::HubGyro, Box::new(|p| p.sensors.hub_gyro.noise_rms = 1e-3)),
         (ErrorSource::HubGyro, Box::new(of_drift(white))),
         (ErrorSource::HubGyro, Box::new(of_drift(flicker))),
