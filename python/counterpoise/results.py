@@ -15,15 +15,16 @@ class System:
 
     def __init__(self, data: Mapping[str, Any]):
         self.name: str = data["name"]
-        n, m, p = (len(data[key]) for key in ("states", "inputs", "outputs"))
+        n, p = len(data["states"]), len(data["D"])
+        m = len(data["D"][0]) if p else len(data["inputs"])
         self.A = np.array(data["A"], dtype=float).reshape(n, n)
         self.B = np.array(data["B"], dtype=float).reshape(n, m)
         self.C = np.array(data["C"], dtype=float).reshape(p, n)
         self.D = np.array(data["D"], dtype=float).reshape(p, m)
         self.sample_time_s: float = data.get("sample_time_s") or 0.0
         self.states = [_name(signal) for signal in data["states"]]
-        self.inputs = [_name(signal) for signal in data["inputs"]]
-        self.outputs = [_name(signal) for signal in data["outputs"]]
+        self.inputs = _names(data["inputs"], m, "u")
+        self.outputs = _names(data["outputs"], p, "y")
 
     def to_control(self):
         """Returns the system as `control.StateSpace`. Needs python-control."""
@@ -49,6 +50,12 @@ class System:
         time = f"sampled every {self.sample_time_s:g} s" if self.sample_time_s else "continuous"
         size = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
         return f"<System {self.name}: {size}, {time}>"
+
+
+def _names(signals: list[Any], count: int, letter: str) -> list[str]:
+    """Returns a name for each of `count` signals; those without a name of their own are numbered."""
+    named = [_name(signal) for signal in signals[:count]]
+    return named + [f"{letter}{k + 1}" for k in range(len(named), count)]
 
 
 def _name(signal: Any) -> str:

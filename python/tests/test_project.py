@@ -39,17 +39,26 @@ def test_values_are_read_and_changed_by_key(gimbal):
 def test_a_design_is_verified_and_its_systems_are_arrays(design):
     assert design.passes is True and all(row["verdict"] == "holds" for row in design.verdicts())
     systems = design.systems()
-    assert systems["controller"].A.shape == (len(systems["controller"].states),) * 2
+    controller = systems["verify.systems.controller"]
+    assert controller.A.shape == (len(controller.states),) * 2
     loop = design.to_control("loop")
-    assert loop.dt == systems["loop"].sample_time_s
+    assert loop.dt == systems["verify.systems.loop"].sample_time_s
     gain, _, _, _ = cp.margin(loop)
     assert np.isfinite(gain)
     figures = {row["figure"]: row["value"] for row in design.figures()}
     assert figures["gain_margin_db"] == pytest.approx(20 * np.log10(gain), abs=1e-6)
-    assert "verify.systems.loop" in systems and cp.margins(loop)["is_stable"]
+    assert cp.margins(loop)["is_stable"]
     with pytest.raises(KeyError, match="synth.controllers.feedback, synth.paths.feedback"):
         design.to_control("feedback")
     assert "<table>" in design._repr_html_() and len(design.to_pandas()) == len(figures)
+
+
+@pytest.mark.parametrize("name", ["ball-screw", "belt-antenna", "azimuth", "servo-pendulum"])
+def test_every_system_of_a_synthesis_goes_to_python_control(name):
+    made = cp.Project.load(EXAMPLES / name).synth()
+    for key, system in made.systems().items():
+        assert system.to_control().nstates == len(system.states), key
+        assert len(system.inputs) == system.D.shape[1] and len(system.outputs) == system.D.shape[0]
 
 
 def test_a_run_follows_its_demand(gimbal):

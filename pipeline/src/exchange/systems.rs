@@ -101,7 +101,8 @@ impl SignalResult {
 }
 
 impl SystemResult {
-    /// Returns a system with numbered states; `inputs` and `outputs` are names that end in their units.
+    /// Returns a system with numbered states; `inputs` and `outputs` are names that end in their units. Outputs beyond those that have a name
+    /// are numbered, unless none has one.
     pub fn new(name: &str, system: &StateSpace, inputs: &[&str], outputs: &[&str]) -> Self {
         Self {
             name: name.to_owned(),
@@ -115,8 +116,19 @@ impl SystemResult {
             D: rows(&system.D),
             states: SignalResult::numbered(system.order()),
             inputs: SignalResult::all(inputs.iter().copied()),
-            outputs: SignalResult::all(outputs.iter().copied()),
+            outputs: SignalResult::all(outputs.iter().copied())
+                .into_iter()
+                .chain(
+                    (outputs.len()..system.outputs())
+                        .filter(|_| !outputs.is_empty())
+                        .map(|k| Self::unnamed(k + 1)),
+                )
+                .collect(),
         }
+    }
+
+    fn unnamed(number: usize) -> SignalResult {
+        SignalResult { name: format!("y{number}"), unit: "" }
     }
 
     /// Returns the same system with states by name.
