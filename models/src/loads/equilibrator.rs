@@ -7,7 +7,7 @@
 //!     c = b - a - p       L^2 = r^2 + R^2 - 2 r R cos c       T = F r R sin(c) / L = -F dL/dp
 //! ```
 //!
-//! (virtual work; US Army Materiel Command, *Engineering Design Handbook: Carriages and Mounts Series, Equilibrators*, AMCP 706-345, 1960). A spring has
+//! (virtual work). A spring has
 //! F = k (L - L_0). A gas of the absolute pressure p_0 at the temperature t_0, enclosed in V_0 at the length L_0, has at the temperature t
 //!
 //! ```text

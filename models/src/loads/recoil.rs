@@ -10,9 +10,8 @@
 //! ```
 //!
 //! K = B - m v' is the force of the recoil system on the cradle, rearward: Newton's second law for the recoiling mass. Its integral is I, for the
-//! mass rests before and after. The stopping force is half a sine, which keeps the force continuous; its peak is I pi/(2 s). Balances of this kind are
-//! those of US Army Materiel Command, *Engineering Design Handbook: Carriages and Mounts Series, Recoil Systems*, AMCP 706-342, 1963, chapter III, and
-//! D. Carlucci and S. Jacobson, *Ballistics*, 2007.
+//! mass rests before and after. The stopping force is half a sine, which keeps the force continuous; its peak is I pi/(2 s). All of it
+//! follows from the balance of momentum.
 //!
 //! The centre of mass of the recoiling parts lies at `e` above the trunnion's axis, the bore at `e + o`, and at rest `b` ahead of the trunnion. The
 //! elevated mass about its trunnion then feels, nose-up, beside what it feels with the recoiling mass at rest,
