@@ -22,13 +22,40 @@ pub enum ControlledQuantity {
 
 /// What a quantity is called.
 struct Words {
+    /// The quantity, as in "demanded angle".
+    quantity: &'static str,
+    /// What of it is measured, after the quantity.
+    of: &'static str,
     unit: &'static str,
-    /// Of demand, reading, filtered demand and error.
-    names: [&'static str; 4],
-    /// Of demand and reading, and of the sensor in quotation marks.
-    meanings: [&'static str; 3],
-    /// Definition of a unit that FMI units of a turning axis lack.
-    definition: Option<&'static str>,
+    /// The unit at the end of identifiers.
+    suffix: &'static str,
+    /// Name and definition of a unit that FMI units of a turning axis lack.
+    definition: Option<(&'static str, &'static str)>,
+}
+
+impl Words {
+    /// Returns the identifiers of demand, reading, filtered demand and error.
+    fn names(&self) -> [String; 4] {
+        let Self { quantity, suffix, .. } = self;
+        [
+            format!("demand_{suffix}"),
+            format!("measured_{quantity}_{suffix}"),
+            format!("filtered_demand_{suffix}"),
+            format!("{quantity}_error_{suffix}"),
+        ]
+    }
+
+    /// Returns the meanings of demand and reading, and that of the sensor in quotation marks.
+    fn meanings(&self) -> [String; 3] {
+        let Self { quantity, of, unit, .. } = self;
+        let measured = format!("measured {quantity} {of}");
+        [format!("demanded {quantity}, {unit}"), format!("{measured}, {unit}"), format!("\"{measured}\"")]
+    }
+
+    /// Returns the name of the unit in an FMI unit.
+    fn unit_name(&self) -> &'static str {
+        self.definition.map_or(self.unit, |(name, _)| name)
+    }
 }
 
 /// Identifiers of a rate loop.
@@ -48,75 +75,36 @@ impl ControlledQuantity {
     }
 
     fn words(self) -> Words {
-        match self {
-            Self::Angle => Words {
-                unit: "rad",
-                names: ["demand_rad", "measured_angle_rad", "filtered_demand_rad", "angle_error_rad"],
-                meanings: [
-                    "demanded angle, rad",
-                    "measured angle relative to the platform, rad",
-                    "\"measured angle relative to the platform\"",
-                ],
-                definition: None,
-            },
-            Self::Place => Words {
-                unit: "m",
-                names: ["demand_m", "measured_position_m", "filtered_demand_m", "position_error_m"],
-                meanings: [
-                    "demanded position, m",
-                    "measured position relative to the platform, m",
-                    "\"measured position relative to the platform\"",
-                ],
-                definition: Some("    <Unit name=\"m\"><BaseUnit m=\"1\"/></Unit>"),
-            },
-            Self::Torque => Words {
-                unit: "N.m",
-                names: ["demand_nm", "measured_torque_nm", "filtered_demand_nm", "torque_error_nm"],
-                meanings: [
-                    "demanded torque, N m",
-                    "measured torque of the transmission, N m",
-                    "\"measured torque of the transmission\"",
-                ],
-                definition: Some("    <Unit name=\"N.m\"><BaseUnit kg=\"1\" m=\"2\" s=\"-2\"/></Unit>"),
-            },
-            Self::Force => Words {
-                unit: "N",
-                names: ["demand_n", "measured_force_n", "filtered_demand_n", "force_error_n"],
-                meanings: [
-                    "demanded force, N",
-                    "measured force of the transmission, N",
-                    "\"measured force of the transmission\"",
-                ],
-                definition: Some("    <Unit name=\"N\"><BaseUnit kg=\"1\" m=\"1\" s=\"-2\"/></Unit>"),
-            },
-            Self::Current => Words {
-                unit: "A",
-                names: ["demand_a", "measured_current_a", "filtered_demand_a", "current_error_a"],
-                meanings: [
-                    "demanded current, A",
-                    "measured current of the motor, A",
-                    "\"measured current of the motor\"",
-                ],
-                definition: None,
-            },
-        }
+        let (on_platform, passed) = ("relative to the platform", "of the transmission");
+        let (quantity, of, unit, suffix, definition) = match self {
+            Self::Angle => ("angle", on_platform, "rad", "rad", None),
+            Self::Place => ("position", on_platform, "m", "m", Some(("m", "m=\"1\""))),
+            Self::Torque => ("torque", passed, "N m", "nm", Some(("N.m", "kg=\"1\" m=\"2\" s=\"-2\""))),
+            Self::Force => ("force", passed, "N", "n", Some(("N", "kg=\"1\" m=\"1\" s=\"-2\""))),
+            Self::Current => ("current", "of the motor", "A", "a", None),
+        };
+        Words { quantity, of, unit, suffix, definition }
     }
 
     fn text(self, text: &str) -> String {
-        let Words { unit, names, meanings, definition } = self.words();
-        let pairs = MEANINGS.iter().zip(meanings);
-        let described = pairs.fold(text.to_owned(), |text, (rate, own)| text.replace(rate, own));
-        let mut named = match definition {
+        let words = self.words();
+        let pairs = MEANINGS.iter().zip(words.meanings());
+        let described = pairs.fold(text.to_owned(), |text, (rate, own)| text.replace(rate, &own));
+        let mut named = match words.definition {
             None => described,
-            Some(unit) => described.replace(AFTER_DEFINITION, &format!("{unit}\n{AFTER_DEFINITION}")),
+            Some((name, base)) => {
+                let defined =
+                    format!("    <Unit name=\"{name}\"><BaseUnit {base}/></Unit>\n{AFTER_DEFINITION}");
+                described.replace(AFTER_DEFINITION, &defined)
+            }
         };
-        for (index, (rate, name)) in NAMES.iter().zip(names).enumerate() {
+        for (index, (rate, name)) in NAMES.iter().zip(words.names()).enumerate() {
             // The first two are variables of FMI units, whose lines state the unit as well.
             named = match index {
-                0 | 1 => with_unit(&named, rate, unit),
+                0 | 1 => with_unit(&named, rate, words.unit_name()),
                 _ => named,
             };
-            named = with_identifier(&named, rate, name);
+            named = with_identifier(&named, rate, &name);
         }
         named
     }

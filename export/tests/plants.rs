@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
-use counterpoise_models::loads::equilibrator::{Action, Equilibrator, Force};
+use counterpoise_models::loads::equilibrator::{Action, Equilibrator, Force, Gas};
 use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
@@ -524,15 +524,17 @@ fn what_loads_a_machine() {
         factor: 1.05,
         force,
     };
-    let gas = |acts| Force::Gas {
-        acts,
-        pressure_pa: 6e6,
-        area_m2: 1.2e-3,
-        volume_m3: 4e-3,
-        length_m: 0.9,
-        exponent: 1.25,
-        charge_temperature_k: 293.0,
-        temperature_k: 263.0,
+    let gas = |acts| {
+        Force::Gas(Gas {
+            acts,
+            pressure_pa: 6e6,
+            area_m2: 1.2e-3,
+            volume_m3: 4e-3,
+            length_m: 0.9,
+            exponent: 1.25,
+            charge_temperature_k: 293.0,
+            temperature_k: 263.0,
+        })
     };
     all_equal(&[
         machine("spring equilibrator", |p| {

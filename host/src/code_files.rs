@@ -6,7 +6,11 @@ use std::path::{Path, PathBuf};
 use counterpoise_export::File;
 use counterpoise_export::fmi::pack_unit;
 
+use counterpoise_pipeline::exchange::ControllerResult;
+
+use crate::compilers::unit_library;
 use crate::files;
+use crate::json::json_text;
 
 /// Makes the library of an FMI unit from its sources below a folder, by the unit's name; `None` if this machine cannot.
 pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
@@ -46,6 +50,23 @@ pub fn write_code(
         texts.chain(packed.iter().map(|(path, bytes)| (path.clone(), bytes.as_slice()))).collect();
     files::write_set(&set)?;
     Ok(Some(set.into_iter().map(|(path, _)| path).collect()))
+}
+
+/// Writes generated files, the controller as plain data and further files as one set; FMI units have a library inside if this machine has
+/// a C compiler.
+///
+/// # Errors
+/// The file that cannot be written, and why.
+pub fn write_with_controller(
+    folder: &Path,
+    code: &[File],
+    controller: &ControllerResult,
+    further: &[File],
+) -> anyhow::Result<Vec<PathBuf>> {
+    let plain = File { name: "controller.json".to_owned(), text: json_text(controller)? };
+    let set = [code, &[plain], further].concat();
+    let written = write_code(folder, &set, unit_library::compile_library, &|| true);
+    Ok(written.map_err(anyhow::Error::msg)?.unwrap_or_default())
 }
 
 /// Folders that hold an FMI unit.

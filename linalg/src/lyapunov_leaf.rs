@@ -161,12 +161,19 @@ fn solve_block(X: &mut Mat, left: &Block, right: &Block) {
 /// Two pairs: the sum and the difference of the rates drive them apart.
 #[inline(always)]
 fn rotate(X: &mut Mat, left: &Block, right: &Block) {
-    let (i, j, s) = (left.at, right.at, left.entries[0] + right.entries[0]);
+    let s = left.entries[0] + right.entries[0];
+    solve_apart(X, left, right, [(s, right.rate - left.rate), (s, right.rate + left.rate)]);
+}
+
+/// Two pairs in scaled coordinates, in which the four unknowns split into two complex numbers: the `s` and `t` of [`turned`] for each.
+#[inline(always)]
+pub(crate) fn solve_apart(X: &mut Mat, left: &Block, right: &Block, [first, second]: [(f64, f64); 2]) {
+    let (i, j) = (left.at, right.at);
     let (g, h) = (left.scale, right.scale);
     let (e11, e21) = (X[(i, j)], X[(i + 1, j)] / g);
     let (e12, e22) = (X[(i, j + 1)] / h, X[(i + 1, j + 1)] / (g * h));
-    let (p, q) = turned(s, right.rate - left.rate, (e11 + e22, e12 - e21));
-    let (u, v) = turned(s, right.rate + left.rate, (e11 - e22, e12 + e21));
+    let (p, q) = turned(first.0, first.1, (e11 + e22, e12 - e21));
+    let (u, v) = turned(second.0, second.1, (e11 - e22, e12 + e21));
     X[(i, j)] = 0.5 * (p + u);
     X[(i + 1, j)] = 0.5 * (v - q) * g;
     X[(i, j + 1)] = 0.5 * (q + v) * h;
@@ -175,10 +182,15 @@ fn rotate(X: &mut Mat, left: &Block, right: &Block) {
 
 /// The four equations as they stand, with complete pivoting.
 fn eliminate(X: &mut Mat, left: &Block, right: &Block) {
-    let (i, j) = (left.at, right.at);
     let [a, b, c, d] = left.entries;
     let [e, f, g, h] = right.entries;
-    let mut system = [[a + e, b, f, 0.0], [c, d + e, 0.0, f], [g, 0.0, a + h, b], [0.0, g, c, d + h]];
+    let system = [[a + e, b, f, 0.0], [c, d + e, 0.0, f], [g, 0.0, a + h, b], [0.0, g, c, d + h]];
+    solve_together(X, left, right, system);
+}
+
+/// The four unknowns that two blocks couple, column by column, from their equations.
+pub(crate) fn solve_together(X: &mut Mat, left: &Block, right: &Block, mut system: [[f64; 4]; 4]) {
+    let (i, j) = (left.at, right.at);
     let mut x = [X[(i, j)], X[(i + 1, j)], X[(i, j + 1)], X[(i + 1, j + 1)]];
     solve_complete(&mut system, &mut x, 4);
     [X[(i, j)], X[(i + 1, j)], X[(i, j + 1)], X[(i + 1, j + 1)]] = x;

@@ -4,9 +4,8 @@
 //! two complex numbers, one multiplied by `1 - l m` and one by `1 - l conj(m)`; no pivots are looked for.
 
 use crate::kernel::vectorised;
-use crate::lyapunov_leaf::{Block, diagonal, turned};
+use crate::lyapunov_leaf::{Block, diagonal, solve_apart, solve_together, turned};
 use crate::mat::Mat;
-use crate::small::solve_complete;
 
 vectorised! {
     /// `T X S' - X + Q = 0` in place of `Q`; `T` and `S` quasi-triangular in standard form.
@@ -126,33 +125,22 @@ fn solve_block(X: &mut Mat, left: &Block, right: &Block) {
 /// Two pairs: the product of one eigenvalue with the other, and with its conjugate.
 #[inline(always)]
 fn rotate(X: &mut Mat, left: &Block, right: &Block) {
-    let (i, j) = (left.at, right.at);
-    let ((a, w, g), (b, v, h)) =
-        ((left.entries[0], left.rate, left.scale), (right.entries[0], right.rate, right.scale));
-    let (e11, e21) = (X[(i, j)], X[(i + 1, j)] / g);
-    let (e12, e22) = (X[(i, j + 1)] / h, X[(i + 1, j + 1)] / (g * h));
-    let (p, q) = turned(1.0 - a * b - w * v, w * b - a * v, (e11 + e22, e12 - e21));
-    let (u, y) = turned(1.0 - a * b + w * v, -(w * b + a * v), (e11 - e22, e12 + e21));
-    X[(i, j)] = 0.5 * (p + u);
-    X[(i + 1, j)] = 0.5 * (y - q) * g;
-    X[(i, j + 1)] = 0.5 * (q + y) * h;
-    X[(i + 1, j + 1)] = 0.5 * (p - u) * (g * h);
+    let ((a, w), (b, v)) = ((left.entries[0], left.rate), (right.entries[0], right.rate));
+    let apart = [(1.0 - a * b - w * v, w * b - a * v), (1.0 - a * b + w * v, -(w * b + a * v))];
+    solve_apart(X, left, right, apart);
 }
 
 /// The four equations as they stand, with complete pivoting.
 fn eliminate(X: &mut Mat, left: &Block, right: &Block) {
-    let (i, j) = (left.at, right.at);
     let [a, b, c, d] = left.entries;
     let [e, f, g, h] = right.entries;
-    let mut system = [
+    let system = [
         [1.0 - a * e, -b * e, -a * f, -b * f],
         [-c * e, 1.0 - d * e, -c * f, -d * f],
         [-a * g, -b * g, 1.0 - a * h, -b * h],
         [-c * g, -d * g, -c * h, 1.0 - d * h],
     ];
-    let mut x = [X[(i, j)], X[(i + 1, j)], X[(i, j + 1)], X[(i + 1, j + 1)]];
-    solve_complete(&mut system, &mut x, 4);
-    [X[(i, j)], X[(i + 1, j)], X[(i, j + 1)], X[(i + 1, j + 1)]] = x;
+    solve_together(X, left, right, system);
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Loads beside the weight: torques against their energies, the recoil against Newton's second law.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_models::loads::equilibrator::{Action, Equilibrator, Force};
+use counterpoise_models::loads::equilibrator::{Action, Equilibrator, Force, Gas};
 use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint, Plant};
 use counterpoise_models::{Parameters, reference};
@@ -56,15 +56,17 @@ fn equilibrators() -> Vec<Equilibrator> {
         factor: 1.1,
         force,
     };
-    let gas = |acts: Action| Force::Gas {
-        acts,
-        pressure_pa: 5e6,
-        area_m2: 1e-3,
-        volume_m3: 3e-3,
-        length_m: 0.75,
-        exponent: 1.3,
-        charge_temperature_k: 293.0,
-        temperature_k: 313.0,
+    let gas = |acts: Action| {
+        Force::Gas(Gas {
+            acts,
+            pressure_pa: 5e6,
+            area_m2: 1e-3,
+            volume_m3: 3e-3,
+            length_m: 0.75,
+            exponent: 1.3,
+            charge_temperature_k: 293.0,
+            temperature_k: 313.0,
+        })
     };
     vec![
         pins(1.6, Force::Spring { stiffness_n_m: 4e3, free_length_m: 0.45 }),
@@ -94,7 +96,7 @@ fn torque_and_stiffness_are_slopes() {
 fn a_cold_gas_lifts_less() {
     let Some(mut of) = equilibrators().into_iter().nth(1) else { panic!() };
     let warm = of.torque_nm(0.2);
-    if let Force::Gas { temperature_k, .. } = &mut of.force {
+    if let Force::Gas(Gas { temperature_k, .. }) = &mut of.force {
         *temperature_k = 253.0;
     }
     assert!((of.torque_nm(0.2) / warm - 253.0 / 313.0).abs() < 0.02);
@@ -144,7 +146,7 @@ fn what_makes_no_load_is_refused() {
     let quick = Recoil { shots_s: vec![0.0, 0.5], ..recoil() };
     assert!(refused(&|p| p.loads.recoil = Some(quick.clone())).contains("recoil.shots"));
     let mut small = equilibrators()[1].clone();
-    if let Force::Gas { volume_m3, .. } = &mut small.force {
+    if let Force::Gas(Gas { volume_m3, .. }) = &mut small.force {
         *volume_m3 = 2e-4;
     }
     assert!(refused(&|p| p.loads.equilibrator = Some(small.clone())).contains("equilibrator.gas.volume"));

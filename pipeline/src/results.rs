@@ -30,7 +30,6 @@ pub use robustness::{AdviceResult, RobustnessResult};
 use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
-use crate::studies::adapt::AdaptRun;
 use crate::studies::adaptation_trials::Trials;
 use crate::studies::comparison::Comparison;
 use crate::{Designed, Modelled, Reduced, Synthesised};
@@ -233,15 +232,6 @@ impl VerifyResult {
         let refused = adaptation_trials.as_ref().is_some_and(|tried| !tried.refused.is_empty());
         Self { passes: self.passes && !refused, adaptation_trials, ..self }
     }
-}
-
-/// The adaptation put to the test.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AdaptResult {
-    /// The runs (a) to (h).
-    pub runs: Vec<AdaptRun>,
-    /// Trials of every method, and the methods that are refused.
-    pub trials: Trials,
 }
 
 /// A number that certifies a design.

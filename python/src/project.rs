@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use counterpoise_export::File;
-use counterpoise_host::json::json_text;
+use counterpoise_host::code_files;
 use counterpoise_host::projects::{self, Loaded};
-use counterpoise_host::{code_files, compilers::unit_library};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::diagnose::diagnose;
 use counterpoise_pipeline::recordings::read::{Gaps, loop_of, read, recording_controller};
@@ -192,11 +190,7 @@ impl NativeProject {
             let made = run_stages(&loaded.project, world)?;
             let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
             let controller = ControllerResult::new(&identity, made.verified.controller());
-            let text = json_text(&controller).context("cannot write the controller")?;
-            let with = File { name: "controller.json".to_owned(), text };
-            let set = [made.files.as_slice(), &[with]].concat();
-            let written = code_files::write_code(&folder, &set, unit_library::compile_library, &|| true);
-            let paths = written.map_err(anyhow::Error::msg)?.unwrap_or_default();
+            let paths = code_files::write_with_controller(&folder, &made.files, &controller, &[])?;
             Ok(paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
         })
     }

@@ -7,11 +7,9 @@ use anyhow::{Context, ensure};
 use counterpoise_diagnose::identification::improved;
 use counterpoise_diagnose::simulator_access::{Pool, map_with_progress};
 use counterpoise_host::projects;
-use counterpoise_pipeline::recordings::{Gaps, identify, read, read::recording_controller};
-use counterpoise_pipeline::results::AdaptResult;
-use counterpoise_pipeline::studies::adapt::adapt;
-use counterpoise_pipeline::studies::adaptation_trials::run_trials;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_pipeline::recordings::identify;
+use counterpoise_pipeline::studies::adaptation::study_adaptation;
+use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
 use counterpoise_pipeline::{
     self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
@@ -19,7 +17,7 @@ use counterpoise_pipeline::{
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::{SweepFigure, figures};
 use counterpoise_report::wording::identification::describe_identified_recordings;
-use counterpoise_report::wording::recordings::{describe_column_remark, describe_recordings_error};
+use counterpoise_report::wording::recordings::{describe_recorded_map, describe_recordings_error};
 use counterpoise_verify::robust::Sample;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -98,12 +96,7 @@ pub fn adaptation(
 ) -> PyResult<String> {
     project.json(py, progress, |project, world| {
         let loaded = project.loaded(Purpose::Verify)?;
-        let modelled = pipeline::model(&loaded.project)?;
-        let reduced = pipeline::reduce(&loaded.project, &modelled)?;
-        let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
-        let runs = adapt(&loaded.project, &modelled, &made)?;
-        let procedure = pipeline::project_procedure(&loaded.project, world)?;
-        Ok(AdaptResult { runs, trials: run_trials(&loaded.project, &modelled, &made, &procedure)? })
+        Ok(study_adaptation(&loaded.project, world)?)
     })
 }
 
@@ -139,7 +132,10 @@ pub fn frequency_response_map(
         let loaded = project.loaded(Purpose::Model)?;
         let modelled = pipeline::model(&loaded.project)?;
         if !recordings.is_empty() {
-            return recorded_maps(&loaded, &plan, &recordings);
+            let files = projects::read_recordings(&recordings)?;
+            let found = map_recordings(&loaded.project, &modelled, &plan, &files)
+                .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
+            return Ok(Maps { maps: found.into_iter().map(describe_recorded_map).collect() });
         }
         ensure!(positive(&plan.amplitudes), "amplitudes must be positive numbers, at least one");
         let analyser = Analyser::new(&loaded.project, &modelled, &plan, On::Simulation)?;
@@ -147,22 +143,6 @@ pub fn frequency_response_map(
         ensure!(!world.cancelled(), "stopped");
         Ok(Maps { maps: vec![analyser.compare(&measured, world)?] })
     })
-}
-
-fn recorded_maps(loaded: &projects::Loaded, plan: &Plan, recordings: &[PathBuf]) -> anyhow::Result<Maps> {
-    let modelled = pipeline::model(&loaded.project)?;
-    let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
-    let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
-    let controller = recording_controller(&loaded.project).map_err(refused)?;
-    let files = projects::read_recordings(recordings)?;
-    let mut maps = Vec::new();
-    for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)? {
-        let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
-        map.recording = Some(item.file);
-        map.remarks.extend(item.remarks.iter().map(describe_column_remark));
-        maps.push(map);
-    }
-    Ok(Maps { maps })
 }
 
 /// Identifies the machine from recordings of triangle waves, in one or two states of balance: what was found as JSON, and the project

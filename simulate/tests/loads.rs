@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::{Readings, SampledController};
-use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Action, Equilibrator, Force};
+use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Action, Equilibrator, Force, Gas};
 use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
@@ -74,7 +74,7 @@ fn pins(force: Force) -> Equilibrator {
     Equilibrator { arm_m: 0.35, arm_angle_rad: 0.3, anchor_m: 0.8, anchor_angle_rad: 1.6, factor: 1.1, force }
 }
 
-const GAS: Force = Force::Gas {
+const GAS: Force = Force::Gas(Gas {
     acts: Action::Pull,
     pressure_pa: 5e6,
     area_m2: 1e-3,
@@ -83,7 +83,7 @@ const GAS: Force = Force::Gas {
     exponent: 1.3,
     charge_temperature_k: 293.0,
     temperature_k: 253.0,
-};
+});
 
 /// Energy of an equilibrator at an angle: what has been done against its tension from a length on.
 fn stored(of: &Equilibrator, angle_rad: f64) -> f64 {
@@ -93,7 +93,7 @@ fn stored(of: &Equilibrator, angle_rad: f64) -> f64 {
             Force::Spring { stiffness_n_m, free_length_m } => {
                 0.5 * stiffness_n_m * (length - free_length_m).max(0.0).powi(2)
             }
-            Force::Gas { pressure_pa, area_m2, volume_m3, length_m, exponent, .. } => {
+            Force::Gas(Gas { pressure_pa, area_m2, volume_m3, length_m, exponent, .. }) => {
                 let volume = volume_m3 - area_m2 * (length - length_m);
                 let warm = pressure_pa * 253.0 / 293.0;
                 let of_gas =

@@ -1,9 +1,7 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
-use counterpoise_pipeline as pipeline;
-use counterpoise_pipeline::results::AdaptResult;
-use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
-use counterpoise_pipeline::studies::adaptation_trials::{Trials, run_trials};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval};
+use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_project::Purpose;
 
 use std::path::PathBuf;
@@ -31,26 +29,16 @@ pub struct AdaptOptions {
 pub fn run(options: &AdaptOptions) -> Done {
     let loaded = projects::load_project(&options.project, Purpose::Verify)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
-    let modelled = pipeline::model(&loaded.project)?;
-    let reduced = pipeline::reduce(&loaded.project, &modelled)?;
-    let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
-    let runs = adapt(&loaded.project, &modelled, &made)?;
     let world = Surroundings::of(&loaded, options.outputs.results.progress());
-    let tried = run_trials(
-        &loaded.project,
-        &modelled,
-        &made,
-        &pipeline::project_procedure(&loaded.project, &world)?,
-    )?;
+    let result = study_adaptation(&loaded.project, &world)?;
+    let (runs, tried) = (&result.runs, &result.trials);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write_file(
             path,
-            html_page(&adaptation_report(&loaded.project.plant.name, &command, &runs)).as_bytes(),
+            html_page(&adaptation_report(&loaded.project.plant.name, &command, runs)).as_bytes(),
         )?;
     }
-    let result = AdaptResult { runs, trials: Trials { histories: Vec::new(), ..tried } };
-    let (runs, tried) = (&result.runs, &result.trials);
     if !output::write_json(&options.outputs.results, &result)? {
         print(runs);
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));

@@ -2,6 +2,7 @@
 
 use crate::output::say;
 use counterpoise_export::File;
+use counterpoise_host::code_files;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::{ControllerResult, error_budget_result};
@@ -18,7 +19,7 @@ use counterpoise_report::{Origin, html_page, of_design};
 use counterpoise_verify::{Limit, Verdict, Verification};
 use serde::Serialize;
 
-use super::{export, first_design};
+use super::first_design;
 use crate::exit::{Done, verdict_code};
 use crate::options::DesignOptions;
 use crate::output;
@@ -73,11 +74,7 @@ pub fn run(options: &DesignOptions) -> Done {
     (result.model.assumption_effects, result.model.assumed_loop) = (ranked.effects, ranked.assumed_loop);
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
     let report = File { name: "report.html".to_owned(), text: page };
-    export::write_code(
-        &options.output,
-        &designed.stages.files,
-        &[export::controller_file(&controller)?, report],
-    )?;
+    code_files::write_with_controller(&options.output, &designed.stages.files, &controller, &[report])?;
     if !output::write_json(&options.results, &Whole { design: &result, first_design })? {
         first_design::print_first_design(&loaded);
         print(options, &designed.stages);

@@ -1,11 +1,9 @@
 //! `counterpoise export`: the verified controller as code; or whether generated files are still what the project gives.
 
 use crate::output::say;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use counterpoise_export::{Checked, File, check_file};
-use counterpoise_host::compilers::unit_library;
-use counterpoise_host::json::json_text;
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline as pipeline;
@@ -29,27 +27,13 @@ pub fn run(options: &ExportOptions) -> Done {
     }
     let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
     let controller = ControllerResult::new(&identity, made.verified.controller());
-    let written = write_code(&options.output, &made.files, &[controller_file(&controller)?])?;
+    let written = code_files::write_with_controller(&options.output, &made.files, &controller, &[])?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
     made.left_out.iter().for_each(|code| print_message(&format!("left out  {code}")));
     Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
-}
-
-/// Writes generated files and those that belong to them as one set, and packs FMI units; with a library inside where this machine has a C
-/// compiler.
-pub fn write_code(folder: &Path, code: &[File], with: &[File]) -> anyhow::Result<Vec<PathBuf>> {
-    let set = [code, with].concat();
-    let written = code_files::write_code(folder, &set, unit_library::compile_library, &|| true)
-        .map_err(anyhow::Error::msg)?;
-    Ok(written.unwrap_or_default())
-}
-
-/// Returns the file that holds the controller as plain data, beside its code.
-pub fn controller_file(controller: &ControllerResult) -> anyhow::Result<File> {
-    Ok(File { name: "controller.json".to_owned(), text: json_text(controller)? })
 }
 
 /// What became of a file that was checked.

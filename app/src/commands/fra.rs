@@ -6,11 +6,11 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline as pipeline;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_project::{Purpose, StructureChoice};
 use counterpoise_report::fra::{Pace, fra_report};
 use counterpoise_report::html_page;
-use counterpoise_report::wording::recordings::describe_column_remark;
+use counterpoise_report::wording::recordings::describe_recorded_map;
 use counterpoise_simulate::fra::Measurement;
 
 use crate::exit::{Done, Exit};
@@ -19,8 +19,6 @@ use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
 use counterpoise_host::workers::Workers;
-use counterpoise_pipeline::recordings::read::recording_controller;
-use counterpoise_pipeline::recordings::{Gaps, read};
 
 /// Arguments of `fra`.
 #[derive(Args)]
@@ -186,17 +184,9 @@ fn tell_speed(maps: &[Map], speed: &[Pace]) {
 
 fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Map>> {
     let modelled = pipeline::model(&loaded.project)?;
-    let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
-    let mut maps = Vec::new();
-    let controller = recording_controller(&loaded.project)?;
     let files = projects::read_recordings(&options.recording)?;
-    for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired)? {
-        let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
-        map.recording = Some(item.file);
-        map.remarks.extend(item.remarks.iter().map(describe_column_remark));
-        maps.push(map);
-    }
-    Ok(maps)
+    let found = map_recordings(&loaded.project, &modelled, plan, &files)?;
+    Ok(found.into_iter().map(describe_recorded_map).collect())
 }
 
 fn plan(options: &FraOptions) -> Result<Plan> {

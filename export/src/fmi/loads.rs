@@ -1,6 +1,6 @@
 //! Equilibrator, stops, recoil, and the limits of the drive, as the plant unit's templates take them.
 
-use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Action, Force};
+use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Force};
 use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{COPPER_PER_K, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K};
@@ -30,22 +30,13 @@ fn equilibrator(of: &Equilibrator) -> Value {
         Force::Spring { stiffness_n_m, free_length_m } => context! {
             gas => false, stiffness => number(stiffness_n_m), free_length => number(free_length_m),
         },
-        Force::Gas {
-            acts,
-            pressure_pa,
-            area_m2,
-            volume_m3,
-            length_m,
-            exponent,
-            charge_temperature_k,
-            temperature_k,
-        } => context! {
+        Force::Gas(gas) => context! {
             gas => true,
-            signed_area => number(if acts == Action::Pull { area_m2 } else { -area_m2 }),
-            volume => number(volume_m3),
-            at_length => number(length_m),
-            pressure => number(pressure_pa * temperature_k / charge_temperature_k),
-            exponent => number(exponent),
+            signed_area => number(gas.signed_area_m2()),
+            volume => number(gas.volume_m3),
+            at_length => number(gas.length_m),
+            pressure => number(gas.warm_pressure_pa()),
+            exponent => number(gas.exponent),
             atmosphere => number(ATMOSPHERE_PA),
         },
     };

@@ -51,24 +51,28 @@ pub enum Force {
         free_length_m: f64,
     },
     /// A gas.
-    Gas {
-        /// Whether it pulls or pushes.
-        acts: Action,
-        /// Absolute pressure of the charge, Pa.
-        pressure_pa: f64,
-        /// Area of the piston, m^2.
-        area_m2: f64,
-        /// Volume of the gas at the length below, m^3.
-        volume_m3: f64,
-        /// Length at which pressure and volume are stated, m.
-        length_m: f64,
-        /// Polytropic exponent.
-        exponent: f64,
-        /// Temperature of the charge, K.
-        charge_temperature_k: f64,
-        /// Temperature of the gas, K.
-        temperature_k: f64,
-    },
+    Gas(Gas),
+}
+
+/// A gas in a cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gas {
+    /// Whether it pulls or pushes.
+    pub acts: Action,
+    /// Absolute pressure of the charge, Pa.
+    pub pressure_pa: f64,
+    /// Area of the piston, m^2.
+    pub area_m2: f64,
+    /// Volume of the gas at the length below, m^3.
+    pub volume_m3: f64,
+    /// Length at which pressure and volume are stated, m.
+    pub length_m: f64,
+    /// Polytropic exponent.
+    pub exponent: f64,
+    /// Temperature of the charge, K.
+    pub charge_temperature_k: f64,
+    /// Temperature of the gas, K.
+    pub temperature_k: f64,
 }
 
 /// Whether a strut pulls or pushes.
@@ -149,42 +153,29 @@ impl Equilibrator {
                 positive("equilibrator.spring.stiffness", stiffness_n_m)?;
                 finite("equilibrator.spring.free_length", free_length_m)
             }
-            Force::Gas { .. } => self.check_gas(),
+            Force::Gas(gas) => self.check_gas(&gas),
         }
     }
 
-    fn check_gas(&self) -> Result<(), Error> {
-        let Force::Gas {
-            acts,
-            pressure_pa,
-            area_m2,
-            volume_m3,
-            length_m,
-            exponent,
-            charge_temperature_k,
-            temperature_k,
-        } = self.force
-        else {
-            return Ok(());
-        };
+    fn check_gas(&self, gas: &Gas) -> Result<(), Error> {
         for (name, value) in [
-            ("equilibrator.gas.pressure", pressure_pa),
-            ("equilibrator.gas.area", area_m2),
-            ("equilibrator.gas.length", length_m),
-            ("equilibrator.gas.exponent", exponent),
-            ("equilibrator.gas.charge_temperature", charge_temperature_k),
-            ("equilibrator.gas.temperature", temperature_k),
+            ("equilibrator.gas.pressure", gas.pressure_pa),
+            ("equilibrator.gas.area", gas.area_m2),
+            ("equilibrator.gas.length", gas.length_m),
+            ("equilibrator.gas.exponent", gas.exponent),
+            ("equilibrator.gas.charge_temperature", gas.charge_temperature_k),
+            ("equilibrator.gas.temperature", gas.temperature_k),
         ] {
             positive(name, value)?;
         }
         // the longest or the shortest length of the linkage leaves gas in the cylinder
-        let extreme = match acts {
+        let extreme = match gas.acts {
             Action::Pull => self.arm_m + self.anchor_m,
             Action::Push => (self.arm_m - self.anchor_m).abs(),
         };
-        let stroke = area_m2 * (extreme - length_m).abs();
+        let stroke = gas.area_m2 * (extreme - gas.length_m).abs();
         let allowed = "must be more than the piston's area times the way from equilibrator.gas.length to the end of the linkage: no gas would be left there";
-        require(|volume| volume > stroke, "equilibrator.gas.volume", volume_m3, allowed)
+        require(|volume| volume > stroke, "equilibrator.gas.volume", gas.volume_m3, allowed)
     }
 }
 
@@ -201,25 +192,34 @@ impl Force {
                     Tension { force_n: 0.0, slope_n_m: 0.0 }
                 }
             }
-            Self::Gas {
-                acts,
-                pressure_pa,
-                area_m2,
-                volume_m3,
-                length_m: stated_m,
-                exponent,
-                charge_temperature_k,
-                temperature_k,
-            } => {
-                let sign = if acts == Action::Pull { 1.0 } else { -1.0 };
-                let volume = volume_m3 - sign * area_m2 * (length_m - stated_m);
-                let pressure =
-                    pressure_pa * temperature_k / charge_temperature_k * (volume_m3 / volume).powf(exponent);
-                Tension {
-                    force_n: sign * (pressure - ATMOSPHERE_PA) * area_m2,
-                    slope_n_m: exponent * pressure * area_m2 * area_m2 / volume,
-                }
-            }
+            Self::Gas(gas) => gas.tension(length_m),
+        }
+    }
+}
+
+impl Gas {
+    /// Returns whether it pulls, as a sign.
+    fn sign(&self) -> f64 {
+        if self.acts == Action::Pull { 1.0 } else { -1.0 }
+    }
+
+    /// Returns the area of the piston, negative if the gas pushes, m^2.
+    pub fn signed_area_m2(&self) -> f64 {
+        self.sign() * self.area_m2
+    }
+
+    /// Returns the pressure of the charge at the temperature of the gas, Pa.
+    pub fn warm_pressure_pa(&self) -> f64 {
+        self.pressure_pa * self.temperature_k / self.charge_temperature_k
+    }
+
+    #[inline]
+    fn tension(&self, length_m: f64) -> Tension {
+        let volume = self.volume_m3 - self.signed_area_m2() * (length_m - self.length_m);
+        let pressure = self.warm_pressure_pa() * (self.volume_m3 / volume).powf(self.exponent);
+        Tension {
+            force_n: self.sign() * (pressure - ATMOSPHERE_PA) * self.area_m2,
+            slope_n_m: self.exponent * pressure * self.area_m2 * self.area_m2 / volume,
         }
     }
 }

@@ -19,6 +19,8 @@ use counterpoise_verify::linear::plant::Resolver;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use crate::recordings::ColumnRemark;
+use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
 use crate::tolerance::LEAST_SWING_RAD;
 use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
@@ -96,6 +98,34 @@ pub struct Map {
     pub simulated_s: f64,
     /// What has to be known with the numbers.
     pub remarks: Vec<String>,
+}
+
+/// A map that was measured on a recording, and what was found about the columns of that.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedMap {
+    /// The map.
+    pub map: Map,
+    /// What was found about the columns.
+    pub columns: Vec<ColumnRemark>,
+}
+
+/// Runs the instrument on every recording of files, over the frequencies of the plan.
+///
+/// # Errors
+/// Those of [`Analyser::new`] and [`Analyser::recorded`], and a file that cannot be read as the project maps its columns.
+pub fn map_recordings(
+    project: &Project,
+    modelled: &Modelled,
+    plan: &Plan,
+    files: &[RecordingFile],
+) -> Result<Vec<RecordedMap>, PipelineError> {
+    let analyser = Analyser::new(project, modelled, plan, On::Recording)?;
+    let controller = recording_controller(project)?;
+    let one = |item: ReadRecording| {
+        let map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
+        Ok(RecordedMap { map: Map { recording: Some(item.file), ..map }, columns: item.remarks })
+    };
+    read(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
 }
 
 /// The moduli of a map at one amplitude, over the frequency in rad/s.

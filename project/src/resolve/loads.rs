@@ -1,7 +1,7 @@
 //! What loads a machine beside its weight, and what its drive can do for long: `[plant.equilibrator]`, `[plant.end_stops]`, `[plant.recoil]` and
 //! `[plant.drive_limits]`.
 
-use counterpoise_models::loads::equilibrator::{Action, Force};
+use counterpoise_models::loads::equilibrator::{Action, Force, Gas};
 use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
 use counterpoise_models::{Axis, DriveLimits, MotorHeat, Parameters};
 
@@ -86,7 +86,7 @@ fn equilibrator(v: &mut dyn Visit, of: &mut Equilibrator) {
 fn spring(v: &mut dyn Visit, force: &mut Force) {
     let (mut stiffness_n_m, mut free_length_m) = match *force {
         Force::Spring { stiffness_n_m, free_length_m } => (stiffness_n_m, free_length_m),
-        Force::Gas { .. } => (f64::NAN, f64::NAN),
+        Force::Gas(_) => (f64::NAN, f64::NAN),
     };
     let stiffness = Field::new("stiffness", "of the spring").unit("N/m").limit(ABOVE_0);
     v.number(&stiffness, &mut stiffness_n_m);
@@ -96,39 +96,31 @@ fn spring(v: &mut dyn Visit, force: &mut Force) {
 }
 
 fn gas(v: &mut dyn Visit, force: &mut Force) {
-    if matches!(force, Force::Spring { .. }) {
-        *force = BLANK_GAS;
-    }
-    let Force::Gas {
-        acts,
-        pressure_pa,
-        area_m2,
-        volume_m3,
-        length_m,
-        exponent,
-        charge_temperature_k,
-        temperature_k,
-    } = force
-    else {
-        return;
+    let mut gas = match *force {
+        Force::Gas(gas) => gas,
+        Force::Spring { .. } => BLANK_GAS,
     };
     let field = Field::new("acts", "whether the cylinder pulls its pins together or pushes them apart");
-    choose(v, &field.or_text("pull"), acts);
+    choose(v, &field.or_text("pull"), &mut gas.acts);
     let positive = |key, unit, meaning| Field::new(key, meaning).unit(unit).limit(ABOVE_0);
-    v.number(&positive("pressure", "Pa", "absolute pressure of the charge"), pressure_pa);
-    v.number(&positive("area", "m^2", "area of the piston"), area_m2);
-    v.number(&positive("volume", "m^3", "volume of the gas at charge_length"), volume_m3);
-    v.number(&positive("charge_length", "m", "length between the pins at which it was charged"), length_m);
+    v.number(&positive("pressure", "Pa", "absolute pressure of the charge"), &mut gas.pressure_pa);
+    v.number(&positive("area", "m^2", "area of the piston"), &mut gas.area_m2);
+    v.number(&positive("volume", "m^3", "volume of the gas at charge_length"), &mut gas.volume_m3);
+    v.number(
+        &positive("charge_length", "m", "length between the pins at which it was charged"),
+        &mut gas.length_m,
+    );
     let field = positive("exponent", "", "polytropic exponent: 1 isothermal, 1.4 adiabatic");
-    v.number(&field.or(EXPONENT), exponent);
+    v.number(&field.or(EXPONENT), &mut gas.exponent);
     v.number(
         &positive("charge_temperature", "K", "of the gas at its charge").or(ROOM_K),
-        charge_temperature_k,
+        &mut gas.charge_temperature_k,
     );
-    v.number(&positive("temperature", "K", "of the gas").or(ROOM_K), temperature_k);
+    v.number(&positive("temperature", "K", "of the gas").or(ROOM_K), &mut gas.temperature_k);
+    *force = Force::Gas(gas);
 }
 
-const BLANK_GAS: Force = Force::Gas {
+const BLANK_GAS: Gas = Gas {
     acts: Action::Pull,
     pressure_pa: f64::NAN,
     area_m2: f64::NAN,

@@ -12,6 +12,7 @@ use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
+use counterpoise_pipeline::studies::fra::{Map, RecordedMap};
 
 use super::learned::describe_beyond;
 
@@ -44,22 +45,25 @@ fn describe_beyond_range(found: &BeyondRange, unit: &str) -> String {
 
 /// Describes that the project's recording controller could not be run; returns `None` if no recording lacks the demand.
 pub fn describe_missing_demand(files: &[String]) -> Option<String> {
-    (!files.is_empty()).then(|| {
-        format!(
-            "demand was not recorded in {}: everything is replayed under the recorded control instead of by the recorded controller",
-            files.join(", ")
-        )
-    })
+    without_demand(files, "everything is replayed")
 }
 
 /// Describes that recordings lack the demand, and that each of these is replayed under its recorded control.
 pub fn describe_played_back(files: &[String]) -> Option<String> {
-    (!files.is_empty()).then(|| {
-        format!(
-            "demand was not recorded in {}: replayed under the recorded control instead of by the recorded controller",
-            files.join(", ")
-        )
-    })
+    without_demand(files, "replayed")
+}
+
+fn without_demand(files: &[String], replayed: &str) -> Option<String> {
+    let names = files.join(", ");
+    let instead = "under the recorded control instead of by the recorded controller";
+    (!files.is_empty()).then(|| format!("demand was not recorded in {names}: {replayed} {instead}"))
+}
+
+/// Returns the map of a recording, with what was found about its columns among its remarks.
+pub fn describe_recorded_map(found: RecordedMap) -> Map {
+    let RecordedMap { mut map, columns } = found;
+    map.remarks.extend(columns.iter().map(describe_column_remark));
+    map
 }
 
 /// Describes that the recordings' controller was exported from another state of the project.

@@ -1,0 +1,29 @@
+//! The adaptation put to the test in the nonlinear closed loop: the eight runs, and the trials of every method.
+
+use counterpoise_project::Project;
+use serde::Serialize;
+
+use crate::studies::adapt::{AdaptRun, adapt};
+use crate::studies::adaptation_trials::{Trials, run_trials};
+use crate::{PipelineError, World, model, project_procedure, reduce, synthesise};
+
+/// The adaptation put to the test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AdaptResult {
+    /// The runs (a) to (h).
+    pub runs: Vec<AdaptRun>,
+    /// Trials of every method, and the methods that are refused.
+    pub trials: Trials,
+}
+
+/// Designs the project's controller and puts its adaptation to the test. The histories of the trials are not kept.
+///
+/// # Errors
+/// Those of model, design, procedure and simulator.
+pub fn study_adaptation(project: &Project, world: &dyn World) -> Result<AdaptResult, PipelineError> {
+    let modelled = model(project)?;
+    let made = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+    let runs = adapt(project, &modelled, &made)?;
+    let tried = run_trials(project, &modelled, &made, &project_procedure(project, world)?)?;
+    Ok(AdaptResult { runs, trials: Trials { histories: Vec::new(), ..tried } })
+}
