@@ -152,7 +152,7 @@ fn circular_files(member: &str) -> Vec<String> {
 }
 
 /// Crates some of whose files still use each other in a circle.
-const WITH_CIRCLES: [&str; 6] = ["diagnose", "linalg", "models", "simulate", "synth", "verify"];
+const WITH_CIRCLES: [&str; 1] = ["diagnose"];
 
 #[test]
 fn no_file_uses_itself_through_others() {

@@ -2,7 +2,7 @@
 
 use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
 use counterpoise_controller::number::Dual;
-use counterpoise_controller::program::Compiled;
+use counterpoise_controller::compiled::Compiled;
 use counterpoise_controller::{Controller, Number, Runner};
 
 /// A limit that no control reaches.

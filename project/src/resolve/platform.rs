@@ -2,7 +2,7 @@
 
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::Road;
-use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::signals::sea::Sea;
 use counterpoise_verify::signals::six_axes::SixAxes;
 use counterpoise_verify::signals::spectrum::{
