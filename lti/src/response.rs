@@ -176,7 +176,11 @@ impl Response {
     /// |y| (|H| + |s|) |x| + |C| |x| + |y| |B| + |D| times the unit roundoff, with x = inv(s I - H) B and y = C inv(s I - H), in the
     /// coordinates in which the response is computed (N. Higham, Accuracy and Stability of Numerical Algorithms, section 7.2). O(n^2).
     pub(crate) fn rounding_at(&self, rate_rad_s: f64) -> f64 {
-        let s = point(rate_rad_s, self.timebase);
+        self.rounding(point(rate_rad_s, self.timebase))
+    }
+
+    /// Returns the same at a point s (or z) of the complex plane.
+    pub(crate) fn rounding(&self, s: C64) -> f64 {
         let direct = self.D[(0, 0)].abs();
         let sum = self.parts.iter().fold(direct, |sum, part| sum + part.magnitude(s));
         let noise = 0.5 * f64::EPSILON * sum;

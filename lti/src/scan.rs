@@ -3,10 +3,11 @@
 use crate::asymptotes::Asymptotes;
 use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
+use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP,
-    SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP,
-    SCAN_TO_NYQUIST, SIGN_SAMPLES, ZOOMS,
+    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL,
+    NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION,
+    SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -104,8 +105,15 @@ impl Scan {
             return Ok(());
         };
         let asymptotes = Asymptotes::of(g, zeros, (first.rate, last.rate))?;
-        let rates = asymptotes.beyond(first, last, g.timebase);
-        let is_other_side = |end: Point, point: Point| (end.value.norm() < 1.0) != (point.value.norm() < 1.0);
+        let mut rates = asymptotes.beyond(first, last, g.timebase);
+        if first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
+            // Rounding decides how many poles are at the origin, and with it the slope.
+            rates.retain(|&rate| rate > first.rate);
+        }
+        let is_other_side = |end: Point, point: Point| {
+            (end.value.norm() < 1.0) != (point.value.norm() < 1.0)
+                && (end.value.norm() - 1.0).abs() > asymptotes.rounding()
+        };
         let limits = asymptotes.limits(first, last, g.timebase);
         self.limits.low = limits[0].filter(|&limit| is_other_side(limit, first));
         self.limits.high = limits[1].filter(|&limit| is_other_side(limit, last));
@@ -214,8 +222,13 @@ impl Scan {
         for pair in runs.windows(2) {
             let ((start, left), (next, right)) = (pair[0], pair[1]);
             if is_below(&left[0]) != is_below(&right[0]) {
-                let (a, b) = (self.points[start + left.len() - 1], self.points[next]);
-                found.push(self.bisect(a, b, &|L: C64| L.im));
+                let [a, b] =
+                    self.bracket(self.points[start + left.len() - 1], self.points[next], &|L: C64| L.im);
+                let nearest = if a.value.im.abs() < b.value.im.abs() { a } else { b };
+                // Through a pole or a zero on the axis the response jumps to the other side.
+                let is_continuous = (a.value - b.value).norm() <= a.value.norm();
+                let is_known = nearest.value.norm() > CERTAIN_GAIN * self.rounding_at(nearest);
+                found.extend((is_continuous && is_known).then_some(nearest));
             }
         }
         found
@@ -235,8 +248,14 @@ impl Scan {
         found
     }
 
-    /// Returns the point between a and b where the sign changes: seven points inside the interval at a time.
-    fn bisect(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> Point {
+    /// Returns the point between a and b where the sign changes.
+    fn bisect(&self, a: Point, b: Point, of: &impl Fn(C64) -> f64) -> Point {
+        let [a, b] = self.bracket(a, b, of);
+        if of(a.value).abs() < of(b.value).abs() { a } else { b }
+    }
+
+    /// Returns the neighbours between which the sign changes, between a and b: seven points inside the interval at a time.
+    fn bracket(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> [Point; 2] {
         let below = of(a.value) < 0.0;
         for _ in 0..ZOOMS {
             if b.rate - a.rate <= f64::EPSILON * b.rate {
@@ -248,7 +267,7 @@ impl Scan {
             b = change.and_then(|at| inside.get(at)).copied().unwrap_or(b);
             a = last.copied().unwrap_or(a);
         }
-        if of(a.value).abs() < of(b.value).abs() { a } else { b }
+        [a, b]
     }
 
     /// Returns the largest value of a function of the response.
@@ -342,7 +361,9 @@ fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     // A pole or zero at the origin is computed as a rounding error of the others.
     let low = sizes.filter(|size| *size > AT_ORIGIN * high).fold(f64::INFINITY, f64::min);
     let (low, high) = if high > 0.0 { (low, high) } else { (1.0_f64.min(highest), 1.0) };
-    let (low, high) = (low.min(highest) / SCAN_BEYOND, (high * SCAN_BEYOND).min(highest));
+    // Where rounding leaves only the traces of roots at the origin, the couplings of the states tell the scale.
+    let coupling = if highest.is_finite() { 0.0 } else { balance(g).0.A.norm_max() };
+    let (low, high) = (low.min(highest) / SCAN_BEYOND, (high * SCAN_BEYOND).max(coupling).min(highest));
     let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil() as usize + 1;
     let mut rates: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
     for root in roots.iter().filter(|root| root.im > 0.0) {

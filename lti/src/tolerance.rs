@@ -188,6 +188,15 @@ pub const NEAR_CRITICAL: f64 = 0.15;
 /// half a turn for each sample up to there, and a zero or a pole beside -1 has points of its own.
 pub const SCAN_TO_NYQUIST: i32 = 10;
 
+/// A crossing is known if its gain exceeds this many times what one rounding of each operand changes: a digit of its factor is left.
+pub const CERTAIN_GAIN: f64 = 10.0;
+
+/// The gain of zeros and poles is read off where rounding changes the response by less than this share: three of sixteen digits are lost.
+pub const KNOWN_GAIN: f64 = 1e-13;
+
+/// Points at which it is looked for otherwise, each at a quarter of the one before: 24 decades.
+pub const GAIN_POINTS: i32 = 40;
+
 /// A root below this share of the largest one is at the origin: the rounding of a double, squared, as a double root has it. Time constants
 /// of one machine are at most 24 decades apart.
 pub const AT_ORIGIN: f64 = 1e-30;

@@ -372,11 +372,22 @@ def margins_reference(problem):
     phase = sorted((rate(x, problem) for x in positive(NN - DD)), key=float) if NN != DD else None
     gain = [rate(x, problem) for x in positive(odd) if even(flint.fmpq(*float(x).as_integer_ratio())) < 0] if odd.degree() > 0 else []
     end = np.pi / problem['period'] if 'period' in problem else float('inf')
-    found = dict(exists=True, phase=phase, gain=sorted(gain, key=float), end=end)
+    found = dict(exists=True, phase=resolved(phase), gain=sorted(gain, key=float), end=end)
     if 'random' in problem:
         return found
     axis = [float(rate(x, problem)) for x in positive(odd)] if odd.degree() > 0 else []
     return dict(found, certain=certain_gains(problem, found['gain'], axis, end))
+
+
+def resolved(rates):
+    """Rates without pairs closer than 1e-9 of themselves, between which a pole and a zero cancel to nine digits."""
+    kept = []
+    for w in rates or []:
+        if kept and float((w - kept[-1]) / w) < 1e-9:
+            kept.pop()
+        else:
+            kept.append(w)
+    return kept if rates is not None else None
 
 
 def certain_gains(problem, rates, axis, end):
@@ -388,8 +399,11 @@ def certain_gains(problem, rates, axis, end):
     N, D = polynomials(problem)
     noise = lambda w: 100 * 2.0 ** -53 * normwise(problem, w)
     imaginary = lambda w: abs(float(response((N, D), w, problem).imag.mid()))
+    size = lambda w: float(abs(response((N, D), w, problem)).mid())
     certain = []
     for w in rates:
+        if not 0.1 < size(w) / max(size(flint.arb(w) * (1 + 1e-9)), 1e-300) < 10:
+            continue  # a pole or a zero on the axis, through which the response jumps to the other side
         low = max((x for x in axis if x < 0.999999999999 * w), default=1e-6 * float(w))
         high = min((x for x in axis if x > 1.000000000001 * w), default=min(end, 1e6 * float(w)))
         sides = [np.geomspace(low, float(w), 60)[1:-1], high - np.geomspace(high - float(w), 1e-6 * (high - float(w)), 60)[1:-1]]
