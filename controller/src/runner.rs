@@ -1,7 +1,7 @@
 //! Runs a controller.
 
-use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
 use crate::compiled::Compiled;
+use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
 use crate::program::OnRestart;
 use crate::{Controller, Number, Programs, Readings, SampledController, Sensors, Status};
 
