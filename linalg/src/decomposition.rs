@@ -4,7 +4,7 @@ use faer::linalg::evd::hessenberg as householder;
 
 use crate::compact;
 use crate::dense::{copy, solve, view};
-use crate::error::{Error, check_finite, check_shape, check_square, check_symmetric};
+use crate::error::{Error, check_finite, check_shape, check_square, check_symmetric, in_range};
 use crate::mat::{C64, CMat, Mat};
 use crate::tolerance::EPS;
 
@@ -325,6 +325,7 @@ pub fn rank_tolerance(A: &Mat) -> f64 {
 pub fn cond(A: &Mat) -> Result<f64, Error> {
     let s = singular_values(A)?;
     Ok(match (s.first(), s.last()) {
+        (Some(_), Some(&0.0)) => f64::INFINITY,
         (Some(&largest), Some(&smallest)) => largest / smallest,
         _ => 1.0,
     })
@@ -346,7 +347,7 @@ pub fn rcond_one(A: &Mat) -> f64 {
 /// Wrong shapes, entries that are not finite.
 pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     check_shape("B", B, (A.nrows(), B.ncols()))?;
-    Ok(pinv(A)? * B)
+    in_range("the solution by least squares", pinv(A)? * B)
 }
 
 /// The Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
@@ -357,7 +358,7 @@ pub fn pinv(A: &Mat) -> Result<Mat, Error> {
     let parts = svd(A)?;
     let floor = A.nrows().max(A.ncols()) as f64 * EPS * parts.s.first().copied().unwrap_or(0.0);
     let reciprocal: Vec<f64> = parts.s.iter().map(|&s| if s > floor { 1.0 / s } else { 0.0 }).collect();
-    Ok(&parts.V * &Mat::diag(&reciprocal) * parts.U.t())
+    in_range("the pseudoinverse", &parts.V * &Mat::diag(&reciprocal) * parts.U.t())
 }
 
 fn no_convergence(what: &'static str) -> Error {

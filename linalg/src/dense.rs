@@ -185,5 +185,6 @@ pub fn dot(u: &[f64], v: &[f64]) -> f64 {
 /// Not square, or entries that are not finite.
 pub fn cdet(A: &CMat) -> Result<C64, Error> {
     check_square("A", A)?;
-    Ok(view(A).determinant())
+    let value = view(A).determinant();
+    if value.is_nan() { Err(Error::OutOfRange { what: "the determinant" }) } else { Ok(value) }
 }

@@ -104,6 +104,14 @@ pub enum Error {
         /// Rows of the matrix.
         rows: usize,
     },
+    /// The answer, or a number on the way to it, leaves the range of doubles.
+    #[error(
+        "{what} leaves the range of numbers (1e308): choose units in which the entries are nearer to one"
+    )]
+    OutOfRange {
+        /// What was computed.
+        what: &'static str,
+    },
     /// The caller asked to stop.
     #[error("the computation was cancelled ({what})")]
     Cancelled {
@@ -158,6 +166,11 @@ pub(crate) fn check_finite<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> 
             Err(Error::NotFinite { what, row: at % rows, col: at / rows, value })
         }
     }
+}
+
+/// Returns a computed matrix if every entry is finite.
+pub(crate) fn in_range<T: Scalar>(what: &'static str, matrix: Dense<T>) -> Result<Dense<T>, Error> {
+    if matrix.is_finite() { Ok(matrix) } else { Err(Error::OutOfRange { what }) }
 }
 
 /// Whether `matrix` is square, finite and symmetric.

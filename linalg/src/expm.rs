@@ -203,7 +203,7 @@ pub fn van_loan_cost(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
         W = (&W + &(Phi.t() * &W * &Phi)).symmetric_part();
         Phi = &Phi * &Phi;
     }
-    Ok((Phi, W))
+    Ok((checked(Phi)?, checked(W)?))
 }
 
 /// The sampled noise: `Phi = exp(A h)` and `W = integral of exp(A s) Q exp(A' s) ds from 0 to h`, `Q` symmetric: the

@@ -5,7 +5,7 @@
 
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
-use crate::error::{Error, check_shape, check_square};
+use crate::error::{Error, check_shape, check_square, in_range};
 use crate::extended::{Extended, exact_product};
 use crate::lyapunov::{dlyap, lyap};
 use crate::mat::Mat;
@@ -183,6 +183,9 @@ impl Generalised<'_> {
         if let Ok(step) = self.step(&at) {
             certificate.forward_error = step.map(f64::abs);
         }
+        certificate.bound_unknown();
+        found.X = in_range("the solution of the Riccati equation", found.X)?;
+        found.F = in_range("the gain of the Riccati equation", found.F)?;
         Ok(found)
     }
 

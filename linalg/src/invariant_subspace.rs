@@ -61,5 +61,5 @@ fn separation(first: &Mat, second: &Mat) -> Result<f64, Error> {
         gain = forward.norm_fro();
         X = sylvester(&transposed, &other, &forward)?;
     }
-    Ok(1.0 / gain)
+    if gain.is_finite() { Ok(1.0 / gain) } else { Err(Error::OutOfRange { what: "the separation" }) }
 }

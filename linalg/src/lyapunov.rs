@@ -1,6 +1,6 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
-use crate::error::{Error, check_shape, check_square};
+use crate::error::{Error, check_shape, check_square, in_range};
 use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
@@ -70,7 +70,7 @@ fn separation(A: &Mat, kind: Kind) -> Result<f64, Error> {
         gain = gain.max(forward.norm_fro());
         X = adjoint.solve_general(&forward);
     }
-    Ok(1.0 / gain)
+    if gain.is_finite() { Ok(1.0 / gain) } else { Err(Error::OutOfRange { what: "the separation" }) }
 }
 
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
@@ -86,7 +86,8 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     } else {
         X
     };
-    Ok(Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]))
+    let X = Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]);
+    in_range("the solution of the Lyapunov equation", X)
 }
 
 /// Whether the solution may be one of rounding errors: two eigenvalues nearly meet, or it is large beside the data.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use crate::common;
-use crate::odd::{Call, assert_none_panics, panicking};
+use crate::odd::{Call, assert_none_panics, judge, panicking};
 
 use common::Random;
 use counterpoise_linalg::*;
@@ -71,27 +71,27 @@ impl Data {
     fn equations(&self) -> Vec<Call<'_>> {
         let Self { A, B, C, Q, R, S } = self;
         vec![
-            ("care", Box::new(|| drop(care(A, B, Q, R, None)))),
-            ("care with a cross term", Box::new(|| drop(care(A, B, Q, R, Some(S))))),
-            ("dare", Box::new(|| drop(dare(A, B, Q, R, None)))),
-            ("dare with a cross term", Box::new(|| drop(dare(A, B, Q, R, Some(S))))),
-            ("care_g", Box::new(|| drop(care_g(A, C, Q)))),
-            ("lyap", Box::new(|| drop(lyap(A, Q)))),
-            ("dlyap", Box::new(|| drop(dlyap(A, C)))),
-            ("lyap_separation", Box::new(|| drop(lyap_separation(A)))),
-            ("dlyap_separation", Box::new(|| drop(dlyap_separation(A)))),
-            ("lyap_factor", Box::new(|| drop(lyap_factor(A, B)))),
-            ("dlyap_factor", Box::new(|| drop(dlyap_factor(A, B)))),
-            ("lyap_factors", Box::new(|| drop(lyap_factors(A, B, C)))),
-            ("dlyap_factors", Box::new(|| drop(dlyap_factors(A, B, C)))),
-            ("sylvester", Box::new(|| drop(sylvester(A, C, Q)))),
-            ("dsylvester", Box::new(|| drop(dsylvester(A, R, B)))),
-            ("gsylvester", Box::new(|| drop(gsylvester(A, C, Q, A, C)))),
-            ("eigenvalues", Box::new(|| drop(eigenvalues(A)))),
-            ("schur", Box::new(|| drop(schur(A).map(|form| form.condition(1))))),
-            ("balance", Box::new(|| drop(balance(A)))),
-            ("boundary_eigenvalues", Box::new(|| drop(boundary_eigenvalues(A, Boundary::UnitCircle)))),
-            ("is_clear_of_boundary", Box::new(|| drop(is_clear_of_boundary(A, Boundary::ImaginaryAxis)))),
+            ("care", Box::new(|| judge(care(A, B, Q, R, None)))),
+            ("care with a cross term", Box::new(|| judge(care(A, B, Q, R, Some(S))))),
+            ("dare", Box::new(|| judge(dare(A, B, Q, R, None)))),
+            ("dare with a cross term", Box::new(|| judge(dare(A, B, Q, R, Some(S))))),
+            ("care_g", Box::new(|| judge(care_g(A, C, Q)))),
+            ("lyap", Box::new(|| judge(lyap(A, Q)))),
+            ("dlyap", Box::new(|| judge(dlyap(A, C)))),
+            ("lyap_separation", Box::new(|| judge(lyap_separation(A)))),
+            ("dlyap_separation", Box::new(|| judge(dlyap_separation(A)))),
+            ("lyap_factor", Box::new(|| judge(lyap_factor(A, B)))),
+            ("dlyap_factor", Box::new(|| judge(dlyap_factor(A, B)))),
+            ("lyap_factors", Box::new(|| judge(lyap_factors(A, B, C)))),
+            ("dlyap_factors", Box::new(|| judge(dlyap_factors(A, B, C)))),
+            ("sylvester", Box::new(|| judge(sylvester(A, C, Q)))),
+            ("dsylvester", Box::new(|| judge(dsylvester(A, R, B)))),
+            ("gsylvester", Box::new(|| judge(gsylvester(A, C, Q, A, C)))),
+            ("eigenvalues", Box::new(|| judge(eigenvalues(A)))),
+            ("schur", Box::new(|| judge(schur(A).map(|form| form.condition(1))))),
+            ("balance", Box::new(|| judge(balance(A)))),
+            ("boundary_eigenvalues", Box::new(|| judge(boundary_eigenvalues(A, Boundary::UnitCircle)))),
+            ("is_clear_of_boundary", Box::new(|| judge(is_clear_of_boundary(A, Boundary::ImaginaryAxis)))),
         ]
     }
 
@@ -103,18 +103,18 @@ impl Data {
         let starts: Vec<C64> = scales.iter().map(|&re| C64::new(re, 1.0)).collect();
         let other: Vec<C64> = starts.iter().skip(1).copied().collect();
         vec![
-            ("glyap", Box::new(|| drop(glyap(A, C, Q)))),
-            ("gdlyap", Box::new(|| drop(gdlyap(A, C, Q)))),
-            ("gcare", Box::new(move || drop(gcare(A, C, B, &weights(None))))),
-            ("gdare", Box::new(move || drop(gdare(A, C, B, &weights(Some(S)))))),
-            ("pencil_roots", Box::new(move || drop(pencil_roots(A, &scales, &starts)))),
+            ("glyap", Box::new(|| judge(glyap(A, C, Q)))),
+            ("gdlyap", Box::new(|| judge(gdlyap(A, C, Q)))),
+            ("gcare", Box::new(move || judge(gcare(A, C, B, &weights(None))))),
+            ("gdare", Box::new(move || judge(gdare(A, C, B, &weights(Some(S)))))),
+            ("pencil_roots", Box::new(move || judge(pencil_roots(A, &scales, &starts)))),
             (
                 "eigenvalue_separation",
                 Box::new(move || assert!(!eigenvalue_separation(&other, &[]).is_nan())),
             ),
             ("transpose_times", Box::new(|| drop(transpose_times(A, B)))),
-            ("rank_tolerance", Box::new(|| drop(rank(B, rank_tolerance(B))))),
-            ("sparse", Box::new(|| drop(sparse_calls(A, Q)))),
+            ("rank_tolerance", Box::new(|| judge(rank(B, rank_tolerance(B))))),
+            ("sparse", Box::new(|| judge(sparse_calls(A, Q)))),
         ]
     }
 
@@ -122,33 +122,33 @@ impl Data {
     fn decompositions(&self) -> Vec<Call<'_>> {
         let Self { A, B, C, Q, .. } = self;
         vec![
-            ("expm", Box::new(|| drop(expm(A)))),
-            ("expm_integral", Box::new(|| drop(expm_integral(A, B, 0.1)))),
-            ("van_loan_cost", Box::new(|| drop(van_loan_cost(A, Q, 0.1)))),
-            ("van_loan_noise", Box::new(|| drop(van_loan_noise(A, Q, 0.1)))),
-            ("van_loan_accumulated", Box::new(|| drop(van_loan_accumulated(A, Q, 0.1)))),
-            ("solve", Box::new(|| drop(solve(A, B)))),
-            ("csolve", Box::new(|| drop(csolve(&A.to_complex(), &B.to_complex())))),
-            ("inverse", Box::new(|| drop(inverse(A)))),
-            ("cholesky", Box::new(|| drop(cholesky(Q)))),
-            ("qr", Box::new(|| drop(qr(B)))),
-            ("qr_r", Box::new(|| drop(qr_r(B)))),
-            ("qr_full_q", Box::new(|| drop(qr_full_q(B)))),
-            ("lstsq", Box::new(|| drop(lstsq(B, A)))),
-            ("pinv", Box::new(|| drop(pinv(B)))),
-            ("cdet", Box::new(|| drop(cdet(&A.to_complex())))),
-            ("svd", Box::new(|| drop(svd(B)))),
-            ("singular_values", Box::new(|| drop(singular_values(B)))),
-            ("csingular_values", Box::new(|| drop(csingular_values(&B.to_complex())))),
-            ("csvd", Box::new(|| drop(csvd(&B.to_complex())))),
-            ("sym_eigen", Box::new(|| drop(sym_eigen(Q)))),
-            ("sym_eigenvalues", Box::new(|| drop(sym_eigenvalues(Q)))),
-            ("sym_gen_eigen", Box::new(|| drop(sym_gen_eigen(Q, C)))),
-            ("hessenberg", Box::new(|| drop(hessenberg(A)))),
-            ("gen_eigenvalues", Box::new(|| drop(gen_eigenvalues(A, C)))),
-            ("rank", Box::new(|| drop(rank(B, 1e-12)))),
-            ("cond", Box::new(|| drop(cond(B)))),
-            ("rcond_one", Box::new(|| drop(solve(A, A).map(|_| rcond_one(A))))),
+            ("expm", Box::new(|| judge(expm(A)))),
+            ("expm_integral", Box::new(|| judge(expm_integral(A, B, 0.1)))),
+            ("van_loan_cost", Box::new(|| judge(van_loan_cost(A, Q, 0.1)))),
+            ("van_loan_noise", Box::new(|| judge(van_loan_noise(A, Q, 0.1)))),
+            ("van_loan_accumulated", Box::new(|| judge(van_loan_accumulated(A, Q, 0.1)))),
+            ("solve", Box::new(|| judge(solve(A, B)))),
+            ("csolve", Box::new(|| judge(csolve(&A.to_complex(), &B.to_complex())))),
+            ("inverse", Box::new(|| judge(inverse(A)))),
+            ("cholesky", Box::new(|| judge(cholesky(Q)))),
+            ("qr", Box::new(|| judge(qr(B)))),
+            ("qr_r", Box::new(|| judge(qr_r(B)))),
+            ("qr_full_q", Box::new(|| judge(qr_full_q(B)))),
+            ("lstsq", Box::new(|| judge(lstsq(B, A)))),
+            ("pinv", Box::new(|| judge(pinv(B)))),
+            ("cdet", Box::new(|| judge(cdet(&A.to_complex())))),
+            ("svd", Box::new(|| judge(svd(B)))),
+            ("singular_values", Box::new(|| judge(singular_values(B)))),
+            ("csingular_values", Box::new(|| judge(csingular_values(&B.to_complex())))),
+            ("csvd", Box::new(|| judge(csvd(&B.to_complex())))),
+            ("sym_eigen", Box::new(|| judge(sym_eigen(Q)))),
+            ("sym_eigenvalues", Box::new(|| judge(sym_eigenvalues(Q)))),
+            ("sym_gen_eigen", Box::new(|| judge(sym_gen_eigen(Q, C)))),
+            ("hessenberg", Box::new(|| judge(hessenberg(A)))),
+            ("gen_eigenvalues", Box::new(|| judge(gen_eigenvalues(A, C)))),
+            ("rank", Box::new(|| judge(rank(B, 1e-12)))),
+            ("cond", Box::new(|| judge(cond(B)))),
+            ("rcond_one", Box::new(|| judge(solve(A, A).map(|_| rcond_one(A))))),
         ]
     }
 }
@@ -156,10 +156,10 @@ impl Data {
 /// Factors and modes of a sparse matrix with the entries of a dense one.
 fn sparse_calls(A: &Mat, Q: &Mat) -> Result<(), Error> {
     let (K, M) = (Sparse::from_dense(Q), Sparse::from_dense(A));
-    drop(SparseCholesky::of(&K));
-    drop(SparseCholesky::of(&M));
+    judge(SparseCholesky::of(&K));
+    judge(SparseCholesky::of(&M));
     let entry = sparse::Entry { row: A.nrows(), col: 0, value: 1.0 };
-    drop(Sparse::from_entries(A.nrows(), A.ncols(), &[entry]));
+    judge(Sparse::from_entries(A.nrows(), A.ncols(), &[entry]));
     sparse::count_below(&K, &M, 1.0).map(|_| ())
 }
 

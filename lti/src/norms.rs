@@ -30,7 +30,12 @@ pub fn h2norm(g: &StateSpace) -> Result<f64, Error> {
     };
     match factor {
         Err(linalg::Error::NotStable { .. }) => Ok(f64::INFINITY),
-        other => Ok((&scaled.C * &other.during("Gramian")?).norm_fro().hypot(g.D.norm_fro())),
+        other => {
+            let norm = (&scaled.C * &other.during("Gramian")?).norm_fro().hypot(g.D.norm_fro());
+            let known =
+                if norm.is_nan() { Err(linalg::Error::OutOfRange { what: "the H2 norm" }) } else { Ok(norm) };
+            known.during("H2 norm")
+        }
     }
 }
 

@@ -111,12 +111,12 @@ impl Scan {
             rates.retain(|&rate| rate > first.rate);
         }
         let is_other_side = |end: Point, point: Point| {
-            (end.value.norm() < 1.0) != (point.value.norm() < 1.0)
-                && (end.value.norm() - 1.0).abs() > asymptotes.rounding()
+            (end.value.norm() < 1.0) != (point.value.norm() < 1.0) && self.is_certain_limit(end)
         };
         let limits = asymptotes.limits(first, last, g.timebase);
-        self.limits.low = limits[0].filter(|&limit| is_other_side(limit, first));
-        self.limits.high = limits[1].filter(|&limit| is_other_side(limit, last));
+        let low = limits[0].filter(|&limit| is_other_side(limit, first));
+        let high = limits[1].filter(|&limit| is_other_side(limit, last));
+        self.limits = Limits { low, high };
         if rates.is_empty() && self.limits.low.is_none() && self.limits.high.is_none() {
             return Ok(());
         }
@@ -126,6 +126,14 @@ impl Scan {
         self.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
         self.refine();
         Ok(())
+    }
+
+    /// Returns whether the state space leaves no doubt on which side of one the gain is at a limit that was computed from the roots.
+    fn is_certain_limit(&self, limit: Point) -> bool {
+        let [value] = self.response.scalar_at_all(&[limit.rate])[..] else { return false };
+        let excess = value.norm() - 1.0;
+        (excess < 0.0) == (limit.value.norm() < 1.0)
+            && excess.abs() > CERTAIN_SIGN * self.response.rounding_at(limit.rate)
     }
 
     /// Adds points until neighbours agree. A pair of neighbours is looked at once, when it becomes one.

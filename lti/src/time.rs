@@ -48,7 +48,7 @@ pub fn impulse(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, E
 /// rest; one row a sample. A continuous system goes through [`c2d`] first, with the hold that fits the input.
 ///
 /// # Errors
-/// [`Error::Timebase`] for a continuous system, [`Error::Shape`].
+/// [`Error::Timebase`] for a continuous system, [`Error::Shape`]; [`Error::NotFinite`] where the response grows beyond the range of doubles.
 pub fn lsim(g: &StateSpace, u: &Mat, x0: Option<&[f64]>) -> Result<Mat, Error> {
     if g.timebase == Timebase::Continuous {
         let expected = "a discrete timebase (c2d first)".to_string();
@@ -67,6 +67,9 @@ pub fn lsim(g: &StateSpace, u: &Mat, x0: Option<&[f64]>) -> Result<Mat, Error> {
         x: x0,
     };
     pulp::Arch::new().dispatch(&mut march);
+    if march.y.as_slice().iter().any(|y| y.is_nan()) {
+        return Err(Error::NotFinite { what: "the response in time" });
+    }
     Ok(march.y.t())
 }
 

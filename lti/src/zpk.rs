@@ -1,11 +1,13 @@
 //! Zeros, poles and gain: what a person reads and what a weight is written as.
 
 use crate::connect::series;
+use crate::error::During;
 use crate::response::Response;
 use crate::root_order::sort_roots;
 use crate::roots::{poles, zeros};
 use crate::tolerance::{CONJUGATE, GAIN_POINTS, KNOWN_GAIN};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
+use counterpoise_linalg as linalg;
 
 /// gain (s - z1)(s - z2).../((s - p1)(s - p2)...) in s or z. Complex roots come in conjugate pairs.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +55,9 @@ impl Zpk {
         let away = zpk.point_for_gain(&response);
         let value = response.at_points(&[away])?[0][(0, 0)];
         zpk.gain = (value / zpk.at(away)).re;
+        if zpk.gain.is_nan() {
+            return Err(linalg::Error::OutOfRange { what: "the gain" }).during("zpk");
+        }
         if zpk.gain == 0.0 {
             zpk.zeros.clear();
         }

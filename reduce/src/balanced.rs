@@ -37,6 +37,9 @@ impl Balanced {
     /// # Errors
     /// [`Error::Matrix`] where the decomposition fails.
     pub fn from_factors(system: StateSpace, R: Mat, L: Mat) -> Result<Self, Error> {
+        if ![&system.A, &system.B, &system.C, &system.D, &R, &L].iter().all(|matrix| matrix.is_finite()) {
+            return Err(counterpoise_lti::Error::NotFinite { what: "the system to be reduced" }.into());
+        }
         let parts = linalg::svd(&(&L.t() * &R)).during("balancing")?;
         let mut values = parts.s;
         values.truncate(system.order());

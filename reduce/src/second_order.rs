@@ -149,6 +149,9 @@ pub fn modal_basis(structure: &SecondOrder, modes: usize) -> Result<SecondOrderR
 
 fn reduction(structure: &SecondOrder, basis: Mat) -> Result<SecondOrderReduction, Error> {
     let reduced = structure.project(&basis);
+    if [&reduced.M, &reduced.C, &reduced.K, &basis].iter().any(|matrix| !matrix.is_finite()) {
+        return Err(linalg::Error::OutOfRange { what: "the reduced structure" }).during("reduction");
+    }
     let count = basis.ncols().min(COMPARED_FREQUENCIES);
     let (mut rates_rad_s, mut reduced_rates_rad_s) = (structure.modes()?.0, reduced.modes()?.0);
     rates_rad_s.truncate(count);

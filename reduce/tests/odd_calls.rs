@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::odd::{Call, assert_none_panics, odd, panicking, size, uniform};
+use crate::odd::{Call, assert_none_panics, judge, odd, panicking, size, uniform};
 
 use counterpoise_linalg::{C64, Mat, sparse::Sparse};
 use counterpoise_lti::{StateSpace, Timebase};
@@ -70,24 +70,24 @@ fn call_all(seed: u64) -> Vec<&'static str> {
     let tolerance = [0.0, 1e-11, f64::NAN, 2.0][size(&mut state, 4.0)];
     let go_on = || |_| ControlFlow::Continue(());
     let calls: Vec<Call> = vec![
-        ("balred", Box::new(|| drop(balred(&g, order, method)))),
-        ("Balanced", Box::new(|| drop(Balanced::of(&g).map(|b| b.reduce(count, method))))),
-        ("from_factors", Box::new(|| drop(Balanced::from_factors(g.clone(), h.B.clone(), h.C.t())))),
-        ("minimal", Box::new(|| drop(minimal(&g, tolerance)))),
-        ("split", Box::new(|| drop(split(&g).map(|parts| parts.sum())))),
-        ("split_by", Box::new(|| drop(split_by(&g, |pole: C64| pole.im > 0.0)))),
-        ("modal_truncation", Box::new(|| drop(modal_truncation(&g, tolerance, Residual::MatchDc)))),
-        ("error_norm", Box::new(|| drop(error_norm(&g, &h)))),
+        ("balred", Box::new(|| judge(balred(&g, order, method)))),
+        ("Balanced", Box::new(|| judge(Balanced::of(&g).map(|b| b.reduce(count, method))))),
+        ("from_factors", Box::new(|| judge(Balanced::from_factors(g.clone(), h.B.clone(), h.C.t())))),
+        ("minimal", Box::new(|| judge(minimal(&g, tolerance)))),
+        ("split", Box::new(|| judge(split(&g).map(|parts| parts.sum())))),
+        ("split_by", Box::new(|| judge(split_by(&g, |pole: C64| pole.im > 0.0)))),
+        ("modal_truncation", Box::new(|| judge(modal_truncation(&g, tolerance, Residual::MatchDc)))),
+        ("error_norm", Box::new(|| judge(error_norm(&g, &h)))),
         (
             "weighted_balred",
-            Box::new(|| drop(weighted_balred(&g, Weights { output: &h, input: &w }, order, method))),
+            Box::new(|| judge(weighted_balred(&g, Weights { output: &h, input: &w }, order, method))),
         ),
-        ("reduce_controller", Box::new(|| drop(reduce_controller(&g, &h, order, method)))),
-        ("guyan", Box::new(|| drop(guyan(&s, &[0, count])))),
-        ("modal_basis", Box::new(|| drop(modal_basis(&s, count)))),
-        ("to_state_space", Box::new(|| drop(s.to_state_space()))),
-        ("balred_large", Box::new(|| drop(balred_large(&big, order, &mut go_on())))),
-        ("error_at", Box::new(|| drop(error_at(&big, &g, tolerance)))),
+        ("reduce_controller", Box::new(|| judge(reduce_controller(&g, &h, order, method)))),
+        ("guyan", Box::new(|| judge(guyan(&s, &[0, count])))),
+        ("modal_basis", Box::new(|| judge(modal_basis(&s, count)))),
+        ("to_state_space", Box::new(|| judge(s.to_state_space()))),
+        ("balred_large", Box::new(|| judge(balred_large(&big, order, &mut go_on())))),
+        ("error_at", Box::new(|| judge(error_at(&big, &g, tolerance)))),
     ];
     panicking(&calls)
 }

@@ -87,10 +87,13 @@ impl Generalised {
     /// The generalised plant with its last `controls` inputs and `measurements` outputs.
     ///
     /// # Errors
-    /// [`Error::System`] for a sampled system, [`Error::Index`] where it has fewer inputs or outputs.
+    /// [`Error::System`] for a sampled system or one with an entry that is not finite, [`Error::Index`] where it has fewer inputs or outputs.
     pub fn new(system: StateSpace, controls: usize, measurements: usize) -> Result<Self, Error> {
         if system.timebase != Timebase::Continuous {
             return Err(Error::System { what: "generalised plant", problem: "it must be continuous" });
+        }
+        if ![&system.A, &system.B, &system.C, &system.D].iter().all(|matrix| matrix.is_finite()) {
+            return Err(Error::System { what: "generalised plant", problem: "every entry must be finite" });
         }
         let within = |what, index, count| {
             if index <= count { Ok(()) } else { Err(Error::Index { what, index, count }) }

@@ -150,6 +150,10 @@ impl Search<'_> {
 
     /// The controller with its certificates, if its loop is stable and keeps the bound.
     fn verify(&self, K: StateSpace, bound: f64) -> Result<Option<HInfinity>, Error> {
+        // A bound so large or so small that the controller leaves the range of numbers proves nothing.
+        if !(bound.is_finite() && [&K.A, &K.B, &K.C, &K.D].iter().all(|matrix| matrix.is_finite())) {
+            return Ok(None);
+        }
         let closed = self.plant.close(&K)?;
         let closed_loop = poles(&closed)?;
         if closed_loop.iter().any(|pole| pole.re >= 0.0) {
@@ -162,7 +166,7 @@ impl Search<'_> {
         if composed.value > peak.value {
             peak = composed;
         }
-        if peak.value > bound * (1.0 + HINF_VERIFIED) {
+        if peak.value.is_nan() || peak.value > bound * (1.0 + HINF_VERIFIED) {
             return Ok(None);
         }
         Ok(Some(HInfinity {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use crate::common;
-use crate::odd::{Call, assert_none_panics, odd, odd_number, panicking, size, uniform};
+use crate::odd::{Call, assert_none_panics, judge, odd, odd_number, panicking, size, uniform};
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
@@ -84,20 +84,20 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
     let w = weight(&mut state);
     let table = [(x, y), (1.0, x), (2.0, 3.0), (5.0, 1.0)];
     let calls: Vec<Call> = vec![
-        ("h2syn", Box::new(|| drop(generalised.as_ref().map(h2syn)))),
-        ("hinfsyn", Box::new(|| drop(generalised.as_ref().map(|plant| hinfsyn(plant, 1e-3))))),
-        ("hinfsyn of any tolerance", Box::new(|| drop(generalised.as_ref().map(|plant| hinfsyn(plant, x))))),
-        ("lqr", Box::new(|| drop(lqr(&g, &Q, &R, Some(&g.B))))),
-        ("kalman", Box::new(|| drop(kalman(&g, &Q, &R)))),
-        ("observer_controller", Box::new(|| drop(observer_controller(&g, &h.C, &h.B)))),
-        ("lqg_ltr", Box::new(|| drop(lqg_ltr(&g, &h, x, y)))),
-        ("Rational", Box::new(|| drop(w.rational().realise()))),
+        ("h2syn", Box::new(|| judge(generalised.as_ref().map(h2syn)))),
+        ("hinfsyn", Box::new(|| judge(generalised.as_ref().map(|plant| hinfsyn(plant, 1e-3))))),
+        ("hinfsyn of any tolerance", Box::new(|| judge(generalised.as_ref().map(|plant| hinfsyn(plant, x))))),
+        ("lqr", Box::new(|| judge(lqr(&g, &Q, &R, Some(&g.B))))),
+        ("kalman", Box::new(|| judge(kalman(&g, &Q, &R)))),
+        ("observer_controller", Box::new(|| judge(observer_controller(&g, &h.C, &h.B)))),
+        ("lqg_ltr", Box::new(|| judge(lqg_ltr(&g, &h, x, y)))),
+        ("Rational", Box::new(|| judge(w.rational().realise()))),
         ("Weight", Box::new(|| drop((w.realise(), w.realise_inverse(), w.magnitude(x), w.meaning("rate"))))),
-        ("fit_table", Box::new(|| drop(fit_table(&table, controls)))),
-        ("of no table", Box::new(|| drop(fit_table(&[], measurements)))),
+        ("fit_table", Box::new(|| judge(fit_table(&table, controls)))),
+        ("of no table", Box::new(|| judge(fit_table(&[], measurements)))),
         (
             "of_blocks",
-            Box::new(|| drop(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)])))),
+            Box::new(|| judge(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)])))),
         ),
     ];
     panicking(&calls)
@@ -109,14 +109,15 @@ fn from_plants(seed: u64, rig: &DesignPlant) -> Vec<&'static str> {
     let (plant, weights) = (plant(&mut state, rig), specification(&mut state));
     let sampling = Sampling::new(odd_number(&mut state), odd_number(&mut state));
     let calls: Vec<Call> = vec![
+        // Its answer is a list of refusals, which quote the numbers that they refuse.
         ("preflight", Box::new(|| drop(preflight(&plant, &weights)))),
-        ("feedback", Box::new(|| drop(feedback(&plant, &weights.feedback, weights.reference)))),
+        ("feedback", Box::new(|| judge(feedback(&plant, &weights.feedback, weights.reference)))),
         (
             "feedforward",
-            Box::new(|| drop(weights.heave.as_ref().map(|w| feedforward(&plant, w, Channel::Heave)))),
+            Box::new(|| judge(weights.heave.as_ref().map(|w| feedforward(&plant, w, Channel::Heave)))),
         ),
-        ("design", Box::new(|| drop(design(&plant, &weights).map(|made| discretise(&made, &sampling))))),
-        ("sampled_plant", Box::new(|| drop(sampled_plant(&plant, &sampling)))),
+        ("design", Box::new(|| judge(design(&plant, &weights).map(|made| discretise(&made, &sampling))))),
+        ("sampled_plant", Box::new(|| judge(sampled_plant(&plant, &sampling)))),
     ];
     panicking(&calls)
 }

@@ -49,7 +49,7 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         2.0 * (A.t() * &found.X).norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    Ok(solve_scaled(&equation, &scaled.problem).map(|found| in_callers_units(found, &scaled, gain, terms)))
+    solve_scaled(&equation, &scaled.problem).try_map(|found| in_callers_units(found, &scaled, gain, terms))
 }
 
 /// Solves `A'X + XA - XGX + Q = 0` for the stabilising `X`: `A - G X` is stable. `G` and `Q` symmetric, of any sign, as
@@ -74,7 +74,7 @@ pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
         2.0 * (A.t() * &found.X).norm_fro() + (&found.X * &found.F).norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, d, &back);
-    Ok(solve_scaled(&equation, &scaled.problem).map(|found| in_callers_units(found, &scaled, gain, terms)))
+    solve_scaled(&equation, &scaled.problem).try_map(|found| in_callers_units(found, &scaled, gain, terms))
 }
 
 /// The checks that both time bases share.

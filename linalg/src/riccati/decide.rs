@@ -1,5 +1,6 @@
 //! The last word on a problem: accepted as solved in doubles, solved again in 32 digits, or refused with the reason.
 
+use crate::error::{Error, in_range};
 use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::{
@@ -143,13 +144,13 @@ fn explained(refusal: Refusal, modes: &Modes) -> Reason {
     }
 }
 
-/// The solution in the caller's units; `terms` gives the sum of the norms of the equation's terms there.
+/// The solution in the caller's units, if they hold it; `terms` gives the sum of the norms of the equation's terms there.
 pub(super) fn in_callers_units(
     found: Certified,
     units: &Scaled,
     gain: impl FnOnce(&Mat) -> Mat,
     terms: impl FnOnce(&Riccati) -> f64,
-) -> Riccati {
+) -> Result<Riccati, Error> {
     let Certified { mut solution, residual, .. } = found;
     let (d, certificate) = (&units.scale, &mut solution.certificate);
     solution.X = units.restore(&solution.X);
@@ -162,5 +163,8 @@ pub(super) fn in_callers_units(
         rescale(&residual, &back, &back).norm_fro()
     };
     solution.certificate.term_norm = terms(&solution);
-    solution
+    solution.X = in_range("the solution of the Riccati equation", solution.X)?;
+    solution.F = in_range("the gain of the Riccati equation", solution.F)?;
+    solution.certificate.bound_unknown();
+    Ok(solution)
 }

@@ -44,7 +44,7 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         (A.t() * &XA).norm_fro() + found.X.norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    Ok(solve_in_units(&Discrete(data)).map(|found| in_callers_units(found, &units, gain, terms)))
+    solve_in_units(&Discrete(data)).try_map(|found| in_callers_units(found, &units, gain, terms))
 }
 
 /// The size of `R`, or where that vanishes beside what the cost makes of the input after one step, of `B'QB`.

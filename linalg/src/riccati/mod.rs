@@ -55,6 +55,14 @@ impl<T> Outcome<T> {
         }
     }
 
+    /// The outcome with `change` applied to the solution, which may fail.
+    pub(crate) fn try_map<U, E>(self, change: impl FnOnce(T) -> Result<U, E>) -> Result<Outcome<U>, E> {
+        match self {
+            Self::Solved(solution) => change(solution).map(Outcome::Solved),
+            Self::Infeasible(reason) => Ok(Outcome::Infeasible(reason)),
+        }
+    }
+
     /// The outcome with `change` applied to the solution.
     pub fn map<U>(self, change: impl FnOnce(T) -> U) -> Outcome<U> {
         match self {
@@ -124,6 +132,24 @@ pub struct Certificate {
 }
 
 impl Certificate {
+    /// Makes figures infinite that could not be computed because a number on the way left the range of doubles: nothing is known of them.
+    pub(crate) fn bound_unknown(&mut self) {
+        let bounded = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+        self.data_error = self.data_error.map(bounded);
+        self.forward_error = self.forward_error.map(bounded);
+        self.separation = if self.separation.is_nan() { 0.0 } else { self.separation };
+        for figure in [
+            &mut self.relative_residual,
+            &mut self.backward_error,
+            &mut self.symmetry,
+            &mut self.condition,
+            &mut self.residual_norm,
+            &mut self.term_norm,
+        ] {
+            *figure = bounded(*figure);
+        }
+    }
+
     /// Whether rounding the data, or the residual, may change the third digit of the solution or an earlier one: the
     /// condition number times the larger of the two exceeds [`SENSITIVE`].
     pub fn is_sensitive(&self) -> bool {

@@ -149,7 +149,9 @@ pub(super) fn certainly_lost(modes: &Modes) -> Option<Reason> {
     let unstable = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0);
     let mut reaches = unstable.map(Mode::reach);
     let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST_MODE)?;
-    Some(Reason::Uncontrollable { mode: lost.mode, distance: lost.normwise })
+    // The normwise distance of a mode at the end of the range of doubles is not known.
+    let distance = if lost.normwise.is_nan() { lost.entrywise } else { lost.normwise };
+    Some(Reason::Uncontrollable { mode: lost.mode, distance })
 }
 
 /// Returns why a continuous problem has no solution for certain: a mode out of reach; of a large problem, which is not solved in more

@@ -46,7 +46,14 @@ pub fn odd_number(state: &mut u64) -> f64 {
     list[size(state, list.len() as f64)]
 }
 
-/// Returns the names of the routines that panic.
+/// Asserts that an answer holds no number that is none: `Ok` is as good as its entries. An error may quote what it refuses.
+pub fn judge<T: std::fmt::Debug>(answer: T) {
+    let text = format!("{answer:?}");
+    let is_error = ["Err(", "Ok(Err(", "Some(Err("].iter().any(|start| text.starts_with(start));
+    assert!(is_error || !text.contains("NaN"), "an answer with NaN");
+}
+
+/// Returns the names of the routines that panic, or answer with NaN.
 pub fn panicking(calls: &[Call]) -> Vec<&'static str> {
     let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
     calls.iter().filter(|(_, call)| panics(call)).map(|(name, _)| *name).collect()
