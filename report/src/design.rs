@@ -14,7 +14,7 @@ use crate::evidence::PLANT;
 use crate::page::Origin;
 use crate::targets::{self, TargetEvidence};
 use crate::verification::{Context, of_verification};
-use crate::wording::capitalised;
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, alternatives};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
@@ -102,7 +102,7 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origi
 }
 
 fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: ControlledQuantity) -> Section {
-    let hub = capitalised(controlled.motion().name());
+    let hub = capitalise_first(controlled.motion().name());
     let figure = |plant: &PlantResponse| {
         let curves = [
             response_curve(&plant.full, Colour::Muted),
@@ -113,7 +113,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: Co
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
         .showing(plants.iter().map(figure));
-    section.text.extend(reduced.warnings.iter().cloned());
+    section.text.extend(reduced.warnings.iter().map(ToString::to_string));
     section
 }
 

@@ -6,7 +6,7 @@ use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value
 
 use crate::bode::{BodeCurve, Phase, bode_figure};
 use crate::triangle;
-use crate::wording::capitalised;
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
@@ -142,7 +142,7 @@ fn step_section(found: &Verification) -> Section {
         step_column(found, ("Control during the step", "control", "V"), |history| &history.control_v);
     let controlled = found.controlled();
     let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
-    let title = format!("{} during the step", capitalised(&name));
+    let title = format!("{} during the step", capitalise_first(&name));
     let tip = step_column(found, (&title, &name, unit), |history| &history.tip_rate_rad_s);
     Section::new(&format!("Step of the demanded {}", controlled.name()))
         .showing(step_figure(found, 220.0))
@@ -226,7 +226,7 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
         Panel::new(controlled_axis(found), controlled).with_height(height),
     ];
     let caption = "The lower panel shows the controlled loops alone.";
-    let title = format!("{} under {name}, {plant}", capitalised(found.controlled().name()));
+    let title = format!("{} under {name}, {plant}", capitalise_first(found.controlled().name()));
     Some(Figure::new(&title, Axis::linear("time", "s"), panels).with_caption(caption))
 }
 
@@ -244,7 +244,7 @@ fn rejection_section(found: &Verification) -> Section {
     let (name, unit) = (found.controlled().name(), found.controlled().unit());
     let over_pitch = over_pitch_rate(found);
     Section::new("Disturbance rejection ratio")
-        .saying(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalised(name)))
+        .saying(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
         .showing([
             figure(Source::Pitch, &format!("DRR: {name} over pitch rate"), &over_pitch, unity),
             figure(
@@ -286,7 +286,7 @@ fn controller_section(found: &Verification) -> Section {
     let figures = present.map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         bode_figure(
-            &capitalised(&curve.name),
+            &capitalise_first(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
             Phase::Shown,
@@ -301,7 +301,7 @@ fn controller_section(found: &Verification) -> Section {
 fn plant_section(found: &Verification) -> Section {
     let unit = found.controlled().unit();
     let units = [format!("{unit} per V"), format!("{unit} per m/s\u{B2}"), over_pitch_rate(found)];
-    let hub = capitalised(found.controlled().name());
+    let hub = capitalise_first(found.controlled().name());
     let curves = &found.evidence.curves;
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);

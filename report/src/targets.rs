@@ -8,7 +8,7 @@ use counterpoise_pipeline::export::PathForms;
 use counterpoise_pipeline::export::target_proofs::{Answered, CoreCost, Costs, Operations, Proof};
 use counterpoise_verify::{Experiment, Source};
 
-use crate::wording::capitalised;
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
 
 /// What the section shows.
@@ -105,7 +105,7 @@ fn caption(controlled: ControlledQuantity) -> String {
         true => String::new(),
         false => format!(" [{}]", controlled.unit()),
     };
-    let name = capitalised(controlled.name());
+    let name = capitalise_first(controlled.name());
     format!("{name} error RMS{unit} of the closed loop with the exported code, nonlinear plant")
 }
 

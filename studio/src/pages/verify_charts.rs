@@ -1,6 +1,6 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
-use counterpoise_report::wording::capitalised;
+use counterpoise_report::wording::capitalise_first;
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Source, Verification};
 use egui::Ui;
 
@@ -29,7 +29,7 @@ pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     let experiment = limit_marks::selected_requirement(view, found)
         .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
     let tip = view.units.display_unit(found.controlled().tip_unit());
-    let tip_name = capitalised(&found.controlled().tip_name());
+    let tip_name = capitalise_first(&found.controlled().tip_name());
     let column = |name, unit, factor, values| HistoryColumn { name, unit, factor, values };
     let mut charts = [
         hub_chart(view, found, experiment),

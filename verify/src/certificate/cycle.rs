@@ -14,10 +14,7 @@ use super::gap::gap_share;
 use super::regime::{Teeth, teeth};
 use crate::Error;
 use crate::linear::plant::port;
-use crate::tolerance::{
-    AMPLITUDES_PER_DECADE, CYCLE_HALVINGS, FREQUENCY_ROUNDS, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S,
-    OPEN, STEADY_GROWTH, THIRD_HARMONIC,
-};
+use crate::tolerance::{CYCLE_HALVINGS, FREQUENCY_ROUNDS, OPEN, STEADY_GROWTH, THIRD_HARMONIC};
 
 /// A predicted limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,15 +38,6 @@ pub struct Growth {
     pub frequency_hz: f64,
 }
 
-/// What the harmonic balance predicts.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Prediction {
-    /// Growth over the amplitude, by rising amplitude.
-    pub growth: Vec<Growth>,
-    /// Stable limit cycles, by rising amplitude.
-    pub cycles: Vec<Cycle>,
-}
-
 impl Cycle {
     /// Returns whether the loop is enough of a low-pass for the prediction to hold.
     pub fn is_reliable(&self) -> bool {
@@ -57,37 +45,10 @@ impl Cycle {
     }
 }
 
-/// Predicts the limit cycles of a case.
-pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
-    let balance = Balance::new(subject)?;
-    // The floor of a loop of position, torque or current is one of its reading, which may be any number beside a rate.
-    let least = (LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s()).min(0.1 * MOST_AMPLITUDE_RAD_S);
-    let decades = (MOST_AMPLITUDE_RAD_S / least).log10();
-    let count = (decades * AMPLITUDES_PER_DECADE).ceil() as usize + 1;
-    let mut found = Prediction::default();
-    let mut at = balance.start_rad_s;
-    for k in 0..count {
-        let rate = least * (MOST_AMPLITUDE_RAD_S / least).powf(k as f64 / (count - 1) as f64);
-        let Some(growth) = balance.growth(rate, at)? else { continue };
-        at = std::f64::consts::TAU * growth.frequency_hz;
-        let before = found.growth.last().copied();
-        found.growth.push(growth);
-        if let Some(before) = before.filter(|b| b.growth_per_s > STEADY_GROWTH)
-            && growth.growth_per_s <= STEADY_GROWTH
-        {
-            found.cycles.push(balance.cycle(before, growth)?);
-        }
-    }
-    if balance.teeth != Teeth::WithoutGap {
-        found.cycles.extend(balance.rattling()?);
-    }
-    Ok(found)
-}
-
 /// The loop whose balance is sought.
 pub(super) struct Balance<'a> {
     pub(super) subject: &'a Subject<'a>,
-    teeth: Teeth,
+    pub(super) teeth: Teeth,
     /// Torque that presses the teeth together at rest, N m.
     pressed_nm: f64,
     /// Frequency of the outermost oscillating pole at rest, rad/s.
@@ -95,7 +56,7 @@ pub(super) struct Balance<'a> {
 }
 
 impl<'a> Balance<'a> {
-    fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
+    pub(super) fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
         let point = &subject.procedure.operating_point;
         let rest = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
         let period_s = rest.plant.sample_period_s;
@@ -109,7 +70,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The growth at an amplitude, the frequency sought from `from_rad_s`; `None` if nothing oscillates.
-    fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
+    pub(super) fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
         let Some((_, pole)) = self.settled(rate_rad_s, from_rad_s)? else { return Ok(None) };
         let period_s = self.subject.case.plant.parameters().interface.sample_period_s;
         Ok(Some(Growth {
@@ -162,7 +123,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The limit cycle between an amplitude at which the motion grows and one at which it fades.
-    fn cycle(&self, grows: Growth, fades: Growth) -> Result<Cycle, Error> {
+    pub(super) fn cycle(&self, grows: Growth, fades: Growth) -> Result<Cycle, Error> {
         let (mut low, mut high) = (grows, fades);
         for _ in 0..CYCLE_HALVINGS {
             let middle = (low.rate_rad_s * high.rate_rad_s).sqrt();

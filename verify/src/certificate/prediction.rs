@@ -1,0 +1,43 @@
+//! What the harmonic balance predicts: growth over the amplitude, and the stable limit cycles.
+
+use super::Subject;
+use super::cycle::{Balance, Cycle, Growth};
+use super::regime::Teeth;
+use crate::Error;
+use crate::tolerance::{AMPLITUDES_PER_DECADE, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S, STEADY_GROWTH};
+
+/// What the harmonic balance predicts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Prediction {
+    /// Growth over the amplitude, by rising amplitude.
+    pub growth: Vec<Growth>,
+    /// Stable limit cycles, by rising amplitude.
+    pub cycles: Vec<Cycle>,
+}
+
+/// Predicts the limit cycles of a case.
+pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
+    let balance = Balance::new(subject)?;
+    // The floor of a loop of position, torque or current is one of its reading, which may be any number beside a rate.
+    let least = (LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s()).min(0.1 * MOST_AMPLITUDE_RAD_S);
+    let decades = (MOST_AMPLITUDE_RAD_S / least).log10();
+    let count = (decades * AMPLITUDES_PER_DECADE).ceil() as usize + 1;
+    let mut found = Prediction::default();
+    let mut at = balance.start_rad_s;
+    for k in 0..count {
+        let rate = least * (MOST_AMPLITUDE_RAD_S / least).powf(k as f64 / (count - 1) as f64);
+        let Some(growth) = balance.growth(rate, at)? else { continue };
+        at = std::f64::consts::TAU * growth.frequency_hz;
+        let before = found.growth.last().copied();
+        found.growth.push(growth);
+        if let Some(before) = before.filter(|b| b.growth_per_s > STEADY_GROWTH)
+            && growth.growth_per_s <= STEADY_GROWTH
+        {
+            found.cycles.push(balance.cycle(before, growth)?);
+        }
+    }
+    if balance.teeth != Teeth::WithoutGap {
+        found.cycles.extend(balance.rattling()?);
+    }
+    Ok(found)
+}
