@@ -15,7 +15,7 @@ use counterpoise_models::{AmplifierDynamics, Parameters, Plant, Ripple};
 use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::RecordedController;
+use counterpoise_simulate::replay::{Loop, RecordedController};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 
@@ -31,7 +31,7 @@ struct Kind {
     names: &'static [(C, E)],
 }
 
-const KINDS: [Kind; 12] = [
+const KINDS: [Kind; 18] = [
     Kind {
         name: "direct torque drive, gyroscope",
         file: "format = 2
@@ -194,6 +194,83 @@ const KINDS: [Kind; 12] = [
         conceals: |p| p.pivot_friction.law.set_or_add_coulomb_nm(0.5),
         names: &[(C::Pivot, E::Coulomb)],
     },
+    Kind {
+        name: "series elastic joint, torque sensor, friction at half",
+        file: "format = 2
+            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
+            plant.sensors.torque = { noise = 2e-3 }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
+        conceals: |p| p.pivot_friction.law.scale_coulomb(0.5),
+        names: &[(C::Pivot, E::Coulomb)],
+    },
+    Kind {
+        name: "series elastic joint, torque sensor, a stiffer spring",
+        file: "format = 2
+            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
+            plant.sensors.torque = { noise = 2e-3 }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
+        conceals: |p| p.gearbox.stiffness_nm_rad *= 1.4,
+        names: &[(C::Gearbox, E::Stiffness)],
+    },
+    Kind {
+        name: "series elastic joint, torque sensor, backlash",
+        file: "format = 2
+            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
+            plant.sensors.torque = { noise = 2e-3 }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
+        conceals: |p| p.gearbox.backlash_rad = 2e-3,
+        names: &[(C::Gearbox, E::Backlash)],
+    },
+    Kind {
+        name: "series elastic joint, torque sensor, a weaker motor",
+        file: "format = 2
+            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
+            plant.sensors.torque = { noise = 2e-3 }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
+        conceals: |p| p.motor.torque_constant_nm_a *= 0.8,
+        names: &[(C::Motor, E::TorqueConstant)],
+    },
+    Kind {
+        name: "current loop on a voltage drive, a weaker motor",
+        file: "format = 2
+            plant.inertia = 1.42e-5
+            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
+            plant.drive = { kind = \"voltage\", limit = 24.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
+            plant.sensors.current = { noise = 1e-3 }
+            plant.interface = { sample_period = 2e-4, output_bits = 16 }",
+        // the back-EMF constant stays: the current alone shows what the rate makes of it
+        conceals: |p| p.motor.torque_constant_nm_a *= 0.8,
+        names: &[(C::Motor, E::TorqueConstant), (C::Motor, E::BackEmf), (C::Structure, E::Inertia), (C::Motor, E::Inertia)],
+    },
+    Kind {
+        name: "current loop on a voltage drive, friction at half",
+        file: "format = 2
+            plant.inertia = 1.42e-5
+            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
+            plant.drive = { kind = \"voltage\", limit = 24.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
+            plant.sensors.current = { noise = 1e-3 }
+            plant.interface = { sample_period = 2e-4, output_bits = 16 }",
+        conceals: |p| p.pivot_friction.law.scale_coulomb(0.5),
+        names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
+    },
 ];
 
 /// Kinds that run by default.
@@ -270,7 +347,7 @@ impl Machine {
     }
 
     fn diagnosed(&self, recordings: &[Recording]) -> Diagnosis {
-        let control = RecordedController::from(self.controller.clone());
+        let control = Loop::under(&self.base, RecordedController::from(self.controller.clone()));
         counterpoise_diagnose::diagnose(&self.base, control, recordings, &Serial).unwrap()
     }
 }

@@ -82,14 +82,12 @@ impl CampaignResult {
 /// Checks that a project says what a campaign varies and judges: asked before the design, which takes longer.
 ///
 /// # Errors
-/// The first section that is missing.
+/// [`PipelineError::NothingVaries`].
 pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
-    let missing = |section| Err(PipelineError::Missing { section, needed_by: "the campaign" });
-    let Some(asked) = project.campaign() else { return missing("sweep") };
-    if asked.variations.is_empty() {
-        return missing("[sweep.variation]");
+    match project.campaign() {
+        Some(asked) if !asked.variations.is_empty() => Ok(()),
+        _ => Err(PipelineError::NothingVaries),
     }
-    Ok(())
 }
 
 /// Returns the requirements that a campaign judges: those of the project, or [`usual_requirements`] if it
@@ -125,8 +123,7 @@ pub fn prepare_campaign(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Campaign, PipelineError> {
-    let asked =
-        project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the campaign" })?;
+    let asked = project.campaign().ok_or(PipelineError::NothingVaries)?;
     campaign_is_stated(project)?;
     Ok(Campaign::new(
         modelled.parameters.clone(),
