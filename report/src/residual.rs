@@ -21,7 +21,7 @@ const COHERENT: f64 = 0.5;
 pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
     let mut out = Vec::new();
     let reading = tracks.iter().find(|t| t.channel == "hub_rate");
-    let controlled = reading.map_or(ControlledQuantity::RATE, Track::controlled);
+    let controlled = reading.map_or(ControlledQuantity::RATE, |track| track.controlled());
     let loops: Vec<Figure> =
         recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
     if !loops.is_empty() {

@@ -197,6 +197,7 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "series elastic joint, torque sensor, friction at half",
         file: "format = 2
+            verify.step.rate = 3.0
             plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
             plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
             plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
@@ -210,6 +211,7 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "series elastic joint, torque sensor, a stiffer spring",
         file: "format = 2
+            verify.step.rate = 3.0
             plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
             plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
             plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
@@ -223,6 +225,7 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "series elastic joint, torque sensor, backlash",
         file: "format = 2
+            verify.step.rate = 3.0
             plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
             plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
             plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
@@ -236,6 +239,7 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "series elastic joint, torque sensor, a weaker motor",
         file: "format = 2
+            verify.step.rate = 3.0
             plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
             plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
             plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
@@ -249,6 +253,7 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "current loop on a voltage drive, a weaker motor",
         file: "format = 2
+            verify.step.rate = 1.0
             plant.inertia = 1.42e-5
             plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
             plant.drive = { kind = \"voltage\", limit = 24.0 }
@@ -262,6 +267,7 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "current loop on a voltage drive, friction at half",
         file: "format = 2
+            verify.step.rate = 1.0
             plant.inertia = 1.42e-5
             plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
             plant.drive = { kind = \"voltage\", limit = 24.0 }
