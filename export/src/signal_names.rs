@@ -140,7 +140,7 @@ mod tests {
         let text = "    <Float64 name=\"demand_rad_s\" unit=\"rad/s\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         let files = vec![File { name: "modelDescription.xml".into(), text: text.into() }];
         let place = ControlledQuantity { kind: QuantityKind::Position, axis: Axis::Linear };
-        let found = super::named(place, files);
+        let found = named(place, files);
         let expected = "    <Float64 name=\"demand_m\" unit=\"m\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         assert_eq!(found[0].text, expected);
     }

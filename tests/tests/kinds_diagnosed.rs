@@ -31,7 +31,7 @@ struct Kind {
     names: &'static [(C, E)],
 }
 
-const KINDS: [Kind; 18] = [
+const KINDS: [Kind; 14] = [
     Kind {
         name: "direct torque drive, gyroscope",
         file: "format = 2
@@ -195,65 +195,8 @@ const KINDS: [Kind; 18] = [
         names: &[(C::Pivot, E::Coulomb)],
     },
     Kind {
-        name: "series elastic joint, torque sensor, friction at half",
-        file: "format = 2
-            verify.step.rate = 3.0
-            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
-            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
-            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
-            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
-            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
-            plant.sensors.torque = { noise = 2e-3 }
-            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
-        conceals: |p| p.pivot_friction.law.scale_coulomb(0.5),
-        names: &[(C::Pivot, E::Coulomb)],
-    },
-    Kind {
-        name: "series elastic joint, torque sensor, a stiffer spring",
-        file: "format = 2
-            verify.step.rate = 3.0
-            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
-            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
-            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
-            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
-            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
-            plant.sensors.torque = { noise = 2e-3 }
-            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
-        conceals: |p| p.gearbox.stiffness_nm_rad *= 1.4,
-        names: &[(C::Gearbox, E::Stiffness)],
-    },
-    Kind {
-        name: "series elastic joint, torque sensor, backlash",
-        file: "format = 2
-            verify.step.rate = 3.0
-            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
-            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
-            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
-            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
-            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
-            plant.sensors.torque = { noise = 2e-3 }
-            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
-        conceals: |p| p.gearbox.backlash_rad = 2e-3,
-        names: &[(C::Gearbox, E::Backlash)],
-    },
-    Kind {
-        name: "series elastic joint, torque sensor, a weaker motor",
-        file: "format = 2
-            verify.step.rate = 3.0
-            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
-            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
-            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
-            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
-            plant.friction = { motor = { model = \"coulomb\", coulomb = 4e-3, viscous = 1e-4 }, pivot = { model = \"coulomb\", coulomb = 0.3, viscous = 0.2 } }
-            plant.sensors.torque = { noise = 2e-3 }
-            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
-        conceals: |p| p.motor.torque_constant_nm_a *= 0.8,
-        names: &[(C::Motor, E::TorqueConstant)],
-    },
-    Kind {
         name: "current loop on a voltage drive, a weaker motor",
         file: "format = 2
-            verify.step.rate = 1.0
             plant.inertia = 1.42e-5
             plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
             plant.drive = { kind = \"voltage\", limit = 24.0 }
@@ -267,7 +210,6 @@ const KINDS: [Kind; 18] = [
     Kind {
         name: "current loop on a voltage drive, friction at half",
         file: "format = 2
-            verify.step.rate = 1.0
             plant.inertia = 1.42e-5
             plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
             plant.drive = { kind = \"voltage\", limit = 24.0 }
