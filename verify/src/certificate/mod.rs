@@ -11,9 +11,10 @@
 //!
 //! Its verdict is a [`Stability`]; what is proved, what is predicted and what is only simulated stay apart.
 //!
-//! Modules in reading order: [`regime`], [`elements`], [`cycle`], [`gap`], [`orbit`], [`multiplier`], [`sector`],
+//! Modules in reading order: [`regime`], [`elements`], [`cycle`], [`gap`], [`balance`], [`orbit`], [`multiplier`], [`sector`],
 //! [`runs`].
 
+pub mod balance;
 pub mod cycle;
 pub mod elements;
 pub mod gap;
@@ -26,6 +27,7 @@ pub mod sector;
 use counterpoise_controller::Controller;
 use counterpoise_models::plant::Plant;
 
+pub use balance::CycleBalance;
 pub use cycle::{Cycle, Prediction};
 pub use multiplier::Criterion;
 pub use orbit::Orbit;
