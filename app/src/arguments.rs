@@ -8,12 +8,12 @@ use counterpoise_host::files::RECORDING_ENDINGS;
 
 use crate::commands::{
     adapt::AdaptOptions, check::CheckOptions, claims::ClaimsOptions, compare::CompareOptions,
-    fra::FraOptions, model::ModelOptions, sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
+    design::DesignOptions, experiment::ExperimentOptions, export::ExportOptions, fra::FraOptions,
+    identify::IdentifyOptions, model::ModelOptions, new::NewOptions, replay::ReplayOptions,
+    stages::StageOptions, studio::StudioOptions, sweep::SweepOptions, synth::SynthOptions,
+    verify::VerifyOptions,
 };
-use crate::options::{
-    DesignOptions, DiagnoseOptions, ExperimentOptions, ExportOptions, IdentifyOptions, NewOptions,
-    ReplayOptions, StageOptions, StudioOptions,
-};
+use crate::options::DiagnoseOptions;
 
 /// What `--version` prints; `-V` prints the version alone.
 const LONG_VERSION: &str = concat!(

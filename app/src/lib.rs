@@ -17,10 +17,10 @@ use std::path::PathBuf;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
+use commands::studio::StudioOptions;
 use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
 use counterpoise_host::terminal::print_message;
 use exit::{Done, Exit};
-use options::StudioOptions;
 
 /// Runs the command that the arguments name, the name of the program first. Returns the exit code: 0 all verdicts hold, 1 some fail, 2 bad
 /// input, 130 interrupted.

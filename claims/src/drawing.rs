@@ -2,7 +2,7 @@
 
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
-use counterpoise_report::wording::capitalised;
+use counterpoise_report::wording::capitalise_first;
 use counterpoise_verify::History;
 
 use counterpoise_pipeline::PipelineError;
@@ -52,7 +52,7 @@ pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
                 |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
             marks.extend(curve.points.iter().map(ring));
         }
-        series.push(Series::new(&capitalised(&curve.name), colour, dash, curve.points));
+        series.push(Series::new(&capitalise_first(&curve.name), colour, dash, curve.points));
     }
     Panel::new(y, series).with_marks(marks)
 }

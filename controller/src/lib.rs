@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
-//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], `compiled`,
+//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], [`compiled`],
 //! [`number`], [`guard`], [`runner`], `linear`, [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
@@ -34,6 +34,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod compiled;
 pub mod controller;
 pub mod error;
 pub mod estimator;
@@ -51,7 +52,6 @@ pub mod tolerance;
 pub mod words;
 
 mod check;
-mod compiled;
 mod linear;
 mod lower;
 mod required;

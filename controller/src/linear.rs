@@ -3,8 +3,8 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
+use crate::compiled::Compiled;
 use crate::number::Dual;
-use crate::program::Compiled;
 use crate::signal::COMMON_READINGS;
 use crate::tolerance::LEARNT_AT_REST_S;
 use crate::{Controller, Error, Estimator, Learning, Number, Parts, READINGS, Runner, lower};

@@ -1,7 +1,5 @@
 //! A step of the controller as a straight line of operations: the one meaning that all back ends share.
 
-pub use crate::compiled::Compiled;
-
 /// Where a number lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Slot {

@@ -1,7 +1,8 @@
 //! Runs a controller.
 
+use crate::compiled::Compiled;
 use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
-use crate::program::{Compiled, OnRestart};
+use crate::program::OnRestart;
 use crate::{Controller, Number, Programs, Readings, SampledController, Sensors, Status};
 
 /// A controller that runs, in the numbers N: `f64` is the reference, `f32` what a small target computes.

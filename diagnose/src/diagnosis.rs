@@ -17,8 +17,8 @@ use crate::library::{
 };
 use crate::localisation::error_map::{MapCell, localise_errors};
 use crate::localisation::residual_regression::ReplayedRecording;
-use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
-use crate::machine::{can_have, can_have_textbook, has_component, usable_sensors};
+use crate::localisation::torque_balances::{BalanceVisibility, list_balances};
+use crate::machine::{RedundantSensors, can_have, can_have_textbook, has_component, usable_sensors};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
 use crate::recording::measured_signals::read_signals;

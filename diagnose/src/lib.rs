@@ -51,7 +51,7 @@ pub mod learning;
 
 pub mod identification;
 mod machine;
-pub use machine::can_have;
+pub use machine::{RedundantSensors, can_have};
 
 pub mod experiment;
 

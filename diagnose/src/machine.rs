@@ -8,7 +8,6 @@ use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmissi
 use counterpoise_models::{Axis, Measured, Parameters};
 
 use crate::library::{Component, Effect, EffectName, Kind};
-use crate::localisation::torque_balances::RedundantSensors;
 
 /// The motor's current in the steady state: i = (gain u - back_emf w_m) / loss, after the static curve of the amplifier.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +45,15 @@ pub(crate) fn cosine(p: &Parameters, angle_rad: f64) -> f64 {
 /// Returns the sine that gravity sees at a hub angle: 0 on a linear axis.
 pub(crate) fn sine(p: &Parameters, angle_rad: f64) -> f64 {
     if p.axis == Axis::Linear { 0.0 } else { angle_rad.sin() }
+}
+
+/// Which of the sensors are present that a machine can do without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RedundantSensors {
+    /// Whether the motor's rate was recorded.
+    pub motor_rate: bool,
+    /// Whether the hub's angle was recorded.
+    pub hub_position: bool,
 }
 
 /// Returns the columns that a machine's balances can use: the motor's rate and the hub's angle close balances of their own only across

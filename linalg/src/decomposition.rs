@@ -1,4 +1,4 @@
-//! Singular values, symmetric and general eigenvalues, rank and condition.
+//! Singular values, symmetric and general eigenvalues, rank, condition and least squares.
 
 use faer::linalg::evd::hessenberg as householder;
 
@@ -335,6 +335,27 @@ pub fn rcond_one(A: &Mat) -> f64 {
         Ok(inverse) => 1.0 / (A.norm_one() * inverse.norm_one()),
         Err(_) => 0.0,
     }
+}
+
+/// The least-squares solution of `A X = B` with the smallest norm, by singular values; those below
+/// `max(m, n) eps s_max` count as zero.
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite.
+pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    Ok(pinv(A)? * B)
+}
+
+/// The Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn pinv(A: &Mat) -> Result<Mat, Error> {
+    let parts = svd(A)?;
+    let floor = A.nrows().max(A.ncols()) as f64 * EPS * parts.s.first().copied().unwrap_or(0.0);
+    let reciprocal: Vec<f64> = parts.s.iter().map(|&s| if s > floor { 1.0 / s } else { 0.0 }).collect();
+    Ok(&parts.V * &Mat::diag(&reciprocal) * parts.U.t())
 }
 
 fn no_convergence(what: &'static str) -> Error {

@@ -9,7 +9,6 @@ use faer::{MatMut, MatRef};
 use crate::compact;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::mat::{C64, CMat, Dense, Mat, Scalar};
-use crate::tolerance::EPS;
 
 /// The matrix as faer sees it, without a copy.
 pub(crate) fn view<T: Scalar>(A: &Dense<T>) -> MatRef<'_, T> {
@@ -172,27 +171,6 @@ pub fn qr_r(A: &Mat) -> Result<Mat, Error> {
 pub fn qr_full_q(A: &Mat) -> Result<Mat, Error> {
     check_finite("A", A)?;
     Ok(copy(view(A).qr().compute_Q().as_ref()))
-}
-
-/// The least-squares solution of `A X = B` with the smallest norm, by singular values; those below
-/// `max(m, n) eps s_max` count as zero.
-///
-/// # Errors
-/// Wrong shapes, entries that are not finite.
-pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
-    Ok(pinv(A)? * B)
-}
-
-/// The Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
-///
-/// # Errors
-/// Entries that are not finite.
-pub fn pinv(A: &Mat) -> Result<Mat, Error> {
-    let parts = crate::decomposition::svd(A)?;
-    let floor = A.nrows().max(A.ncols()) as f64 * EPS * parts.s.first().copied().unwrap_or(0.0);
-    let reciprocal: Vec<f64> = parts.s.iter().map(|&s| if s > floor { 1.0 / s } else { 0.0 }).collect();
-    Ok(&parts.V * &Mat::diag(&reciprocal) * parts.U.t())
 }
 
 /// `u' v` without conjugation.

@@ -5,8 +5,8 @@
 //! *Invariant*: nothing here knows a system, a unit, a file, a thread or a clock.
 //!
 //! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
-//! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
-//! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
+//! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`invariant_subspace`] (how well one is determined), [`generalised`],
+//! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
 //! [`stability`], [`range_basis`] (ranks on the way to zeros), [`refined`] (a transfer matrix to the last digits).
 //!
@@ -35,6 +35,7 @@ pub mod generalised;
 pub mod generalised_lyapunov;
 pub mod hammarling;
 mod hammarling_leaf;
+pub mod invariant_subspace;
 mod kernel;
 mod long_complex;
 pub mod lyapunov;
@@ -60,12 +61,10 @@ pub mod tolerance;
 pub use balance::{Balanced, balance};
 pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
 pub use decomposition::{
-    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, rank,
-    rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
+    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, lstsq,
+    pinv, rank, rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
 };
-pub use dense::{
-    Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve, transpose_times,
-};
+pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use generalised::gsylvester;
@@ -73,13 +72,14 @@ pub use generalised_lyapunov::{Weights, gcare, gdare, gdlyap, glyap};
 pub use hammarling::{
     dlyap_factor, dlyap_factors, dlyap_square_factor, lyap_factor, lyap_factors, lyap_square_factor,
 };
+pub use invariant_subspace::Subspace;
 pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
 pub use range_basis::RangeBasis;
 pub use refined::{Realisation, refined_transfer};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
-pub use schur::{Schur, Subspace, eigenvalues, schur};
+pub use schur::{Schur, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};
 pub use stability::{Boundary, boundary_eigenvalues, is_clear_of_boundary};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};

@@ -7,11 +7,8 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-pub use crate::scalar::Scalar;
+pub use crate::scalar::{C64, Scalar};
 use crate::tolerance::SAFE_SQUARES;
-
-/// A double-precision complex number.
-pub type C64 = num_complex::Complex<f64>;
 
 /// A dense real matrix.
 pub type Mat = Dense<f64>;

@@ -4,7 +4,9 @@ use std::fmt;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
 use crate::kernel::vectorised;
-use crate::mat::C64;
+
+/// A double-precision complex number.
+pub type C64 = num_complex::Complex<f64>;
 
 /// What an entry of a matrix must be able to do.
 pub trait Scalar:

@@ -61,7 +61,7 @@ pub use first_design::{Chosen, FirstDesignResult, choose_weights, with_chosen_we
 pub use model::{
     Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
 };
-pub use recordings::redesign::{Consequence, consequence};
+pub use recordings::redesign::{Consequence, verify_redesign};
 pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};

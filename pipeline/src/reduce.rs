@@ -1,7 +1,7 @@
 //! The plant that the design takes: the linear plant, or a smaller one with its error.
 
 use counterpoise_lti::StateSpace;
-use counterpoise_reduce::{Method, Order, Residual, balred, minimal, modal_truncation};
+use counterpoise_reduce::{Method, Order, Residual, Warning, balred, minimal, modal_truncation};
 
 use crate::tolerance::KEPT_HANKEL_SHARE;
 use crate::tolerance::MINIMAL_TOLERANCE;
@@ -25,7 +25,7 @@ pub struct Reduced {
     /// That error as measured, with the frequency at which it is largest, rad/s.
     pub error: Option<(f64, f64)>,
     /// What a designer should know.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 impl Reduced {
@@ -55,7 +55,7 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
         ReductionMethod::None => Ok(plain(system.clone())),
         ReductionMethod::Minimal => {
             let small = minimal(system, MINIMAL_TOLERANCE)?;
-            Ok(Reduced { warnings: words(&small.warnings), ..plain(small.system) })
+            Ok(Reduced { warnings: small.warnings, ..plain(small.system) })
         }
         ReductionMethod::Balanced => {
             let order = asked.order.map_or(Order::Relative { share: KEPT_HANKEL_SHARE }, Order::States);
@@ -77,13 +77,9 @@ fn ranked(reduction: counterpoise_reduce::Reduction, plain: impl Fn(StateSpace) 
         ranked: reduction.hankel,
         bound: reduction.bound,
         error: Some((reduction.measured_error.value, reduction.measured_error.rate_rad_s)),
-        warnings: words(&reduction.warnings),
+        warnings: reduction.warnings,
         ..plain(reduction.system)
     }
-}
-
-fn words(warnings: &[counterpoise_reduce::Warning]) -> Vec<String> {
-    warnings.iter().map(ToString::to_string).collect()
 }
 
 /// Returns the rate that keeps `order` poles: between the last pole kept and the first dropped.

@@ -358,7 +358,7 @@ impl From<&Reduced> for ReduceResult {
             ranked: reduced.ranked.clone(),
             bound: reduced.bound,
             error: reduced.error.map(|(value, rate)| [value, rate]),
-            warnings: reduced.warnings.clone(),
+            warnings: reduced.warnings.iter().map(ToString::to_string).collect(),
         }
     }
 }

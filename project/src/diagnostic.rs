@@ -110,17 +110,17 @@ impl fmt::Display for Severity {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: {}: ", printable(&self.file), self.line, self.column, self.severity)?;
+        write!(f, "{}:{}:{}: {}: ", escape_control(&self.file), self.line, self.column, self.severity)?;
         if !self.path.is_empty() {
-            f.write_str(&printable(&self.path))?;
+            f.write_str(&escape_control(&self.path))?;
             if let Some(found) = &self.found {
-                write!(f, " = {}", printable(found))?;
+                write!(f, " = {}", escape_control(found))?;
             }
             f.write_str(": ")?;
         }
-        f.write_str(&printable(&self.allowed))?;
+        f.write_str(&escape_control(&self.allowed))?;
         match &self.hint {
-            Some(hint) => write!(f, " ({})", printable(hint)),
+            Some(hint) => write!(f, " ({})", escape_control(hint)),
             None => Ok(()),
         }
     }
@@ -165,7 +165,7 @@ pub(crate) fn is_control(c: char) -> bool {
 }
 
 /// Returns a text of a file as a terminal may show it: control characters as escapes.
-pub fn printable(text: &str) -> String {
+pub fn escape_control(text: &str) -> String {
     if !text.chars().any(is_control) {
         return text.to_owned();
     }

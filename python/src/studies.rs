@@ -15,9 +15,11 @@ use counterpoise_pipeline::{
     self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
 };
 use counterpoise_project::Purpose;
-use counterpoise_report::sweep::{SweepFigure, figures};
+use counterpoise_report::sweep::{SweepFigure, sweep_figures};
 use counterpoise_report::wording::identification::describe_identified_recordings;
-use counterpoise_report::wording::recordings::{describe_recorded_map, describe_recordings_error};
+use counterpoise_report::wording::recordings::{
+    describe_map, describe_recorded_map, describe_recordings_error,
+};
 use counterpoise_verify::robust::Sample;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -84,7 +86,7 @@ fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept>
         stability: robust_stability(project, modelled, verified.controller(), world)?,
     };
     let found = CampaignResult::new(&campaign, &samples, others);
-    Ok(Swept { passing: found.passing, figures: figures(&found), samples: Columns::of(&found) })
+    Ok(Swept { passing: found.passing, figures: sweep_figures(&found), samples: Columns::of(&found) })
 }
 
 /// Puts every method of adaptation to the test in the nonlinear closed loop.
@@ -141,7 +143,7 @@ pub fn frequency_response_map(
         let analyser = Analyser::new(&loaded.project, &modelled, &plan, On::Simulation)?;
         let measured = analyser.measure(&plan, world)?;
         ensure!(!world.cancelled(), "stopped");
-        Ok(Maps { maps: vec![analyser.compare(&measured, world)?] })
+        Ok(Maps { maps: vec![describe_map(analyser.compare(&measured, world)?)] })
     })
 }
 

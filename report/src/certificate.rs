@@ -8,7 +8,7 @@ use counterpoise_verify::certificate::{
 };
 use counterpoise_verify::structured::Joints;
 
-use crate::wording::capitalised;
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the verdict of a case in a sentence without its full stop.
@@ -172,7 +172,7 @@ pub fn robustness_lines(found: &[RegimeRobustness]) -> Vec<String> {
 pub fn certificate_section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
     let mut section = Section::new("Stability of the exported controller");
     for line in certificate_lines(found) {
-        section = section.saying(format!("{}.", capitalised(&line)));
+        section = section.saying(format!("{}.", capitalise_first(&line)));
     }
     section = section.saying(
         "Every block of the exported controller is part of these loops: its friction observers, its estimator and the inverse of the \

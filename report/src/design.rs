@@ -108,7 +108,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced) -> Section {
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
         .showing(plants.iter().map(figure));
-    section.text.extend(reduced.warnings.iter().cloned());
+    section.text.extend(reduced.warnings.iter().map(ToString::to_string));
     section
 }
 

@@ -2,7 +2,8 @@
 
 use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
 use crate::wording::name_in_words;
-use counterpoise_diagnose::findings::answer::{Channels, Verdict};
+use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::findings::channel_fits::Channels;
 
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};

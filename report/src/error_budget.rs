@@ -3,7 +3,7 @@
 use counterpoise_plot::number::short_number;
 use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
 
-use crate::error_budget_figures::figures;
+use crate::error_budget_figures::error_budget_figures;
 use crate::{Cell, Column, Section, Table};
 
 /// Microradians in a radian.
@@ -32,7 +32,7 @@ pub fn budget_section(found: &Verification) -> Option<Section> {
              takes from the pitching base what it also disturbs.",
         );
     let section = spread(budget).into_iter().fold(section, Section::saying);
-    Some(section.showing(figures(budget)).listing(table(budget)))
+    Some(section.showing(error_budget_figures(budget)).listing(table(budget)))
 }
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.

@@ -21,7 +21,7 @@ const PLACES: [Place; 3] = [
 ];
 
 /// Returns the spectrum at the hub and at the tip, and that of the tip against the hub; a place where nothing moves is left out.
-pub fn figures(budget: &ErrorBudget) -> Vec<Figure> {
+pub fn error_budget_figures(budget: &ErrorBudget) -> Vec<Figure> {
     let moves = |place: &Place| (place.of)(&budget.total).iter().sum::<f64>() > 0.0;
     PLACES.into_iter().filter(moves).map(|place| figure(budget, place)).collect()
 }

@@ -5,7 +5,7 @@ use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value
 
 use crate::bode::{BodeCurve, Phase, bode_figure};
 use crate::triangle;
-use crate::wording::capitalised;
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
@@ -272,7 +272,7 @@ fn controller_section(found: &Verification) -> Section {
     let figures = present.map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         bode_figure(
-            &capitalised(&curve.name),
+            &capitalise_first(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
             Phase::Shown,

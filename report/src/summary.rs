@@ -6,7 +6,7 @@ use counterpoise_verify::{
 };
 
 use crate::evidence::{disturbance_figure, step_figure};
-use crate::wording::capitalised;
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 
@@ -40,7 +40,7 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
     let unit = requirement.figure.unit();
     Some(format!(
         "{}: {} {unit} where {} {unit} is asked ({}).",
-        capitalised(&requirement.figure.name()),
+        capitalise_first(&requirement.figure.name()),
         short_number(*value),
         words_of(*limit),
         found.acceptance(&requirement.figure).basis

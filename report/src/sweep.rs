@@ -123,7 +123,7 @@ pub struct WorstCase {
 }
 
 /// Returns every requirement of a campaign as plain data.
-pub fn figures(found: &CampaignResult) -> Vec<SweepFigure> {
+pub fn sweep_figures(found: &CampaignResult) -> Vec<SweepFigure> {
     let row = |(k, over): (usize, &Summary)| SweepFigure {
         figure: found.requirements[k].figure.key(),
         share: over.share,

@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `sampling_errors`, `drive_limits`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`], [`recording`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -43,6 +43,7 @@ pub mod fra;
 pub mod history;
 mod lanes;
 pub mod motion;
+mod noise;
 pub mod replay;
 pub mod run;
 mod sampling_errors;

@@ -4,7 +4,7 @@
 
 use counterpoise_models::{Clock, Drift};
 
-use crate::sensing::Noise;
+use crate::noise::Noise;
 use crate::tolerance::{FLICKER_LONGEST_S, FLICKER_RATIO};
 
 /// The stream of the clock; those of the sensors' drifts follow.

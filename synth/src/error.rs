@@ -1,4 +1,4 @@
-//! What can be wrong with a request to this crate.
+//! What can be wrong with a request to this crate, and how a caller separates a problem without a solution from bad input.
 
 use crate::finding::Finding;
 use crate::refusal::Refusal;
@@ -70,5 +70,17 @@ impl Error {
             Error::Refused(refusal) => &refusal.findings,
             _ => &[],
         }
+    }
+}
+
+/// Returns the solution or, if the problem has none, the refusal.
+///
+/// # Errors
+/// Every error that is not a refusal.
+pub fn attempt<T>(answer: Result<T, Error>) -> Result<Result<T, Refusal>, Error> {
+    match answer {
+        Ok(solution) => Ok(Ok(solution)),
+        Err(Error::Refused(refusal)) => Ok(Err(refusal)),
+        Err(other) => Err(other),
     }
 }

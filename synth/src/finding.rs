@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::Channel;
 use crate::cause::Cause;
 
 /// Whether a design can go on.
@@ -28,11 +29,11 @@ pub enum Part {
     Generalised,
 }
 
-impl From<crate::Channel> for Part {
-    fn from(channel: crate::Channel) -> Self {
+impl From<Channel> for Part {
+    fn from(channel: Channel) -> Self {
         match channel {
-            crate::Channel::Heave => Part::Heave,
-            crate::Channel::Pitch => Part::Pitch,
+            Channel::Heave => Part::Heave,
+            Channel::Pitch => Part::Pitch,
         }
     }
 }
@@ -64,7 +65,7 @@ impl Finding {
     }
 
     /// With the weight named.
-    pub fn on(self, role: &str, weight: &crate::Weight) -> Self {
+    pub fn on(self, role: &str, weight: &impl fmt::Display) -> Self {
         Self { weight: Some(format!("{role} {weight}")), ..self }
     }
 

@@ -5,11 +5,11 @@ use counterpoise_lti::{Peak, StateSpace, frequency_response, linfnorm, poles};
 
 use crate::Error;
 use crate::cause::Cause;
+use crate::error::attempt;
 use crate::finding::{Finding, Part};
 use crate::generalised::Generalised;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, Normal};
-use crate::refusal::attempt;
 use crate::tolerance::{
     HINF_FIRST_RAISE, HINF_NORM, HINF_NOTHING, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED,
 };

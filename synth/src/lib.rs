@@ -8,7 +8,7 @@
 //! is solved before [`preflight()`] has said that it can be.
 //!
 //! Modules in reading order:
-//! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`plant`], [`specification`];
+//! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`channel`], [`plant`], [`specification`];
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
@@ -54,6 +54,7 @@ pub mod best_loop;
 pub mod cascade;
 pub mod cause;
 pub mod certificate;
+pub mod channel;
 pub mod design;
 pub mod discretise;
 pub mod error;
@@ -98,9 +99,10 @@ pub use bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
 pub use cause::{Cause, Hidden};
 pub use certificate::{Certified, Cost, Equation};
+pub use channel::Channel;
 pub use design::{Design, design};
 pub use discretise::discretise;
-pub use error::Error;
+pub use error::{Error, attempt};
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
@@ -113,11 +115,11 @@ pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
-pub use plant::{Channel, DesignPlant, RateLoop};
+pub use plant::{DesignPlant, RateLoop};
 pub use preflight::preflight;
 pub use ramp::control_of_ramp;
 pub use rational::Rational;
-pub use refusal::{Refusal, attempt};
+pub use refusal::Refusal;
 pub use requirements::{Requirements, Spectrum};
 pub use residual::{Weighed, error_at, stabilisation_error};
 pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop, sampled_plant};

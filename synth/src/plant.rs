@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 
-use crate::Error;
+use crate::{Channel, Error};
 
 /// What a design starts from
 ///
@@ -48,15 +48,6 @@ pub struct RateLoop {
     pub plant: DesignPlant,
     /// The period over which two readings are differenced, s: the sample period.
     pub period_s: f64,
-}
-
-/// Which disturbance is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Channel {
-    /// The vertical motion of the pivot.
-    Heave,
-    /// The rotation of the platform.
-    Pitch,
 }
 
 impl DesignPlant {

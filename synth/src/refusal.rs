@@ -1,29 +1,17 @@
-//! Why a well-posed problem has no solution, and how a caller separates that from bad input.
+//! Why a well-posed problem has no solution.
 
 use std::fmt;
 
-use crate::Error;
 use crate::finding::Finding;
 
 /// The reasons why a well-posed problem has no solution: at least one finding that refuses it.
 ///
-/// It travels as [`Error::Refused`], so that `?` passes it on; [`attempt`] separates it from the other errors.
+/// It travels as [`Error::Refused`](crate::Error::Refused), so that `?` passes it on; [`attempt`](crate::attempt) separates it from the other
+/// errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refusal {
     /// Every finding, refusals first.
     pub findings: Vec<Finding>,
-}
-
-/// Returns the solution or, if the problem has none, the refusal.
-///
-/// # Errors
-/// Every error that is not a refusal.
-pub fn attempt<T>(answer: Result<T, Error>) -> Result<Result<T, Refusal>, Error> {
-    match answer {
-        Ok(solution) => Ok(Ok(solution)),
-        Err(Error::Refused(refusal)) => Ok(Err(refusal)),
-        Err(other) => Err(other),
-    }
 }
 
 impl fmt::Display for Refusal {

@@ -1,8 +1,8 @@
 //! From requirements to weights: the weights are moved until the figures of the *sampled* loop hold, and then as far as
 //! they go towards rejection.
 
+use crate::error::attempt;
 use crate::figures::{BAND_POINTS, Figures, figures, rejection};
-use crate::refusal::attempt;
 use crate::tolerance::LEAST_GAIN;
 use crate::{
     DesignPlant, Error, Reference, Requirements, Sampling, Specification, Weight, design, discretise,

@@ -172,3 +172,6 @@ pub(crate) const SMALLEST_ZERO: f64 = 1e-6;
 /// Least response of the plant, relative to its largest, by which the usual range of a gain is bounded: keeps the range finite at a zero of
 /// the plant on the grid.
 pub(crate) const LEAST_RESPONSE: f64 = 1e-12;
+
+/// Step in the logarithms of the parameters by which the slopes of poles, and of designed feedbacks, are taken.
+pub(crate) const POLE_STEP: f64 = 1e-5;

@@ -36,9 +36,8 @@ impl Case {
 
     /// Returns the least share removed of what a changed load adds on road and multisine; `None` if it adds too little to tell.
     pub fn least_removed(&self) -> Option<f64> {
-        let changed = |row: &&TrialRow| {
-            matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines
-        };
+        let changed =
+            |row: &&TrialRow| matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines;
         self.rows.iter().filter(changed).filter_map(TrialRow::removed).min_by(f64::total_cmp)
     }
 
@@ -82,7 +81,11 @@ fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
     ];
     let mut words = vec![format!("{:.0} % out of balance", 100.0 * balance)];
     let dry_nm = values[4].1 + 200.0 * values[3].1;
-    words.push(format!("friction over imbalance {:.2} m/s^2, heave {:.1}", dry_nm / values[0].1, values[7].1));
+    words.push(format!(
+        "friction over imbalance {:.2} m/s^2, heave {:.1}",
+        dry_nm / values[0].1,
+        values[7].1
+    ));
     let has_gravity = dice.below(3) != 0;
     let observes = dice.below(2) == 0;
     let mut document = document;
@@ -101,7 +104,8 @@ fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
         document = document.set("synth.observer.share", &Setting::Number(0.9)).ok()?;
     }
     document = document.set("synth.adaptation.method", &Setting::Text("recursive".to_owned())).ok()?;
-    for (variable, key) in [("CP_HOLD", "synth.adaptation.hold_band"), ("CP_MEM", "synth.adaptation.memory")] {
+    for (variable, key) in [("CP_HOLD", "synth.adaptation.hold_band"), ("CP_MEM", "synth.adaptation.memory")]
+    {
         if let Ok(text) = std::env::var(variable) {
             document = document.set(key, &Setting::Number(text.parse().ok()?)).ok()?;
         }

@@ -34,14 +34,31 @@ pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Returns the Rust files of a member's sources, each with its text up to its unit tests.
+/// Returns the Rust files of a member's sources, each with its text without unit tests.
 pub fn sources(member: &str) -> Vec<(PathBuf, String)> {
     let read = |path: PathBuf| {
-        let text = fs::read_to_string(&path).unwrap();
-        let code = text.split("#[cfg(test)]").next().unwrap().to_owned();
+        let code = without_tests(&fs::read_to_string(&path).unwrap());
         (path, code)
     };
     rust_files(&root().join(member).join("src")).into_iter().map(read).collect()
+}
+
+/// Returns a text without the items that are compiled for tests alone, as rustfmt lays them out.
+pub fn without_tests(text: &str) -> String {
+    let mut kept = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let Some(indent) = line.strip_suffix("#[cfg(test)]") else {
+            kept.push(line);
+            continue;
+        };
+        let item = lines.find(|line| !line.trim_start().starts_with("#[")).unwrap_or_default();
+        if !item.ends_with([';', '}']) {
+            let end = format!("{indent}}}");
+            lines.find(|line| line.starts_with(&end));
+        }
+    }
+    kept.join("\n")
 }
 
 /// Returns every name that a text imports from other crates of the workspace, as `crate::path::Name`, groups resolved.

@@ -6,7 +6,8 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::diagnosis::Diagnosis;
-use counterpoise_diagnose::findings::answer::{Answer, Channels, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::identification::{Estimate, Note, identify};
 use counterpoise_diagnose::library::{Component, EffectName};
 use counterpoise_diagnose::simulator_access::Serial;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_claims::identified::AMPLIFIER;
 use counterpoise_diagnose::identification::{Amplifier, identify, improved};
-use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, structure};
+use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, diagnose_structure};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};
@@ -25,7 +25,7 @@ fn project(example: &str) -> Project {
 #[test]
 fn shear_and_rotary_inertia_are_what_the_elements_of_table_6_1_left_out() {
     let project = project("measured-modes");
-    let found = structure(&project, project.measured.as_ref().unwrap()).unwrap();
+    let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
     let answer = &found.answer;
     assert_eq!(answer.verdict, StructureVerdict::Named, "{}", answer.explanation);
     assert_eq!(answer.tried[1].what, "shear and rotary inertia");
@@ -35,23 +35,23 @@ fn shear_and_rotary_inertia_are_what_the_elements_of_table_6_1_left_out() {
     // the thesis' elements: the error grows with the mode, as without shear and rotary inertia
     let error = |k: usize| before.modes_hz[k] / answer.measured_hz[k] - 1.0;
     assert!(error(8) > 0.1 && error(8) > error(5) && error(5) > error(2));
-    let again = structure(&found.improved, found.improved.measured.as_ref().unwrap()).unwrap();
+    let again = diagnose_structure(&found.improved, found.improved.measured.as_ref().unwrap()).unwrap();
     assert_eq!(again.answer.verdict, StructureVerdict::Consistent);
 }
 
 #[test]
 fn modes_that_the_model_has_are_consistent_and_a_softer_beam_is_a_stiffness() {
     let mut project = project("measured-modes");
-    let model = structure(&project, project.measured.as_ref().unwrap()).unwrap().answer.model_hz;
+    let model = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap().answer.model_hz;
     let measured = |project: &mut Project, factor: f64| {
         let modes = &mut project.measured.as_mut().unwrap().modes_hz;
         *modes = model.iter().map(|f| factor * f).collect();
     };
     measured(&mut project, 1.0);
-    let found = structure(&project, project.measured.as_ref().unwrap()).unwrap();
+    let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
     assert_eq!(found.answer.verdict, StructureVerdict::Consistent);
     measured(&mut project, 0.95);
-    let found = structure(&project, project.measured.as_ref().unwrap()).unwrap();
+    let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
     assert_eq!(found.answer.verdict, StructureVerdict::Named);
     let modulus = |p: &Project| p.plant.beam.as_ref().unwrap().youngs_modulus_pa;
     assert!((modulus(&found.improved) / modulus(&project) / 0.95_f64.powi(2) - 1.0).abs() < 1e-6);

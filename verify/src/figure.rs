@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::Error;
-use crate::spelling::unknown;
+use crate::spelling::nearest_key;
 
 /// Which plant a figure is measured on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -37,6 +37,10 @@ pub enum Arrangement {
     /// The feedback plus all feedforwards: the controller as exported.
     Compensated,
 }
+
+/// All arrangements, from least to most control.
+pub const ARRANGEMENTS: [Arrangement; 3] =
+    [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated];
 
 /// A figure of the loop broken at the plant's input, of the discrete controller with the sampled plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -204,7 +208,7 @@ const SOURCES: [(Source, &str, &str); 4] = [
     (Source::Road, "road", "road"),
 ];
 
-const ARRANGEMENTS: [(Arrangement, &str, &str); 3] = [
+const ARRANGEMENT_NAMES: [(Arrangement, &str, &str); 3] = [
     (Arrangement::Uncontrolled, "uncontrolled", "without control"),
     (Arrangement::Feedback, "feedback", "feedback"),
     (Arrangement::Compensated, "compensated", "feedback + feedforward"),
@@ -298,14 +302,14 @@ impl Figure {
                 "{}_{}_{}_{}",
                 key_of(&MODELS, model).0,
                 key_of(&SOURCES, source).0,
-                key_of(&ARRANGEMENTS, arrangement).0,
+                key_of(&ARRANGEMENT_NAMES, arrangement).0,
                 words(&QUANTITIES, quantity).0
             ),
             Figure::Rejection { source, arrangement, frequency_hz } => {
                 format!(
                     "{}_{}_drr_db at {frequency_hz} Hz",
                     key_of(&SOURCES, source).0,
-                    key_of(&ARRANGEMENTS, arrangement).0
+                    key_of(&ARRANGEMENT_NAMES, arrangement).0
                 )
             }
             Figure::Rest(figure) => words(&REST, figure).0.to_owned(),
@@ -322,13 +326,13 @@ impl Figure {
         if let Some((stem, frequency)) = key.split_once(" at ") {
             return Self::rejection_from_key(key, stem, frequency);
         }
-        Self::all().into_iter().find(|figure| figure.key() == key).ok_or_else(|| unknown(key))
+        Self::all().into_iter().find(|figure| figure.key() == key).ok_or_else(|| unknown_figure(key))
     }
 
     fn rejection_from_key(key: &str, stem: &str, frequency: &str) -> Result<Self, Error> {
         let number =
             frequency.trim().strip_suffix("Hz").map(str::trim).and_then(|text| text.parse::<f64>().ok());
-        let frequency_hz = number.ok_or_else(|| unknown(key))?;
+        let frequency_hz = number.ok_or_else(|| unknown_figure(key))?;
         if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
             return Err(Error::Range {
                 what: "frequency of a DRR",
@@ -339,7 +343,7 @@ impl Figure {
         let all = rejections(frequency_hz);
         all.into_iter()
             .find(|figure| figure.key().starts_with(&format!("{stem} at")))
-            .ok_or_else(|| unknown(key))
+            .ok_or_else(|| unknown_figure(key))
     }
 
     /// Every figure; the DRR at 1 Hz stands for the DRR at any frequency.
@@ -351,7 +355,7 @@ impl Figure {
         }
         for (model, ..) in MODELS {
             for (source, ..) in SOURCES {
-                for (arrangement, ..) in ARRANGEMENTS {
+                for (arrangement, ..) in ARRANGEMENT_NAMES {
                     out.extend(
                         QUANTITIES.iter().map(|row| Figure::Disturbance(model, source, arrangement, row.0)),
                     );
@@ -378,14 +382,14 @@ impl Figure {
                 "{}, {}, {}, {}",
                 words(&QUANTITIES, quantity).1,
                 key_of(&SOURCES, source).1,
-                key_of(&ARRANGEMENTS, arrangement).1,
+                key_of(&ARRANGEMENT_NAMES, arrangement).1,
                 key_of(&MODELS, model).1
             ),
             Figure::Rejection { source, arrangement, frequency_hz } => {
                 format!(
                     "DRR {} at {frequency_hz} Hz, {}, linear plant",
                     key_of(&SOURCES, source).1,
-                    key_of(&ARRANGEMENTS, arrangement).1
+                    key_of(&ARRANGEMENT_NAMES, arrangement).1
                 )
             }
             Figure::Rest(figure) => words(&REST, figure).1.to_owned(),
@@ -432,10 +436,17 @@ impl fmt::Display for Figure {
     }
 }
 
+/// The error for a key that no figure has.
+fn unknown_figure(key: &str) -> Error {
+    let close = nearest_key(key, Figure::all().iter().map(Figure::key));
+    let hint = close.map_or(String::new(), |best| format!(", did you mean '{best}'?"));
+    Error::UnknownFigure { key: key.to_owned(), hint }
+}
+
 fn rejections(frequency_hz: f64) -> Vec<Figure> {
     let mut out = Vec::new();
     for source in [Source::Heave, Source::Pitch] {
-        out.extend(ARRANGEMENTS.iter().map(|row| Figure::Rejection {
+        out.extend(ARRANGEMENT_NAMES.iter().map(|row| Figure::Rejection {
             source,
             arrangement: row.0,
             frequency_hz,

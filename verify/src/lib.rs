@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`coincidence`], [`image_motion`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`nonlinear`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`acceptance`] (requirements traced to runs and to tests on the machine),
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
@@ -34,6 +34,7 @@ pub mod nonlinear;
 pub mod procedure;
 pub mod requirement;
 pub mod robust;
+pub mod sight_options;
 pub mod sight_spectrum;
 pub mod signals;
 pub mod spectral;
@@ -48,16 +49,17 @@ pub use error_budget::{
     BudgetRun, Contribution, ErrorBudget, ErrorSource, LinearContribution, budget_angles, error_budget,
 };
 pub use figure::{
-    Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source, StepFigure,
-    TriangleFigure,
+    ARRANGEMENTS, Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source,
+    StepFigure, TriangleFigure,
 };
 pub use history::{Experiment, History};
 pub use image_motion::Optics;
-pub use line_of_sight::{LineOfSight, SightAngles, SightError};
+pub use line_of_sight::{SightAngles, SightError};
 pub use measure::{Measured, Value};
 pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
+pub use sight_options::LineOfSight;
 pub use verification::{
-    ARRANGEMENTS, Evidence, FrequencyFigures, Verification, VerifiedController, frequency_figures,
-    linear_plant, verify, verify_linear, verify_watched,
+    Evidence, FrequencyFigures, Verification, VerifiedController, frequency_figures, linear_plant, verify,
+    verify_linear, verify_watched,
 };

@@ -1,15 +1,10 @@
-//! A figure that does not exist is answered with the nearest that does.
+//! A key that does not exist is answered with the nearest that does.
 
-use crate::{Error, Figure};
-
-/// The error for a key that no figure has.
-pub(crate) fn unknown(key: &str) -> Error {
-    let mut near: Vec<(usize, String)> =
-        Figure::all().iter().map(|f| (edit_distance(key, &f.key()), f.key())).collect();
+/// Returns the key nearest to one that does not exist; `None` if all are too far from it.
+pub(crate) fn nearest_key(key: &str, all: impl Iterator<Item = String>) -> Option<String> {
+    let mut near: Vec<(usize, String)> = all.map(|known| (edit_distance(key, &known), known)).collect();
     near.sort();
-    let close = near.first().filter(|(distance, _)| *distance <= 2 + key.len() / 3);
-    let hint = close.map_or(String::new(), |(_, best)| format!(", did you mean '{best}'?"));
-    Error::UnknownFigure { key: key.to_owned(), hint }
+    near.into_iter().next().filter(|(distance, _)| *distance <= 2 + key.len() / 3).map(|(_, known)| known)
 }
 
 /// Levenshtein's distance in characters.

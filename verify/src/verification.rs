@@ -14,11 +14,9 @@ use crate::linear::closed::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
-use crate::{Arrangement, Error, Figure, Model, Procedure, Requirement, Source, Verdict, nonlinear};
-
-/// All arrangements, from least to most control.
-pub const ARRANGEMENTS: [Arrangement; 3] =
-    [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated];
+use crate::{
+    ARRANGEMENTS, Arrangement, Error, Figure, Model, Procedure, Requirement, Source, Verdict, nonlinear,
+};
 
 /// What was measured, how it was judged, and what it was read from.
 #[derive(Debug, Clone, PartialEq)]

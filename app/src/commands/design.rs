@@ -1,6 +1,9 @@
 //! `counterpoise design`: every stage from the project file to code, with the report.
 
+use std::path::PathBuf;
+
 use crate::output::say;
+use clap::Args;
 use counterpoise_export::File;
 use counterpoise_host::code_files;
 use counterpoise_host::compilers::{processor, proofs};
@@ -21,9 +24,25 @@ use serde::Serialize;
 
 use super::first_design;
 use crate::exit::{Done, verdict_code};
-use crate::options::DesignOptions;
+use crate::options::Results;
 use crate::output;
 use counterpoise_host::projects::{self, Surroundings};
+
+/// Arguments of `design`.
+#[derive(Args)]
+pub struct DesignOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Folder for report and code
+    #[arg(short, long, default_value = "out")]
+    pub output: PathBuf,
+    /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
+    #[arg(long, requires = "json")]
+    pub histories: bool,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
 
 /// The results for another program, and why the weights are what they are if they were chosen.
 #[derive(Serialize)]

@@ -2,13 +2,14 @@
 
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
-use counterpoise_diagnose::findings::answer::{Channels, FitTable, Hypothesis, Verdict};
+use counterpoise_diagnose::findings::answer::{FitTable, Hypothesis, Verdict};
+use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_pipeline::configuration::in_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
 use counterpoise_pipeline::results::RecordingResult;
-use counterpoise_pipeline::{Consequence, consequence};
+use counterpoise_pipeline::{Consequence, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
@@ -132,7 +133,7 @@ fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::R
     if found.improved == loaded.project.plant {
         return Ok(None);
     }
-    Ok(consequence(&loaded.project, &found.improved, &Surroundings::of(loaded, progress))?)
+    Ok(verify_redesign(&loaded.project, &found.improved, &Surroundings::of(loaded, progress))?)
 }
 
 fn print_consequence(found: &Consequence) {

@@ -1,6 +1,9 @@
 //! `counterpoise experiment`: the demand that best separates what a diagnosis leaves possible.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Error};
+use clap::Args;
 use counterpoise_diagnose::experiment::Limits;
 use counterpoise_host::projects;
 use counterpoise_host::workers::Workers;
@@ -10,8 +13,54 @@ use counterpoise_report::wording::experiment::{ExperimentPlanText, describe_plan
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
 use crate::exit::{Done, Exit};
-use crate::options::ExperimentOptions;
+use crate::options::Results;
 use crate::output::{self, say};
+
+/// Arguments of `experiment`.
+#[derive(Args)]
+pub struct ExperimentOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// JSON result of a diagnosis of this project; without it the plan is for the effects that machines most often lack
+    pub findings: Option<PathBuf>,
+    /// Largest angle from the start to either side, rad (m on a linear axis)
+    #[arg(long, value_name = "ANGLE", value_parser = positive)]
+    pub angle: f64,
+    /// Largest rate in either direction, rad/s (m/s)
+    #[arg(long, value_name = "RATE", value_parser = positive)]
+    pub rate: f64,
+    /// Largest current in either direction, A; no limit if absent
+    #[arg(long, value_name = "CURRENT", value_parser = positive)]
+    pub current: Option<f64>,
+    /// Duration, s
+    #[arg(long, value_name = "DURATION", default_value = "10", value_parser = seconds)]
+    pub duration: f64,
+    /// CSV file for the demand
+    #[arg(short, long, value_name = "FILE", default_value = "demand.csv")]
+    pub output: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Returns a finite number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("must be a number above 0, such as 0.1".to_owned()),
+    }
+}
+
+/// Longest experiment that is planned, s.
+const LONGEST_S: f64 = 600.0;
+
+/// Returns a duration that can be planned.
+fn seconds(text: &str) -> Result<f64, String> {
+    match positive(text)? {
+        duration if duration <= LONGEST_S => Ok(duration),
+        _ => Err(format!("must be at most {LONGEST_S} s: a longer experiment is this one, repeated")),
+    }
+}
 
 /// Runs the command.
 pub fn run(options: &ExperimentOptions) -> Done {

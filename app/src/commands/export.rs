@@ -1,8 +1,9 @@
 //! `counterpoise export`: the verified controller as code; or whether generated files are still what the project gives.
 
 use crate::output::say;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use counterpoise_export::{Checked, File, check_file};
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::{code_files, files};
@@ -12,9 +13,25 @@ use counterpoise_project::Purpose;
 use serde::Serialize;
 
 use crate::exit::{Done, verdict_code};
-use crate::options::ExportOptions;
+use crate::options::Results;
 use crate::output;
 use counterpoise_host::projects::{self, Surroundings};
+
+/// Arguments of `export`.
+#[derive(Args)]
+pub struct ExportOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Folder for report and code
+    #[arg(short, long, default_value = "out")]
+    pub output: PathBuf,
+    /// Write nothing; check whether these generated files are still what the project gives
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub check: Vec<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
 
 /// Writes the code, or checks files.
 pub fn run(options: &ExportOptions) -> Done {

@@ -10,7 +10,7 @@ use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_r
 use counterpoise_project::{Purpose, StructureChoice};
 use counterpoise_report::fra::{Pace, fra_report};
 use counterpoise_report::html_page;
-use counterpoise_report::wording::recordings::describe_recorded_map;
+use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
 
 use crate::exit::{Done, Exit};
@@ -142,7 +142,8 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
-    Ok((vec![analyser.compare(&measured, &Workers::new(Progress::Quiet))?], speed))
+    let map = analyser.compare(&measured, &Workers::new(Progress::Quiet))?;
+    Ok((vec![describe_map(map)], speed))
 }
 
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the

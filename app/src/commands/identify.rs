@@ -1,6 +1,9 @@
 //! `counterpoise identify`: the triangle-wave method.
 
+use std::path::PathBuf;
+
 use crate::output::say;
+use clap::Args;
 use counterpoise_diagnose::identification::{Estimate, improved};
 use counterpoise_pipeline::recordings::{AxisUnits, identify};
 use counterpoise_project::Purpose;
@@ -12,9 +15,28 @@ use counterpoise_report::wording::identification::{
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
 use crate::exit::{Done, Exit};
-use crate::options::IdentifyOptions;
+use crate::options::Outputs;
 use crate::output;
 use counterpoise_host::projects;
+
+/// Arguments of `identify`.
+#[derive(Args)]
+pub struct IdentifyOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Recordings of the same machine at another out-of-balance: they separate the amplifier's curve from friction
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    pub other: Vec<PathBuf>,
+    /// Write the project file with the identified values
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Where report and results go.
+    #[command(flatten)]
+    pub outputs: Outputs,
+}
 
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {

@@ -1,16 +1,32 @@
 //! `counterpoise new`: a folder with a project file to start from, filled in by five questions, like a kind of machine, or in full.
 
 use anyhow::{Result, bail};
+use clap::Args;
 use counterpoise_host::files::{PROJECT_FILE, create_project};
 use counterpoise_project::starters::{Kind, Question, with_answer};
 use counterpoise_project::{Document, STARTER};
 use std::io::{BufRead, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::examples::write_example;
 use crate::exit::{Done, Exit};
-use crate::options::NewOptions;
 use crate::output::{say, write_out};
+
+/// Arguments of `new`.
+#[derive(Args)]
+pub struct NewOptions {
+    /// Folder to make, or an empty one; its name becomes the name of the machine
+    pub folder: PathBuf,
+    /// The machine that the file describes, in at most 25 lines; asked for on a terminal, with four of its values, if absent
+    #[arg(long, value_name = "sight|gun|antenna|robot-joint|gimbal|linear-axis|pendulum")]
+    pub like: Option<String>,
+    /// A complete file of 263 lines instead, with weights, requirements and a campaign
+    #[arg(long, conflicts_with = "like")]
+    pub full: bool,
+    /// An example of the manual instead, with its recordings, for example reference-rig
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["like", "full"])]
+    pub example: Option<String>,
+}
 
 /// Writes the project file; never over another.
 pub fn run(options: &NewOptions) -> Done {

@@ -1,6 +1,7 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
 use anyhow::Error;
+use clap::Args;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::terminal::print_message;
@@ -17,11 +18,43 @@ use counterpoise_report::wording::recordings::{
 use counterpoise_simulate::replay::RecordedController;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::exit::{Done, Exit};
-use crate::options::ReplayOptions;
+use crate::options::Outputs;
 use crate::output::{self, say};
+
+/// Arguments of `replay`.
+#[derive(Args)]
+pub struct ReplayOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine: CSV, Parquet, MATLAB, HDF5 or NumPy files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Drive the plant with the recorded control instead of the recording's controller
+    #[arg(long)]
+    pub open_loop: bool,
+    /// Length of the windows over which the model follows the recording, under the recorded control and each from a fitted state:
+    /// SECONDS; `none` follows it from start to end; `auto` uses half a second if the machine hunts, otherwise `none`
+    #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
+    pub windows: ReplayLength,
+    /// Where report and results go.
+    #[command(flatten)]
+    pub outputs: Outputs,
+}
+
+/// `auto`, `none` or a length in seconds.
+fn windows(text: &str) -> Result<ReplayLength, String> {
+    match text {
+        "auto" => Ok(ReplayLength::Automatic),
+        "none" => Ok(ReplayLength::Whole),
+        _ => match text.parse::<f64>() {
+            Ok(window_s) if window_s > 0.0 && window_s.is_finite() => Ok(ReplayLength::Windows { window_s }),
+            _ => Err("must be `auto`, `none` or a length in seconds, such as 0.5".to_owned()),
+        },
+    }
+}
 
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {

@@ -1,14 +1,27 @@
 //! Single stages of the pipeline, from the same file.
 
+use std::path::PathBuf;
+
 use crate::output::say;
+use clap::Args;
 use counterpoise_pipeline::results::ReduceResult;
 use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
 use counterpoise_project::Purpose;
 
 use crate::exit::{Done, Exit};
-use crate::options::StageOptions;
+use crate::options::Results;
 use crate::output;
 use counterpoise_host::projects::{self, Loaded};
+
+/// Arguments of a single stage.
+#[derive(Args)]
+pub struct StageOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
 
 /// `counterpoise reduce`.
 pub fn reduce(options: &StageOptions) -> Done {

@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use counterpoise_pipeline::recordings::measured_modes::{
-    StructureAnswer, StructureVerdict, structure, support_in_words,
+    StructureAnswer, StructureVerdict, diagnose_structure, support_in_words,
 };
 use counterpoise_report::html_page;
 use counterpoise_report::structure::structure_report;
@@ -21,7 +21,7 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
             loaded.path.display()
         );
     };
-    let found = structure(&loaded.project, measured)?;
+    let found = diagnose_structure(&loaded.project, measured)?;
     if let Some(path) = &options.save {
         let document = found.improved.update(&loaded.document, &loaded.project)?;
         projects::write_file(path, document.text().as_bytes())?;

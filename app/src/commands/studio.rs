@@ -4,9 +4,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, bail};
+use clap::Args;
 
 use crate::exit::{Done, Exit};
-use crate::options::StudioOptions;
+
+/// Arguments of `studio`, handed to the studio's own program as they are.
+#[derive(Args, Default)]
+#[command(disable_help_flag = true)]
+pub struct StudioOptions {
+    /// Project file or folder, and options (`counterpoise studio --help` lists them)
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
+    pub arguments: Vec<std::ffi::OsString>,
+}
 
 /// Name of the studio's program, which is installed beside this one.
 const PROGRAM: &str = "counterpoise-studio";

@@ -203,7 +203,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     };
     let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).reproduced_by(&command));
     projects::write_file(&options.output.join("report.html"), page.as_bytes())?;
-    let rows = sweep::figures(&found);
+    let rows = sweep::sweep_figures(&found);
     if !output::json_list(&options.results, "figures", &rows)? {
         print(&found, &rows);
         print_stability(&found);

@@ -19,7 +19,7 @@ use counterpoise_report::{
 };
 use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
-use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};

@@ -2,8 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use super::plan::Limits;
 use crate::tolerance::experiment::{LEVELS, MULTISINE_LINES, MULTISINE_RANGE_HZ, STAIRS, SWEEP_PERIODS};
+
+/// What an experiment must not exceed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Angle from the start to either side, rad.
+    pub angle_rad: f64,
+    /// Rate in either direction, rad/s.
+    pub rate_rad_s: f64,
+    /// Current in either direction, A.
+    pub current_a: f64,
+    /// Duration, s.
+    pub duration_s: f64,
+}
 
 /// The shape of a demand over time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,25 +8,12 @@ use counterpoise_simulate::{
     Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 
-use super::menu::{Demand, Shape, list_demands};
+use super::menu::{Demand, Limits, Shape, list_demands};
 use super::separation::{Expected, PossibleMachine, Separation, separation};
 use crate::library::Parameter;
 use crate::simulator_access::{Pool, map};
 use crate::tolerance::FIT_STEP;
 use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
-
-/// What an experiment must not exceed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    /// Angle from the start to either side, rad.
-    pub angle_rad: f64,
-    /// Rate in either direction, rad/s.
-    pub rate_rad_s: f64,
-    /// Current in either direction, A.
-    pub current_a: f64,
-    /// Duration, s.
-    pub duration_s: f64,
-}
 
 /// What is planned for.
 pub struct ExperimentRequest<'a> {

@@ -1,8 +1,8 @@
 //! What the diagnosis finds: plain data, without sentences.
 
 use serde::Serialize;
-use std::collections::BTreeMap;
 
+use crate::findings::channel_fits::Channels;
 use crate::learning::{LearnedModel, is_at};
 use crate::library::{Component, EffectName, component_of};
 use crate::localisation::error_hypotheses::Regime;
@@ -141,18 +141,6 @@ impl Finding {
         Name { effect: self.effect, component: self.component }
     }
 }
-
-/// Fit of one channel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ChannelFit {
-    /// RMS error.
-    pub rms_error: f64,
-    /// Noise floor: the RMS of the residual of a perfect model.
-    pub floor: f64,
-}
-
-/// Fit of every channel, over all recordings.
-pub type Channels = BTreeMap<&'static str, ChannelFit>;
 
 /// How the fit improved.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]

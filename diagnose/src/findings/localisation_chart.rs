@@ -110,8 +110,9 @@ mod tests {
     use crate::library::EffectName;
     use crate::localisation::error_map::localise_errors;
     use crate::localisation::residual_regression::ReplayedRecording;
-    use crate::localisation::torque_balances::{RedundantSensors, list_balances};
+    use crate::localisation::torque_balances::list_balances;
     use crate::localisation::trend::{Repetition, Trend};
+    use crate::machine::RedundantSensors;
     use crate::recording::measured_signals::MeasuredSignals;
     use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, Serial};
     use counterpoise_models::reference;

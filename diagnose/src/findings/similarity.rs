@@ -10,7 +10,8 @@ use counterpoise_models::friction::Similarity;
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable, Ripple};
 use counterpoise_recordings::{Channel, Recording};
 
-use crate::findings::answer::{Answer, Basis, Channels};
+use crate::findings::answer::{Answer, Basis};
+use crate::findings::channel_fits::Channels;
 use crate::learning::reading::read;
 use crate::library::{Component, EffectName, Parameter, find_effects, list_textbook_effects};
 use crate::localisation::error_hypotheses::Regime;

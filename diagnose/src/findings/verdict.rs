@@ -1,14 +1,12 @@
 //! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
 
-use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD};
-use std::collections::BTreeMap;
-
 use crate::findings::answer::{
-    Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue,
-    Name, NearestEffect, NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
+    Answer, Basis, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue, Name, NearestEffect,
+    NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
 };
+use crate::findings::channel_fits::channels;
 use crate::fitting::output_error::confidence_intervals;
-use crate::fitting::score::{Score, score};
+use crate::fitting::score::score;
 use crate::library::{Component, Effect, EffectName, Parameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
@@ -21,6 +19,7 @@ use crate::selection::signature::EffectSignature;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
 use crate::tolerance::findings::LEAST_INFORMATION;
+use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD};
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
@@ -355,17 +354,6 @@ fn same_name(a: &Effect, b: &Effect) -> bool {
 
 fn whole_turns(phase: f64) -> f64 {
     std::f64::consts::TAU * (phase / std::f64::consts::TAU).round()
-}
-
-/// Returns the RMS over the recordings, channel by channel.
-pub(crate) fn channels(score: &Score) -> Channels {
-    let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
-    for cell in &score.cells {
-        let sum = sums.entry(cell.channel).or_default();
-        *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
-    }
-    let fit = |(e, f, n): (f64, f64, f64)| ChannelFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };
-    sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
 }
 
 /// Returns the effects whose smallest detectable size is larger than a size that would matter.

@@ -4,8 +4,7 @@
 use counterpoise_linalg::inverse;
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
 
-use crate::findings::answer::Channels;
-use crate::findings::verdict::channels;
+use crate::findings::channel_fits::{Channels, channels};
 use crate::fitting::output_error::{
     Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };

@@ -3,7 +3,7 @@
 use counterpoise_models::{LearnedElement, Parameters};
 
 use super::names::{Component, EffectName};
-use super::{amplifier_map, learned};
+use super::{amplifier_map, learned_values};
 
 /// How a parameter's value is mapped to the variable of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +65,7 @@ impl Parameter {
         match self.access {
             Access::Field { get, .. } => get(of),
             Access::Curve { inputs_v, point } => amplifier_map::fraction(of, inputs_v[point]),
-            Access::Learned { element, point } => learned::read(of, element, point),
+            Access::Learned { element, point } => learned_values::read(of, element, point),
         }
     }
 
@@ -76,7 +76,7 @@ impl Parameter {
             Access::Curve { inputs_v, point } => {
                 amplifier_map::set_fraction(of, amplifier_map::CurvePoint { inputs_v, point }, value);
             }
-            Access::Learned { element, point } => learned::write(of, element, point, value),
+            Access::Learned { element, point } => learned_values::write(of, element, point, value),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use counterpoise_models::{LearnedElement, LearnedPlace, Parameters};
+use counterpoise_models::{LearnedElement, LearnedPlace};
 
 use super::effect::{Access, Effect, Kind, Mapping, Parameter};
 use super::names::{Component, EffectName};
@@ -65,25 +65,4 @@ pub fn component(place: LearnedPlace) -> Component {
         LearnedPlace::Motor => Component::Motor,
         LearnedPlace::Gearbox => Component::Gearbox,
     }
-}
-
-/// Returns whether an element of a machine is the fitted one, whatever its values.
-fn is_same(a: &LearnedElement, b: &LearnedElement) -> bool {
-    (a.place, a.quantity, a.variable, &a.points) == (b.place, b.quantity, b.variable, &b.points)
-        && a.name == b.name
-}
-
-/// Returns the value of a free function at a point in a mechanism; the neutral one if the mechanism does not have it.
-pub(super) fn read(of: &Parameters, element: &LearnedElement, point: usize) -> f64 {
-    let found = of.learned.iter().find(|e| is_same(e, element));
-    found.map_or(element.quantity.neutral(), |e| e.values[point])
-}
-
-/// Sets the value of a free function at a point; a mechanism that does not have the function is given it.
-pub(super) fn write(of: &mut Parameters, element: &LearnedElement, point: usize, value: f64) {
-    let place = of.learned.iter().position(|e| is_same(e, element)).unwrap_or_else(|| {
-        of.learned.push(element.clone());
-        of.learned.len() - 1
-    });
-    of.learned[place].values[point] = value;
 }

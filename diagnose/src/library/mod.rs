@@ -9,6 +9,7 @@ mod curve;
 mod drive;
 mod effect;
 mod learned;
+mod learned_values;
 mod names;
 mod sensing;
 mod structure;

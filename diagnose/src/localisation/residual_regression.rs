@@ -12,10 +12,10 @@ use counterpoise_models::Parameters;
 
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Balance, RedundantSensors, Signals, thin};
+use crate::localisation::torque_balances::{Balance, Signals, thin};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
-use crate::machine::usable_sensors;
+use crate::machine::{RedundantSensors, usable_sensors};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;

@@ -18,7 +18,7 @@ use counterpoise_models::Parameters;
 use serde::Serialize;
 
 use crate::library::{Component, named};
-use crate::machine::{SteadyDrive, cosine};
+use crate::machine::{RedundantSensors, SteadyDrive, cosine};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::{derivative, low_pass, moving_mean};
 use crate::tolerance::localisation::LEAST_RMS_RATE_RAD_S;
@@ -55,15 +55,6 @@ impl Balance {
     pub(crate) fn allowed(sensors: RedundantSensors) -> Vec<Self> {
         list_balances(sensors).into_iter().filter(|row| row.available).map(|row| row.balance).collect()
     }
-}
-
-/// Which of the sensors are present that a machine can do without.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RedundantSensors {
-    /// Whether the motor's rate was recorded.
-    pub motor_rate: bool,
-    /// Whether the hub's angle was recorded.
-    pub hub_position: bool,
 }
 
 /// Lists every balance, whether a set of sensors allows it, and the components whose errors show in it.

@@ -10,6 +10,7 @@ pub mod baseline;
 pub mod candidate;
 mod curve_knots;
 mod determination;
+mod hose_spring;
 mod merging;
 pub mod outcome;
 mod pairs;

@@ -5,7 +5,7 @@ use crate::fitting::score::assess;
 use crate::library::Effect;
 use crate::selection::baseline::{Baseline, level};
 use crate::selection::candidate::{Candidate, ranked};
-use crate::selection::merging::spring_in_place_of_hose;
+use crate::selection::hose_spring::spring_in_place_of_hose;
 use crate::selection::pairs::rank_pairs;
 use crate::selection::parameter_scan::scan_backlash;
 use crate::selection::screening::screen_effects;

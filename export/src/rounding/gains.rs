@@ -1,8 +1,8 @@
 //! What an error of an operation does to later controls at rest: impulse responses, summed over time.
 
 use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
+use counterpoise_controller::compiled::Compiled;
 use counterpoise_controller::number::Dual;
-use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{Controller, Number, Runner};
 
 /// A limit that no control reaches.

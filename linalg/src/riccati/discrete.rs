@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::mat::Mat;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_REGULAR};
+use crate::tolerance::EPS;
 
 use super::certify::{Certified, certify};
 use super::continuous::{Failure, check_input, fold};
@@ -11,6 +11,7 @@ use super::decide::{decide, in_callers_units, is_beyond_doubt};
 use super::equation::{Data, Discrete};
 use super::modes::Modes;
 use super::newton::refine;
+use super::precise::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
 use super::{Method, Outcome, Reason, Riccati, doubling, reason, subspace};
 
@@ -59,7 +60,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
     let data = &equation.0;
     let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(&data.R) };
     let mut first = None;
-    for shift in shifts(data) {
+    for shift in equation.shifts() {
         let Some(problem) = shifted(data, shift) else { continue };
         for method in [Method::Doubling, Method::Schur] {
             match attempt(equation, &problem, shift, method) {
@@ -89,20 +90,6 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
         Some(problem) => decide(equation, &Modes::of(&problem, Kind::Discrete), None, refusal.into()),
         None => Outcome::Infeasible(refusal),
     }
-}
-
-/// The shifts `s` to try: none at first if `R` is regular, and sizes that make `R + s B'B` so. A large problem gets few, because its refusal
-/// must not take many times as long as a solution.
-pub(super) fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
-    let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
-    let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);
-    let regular = crate::decomposition::rcond_one(R) > RICCATI_REGULAR;
-    let mut list = vec![size, -size, 0.03 * size, 30.0 * size];
-    list.insert(if regular { 0 } else { list.len() }, 0.0);
-    if R.nrows().max(Q.nrows()) > PRECISE_STATES {
-        list.truncate(if regular { 1 } else { 2 });
-    }
-    list
 }
 
 /// The equation for `Z = X - sI`, its cross term folded away.

@@ -4,12 +4,13 @@
 //! `(A-BK)'X + X(A-BK) + Q - SK - K'S' + K'RK` differs from the residual by `(K-K*)'R(K-K*)` only, so that no inverse is
 //! needed in more than working precision. The same holds in discrete time.
 
+use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::extended::{Extended, exact_product};
 use crate::mat::Mat;
 use crate::precise::Precise;
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN};
+use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN, PRECISE_STATES, RICCATI_REGULAR};
 
 use super::newton::{Change, Equation, Evaluation};
 use super::precise::{Linearised, PreciseEquation};
@@ -356,8 +357,19 @@ impl PreciseEquation for Discrete {
         data.fold_precisely(&Q, &R, Some(&cross))
     }
 
+    /// None at first if `R` is regular, and sizes that make `R + s B'B` so. A large problem gets few, because its refusal must not take
+    /// many times as long as a solution.
     fn shifts(&self) -> Vec<f64> {
-        super::discrete::shifts(&self.0)
+        let Data { B, Q, R, .. } = &self.0;
+        let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
+        let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);
+        let regular = rcond_one(R) > RICCATI_REGULAR;
+        let mut list = vec![size, -size, 0.03 * size, 30.0 * size];
+        list.insert(if regular { 0 } else { list.len() }, 0.0);
+        if R.nrows().max(Q.nrows()) > PRECISE_STATES {
+            list.truncate(if regular { 1 } else { 2 });
+        }
+        list
     }
 
     fn kind(&self) -> Kind {

@@ -1,6 +1,6 @@
 //! Dahl's law: a hysteretic spring that yields at the Coulomb level.
 
-use super::law::Partials;
+use super::partials::Partials;
 use super::real::Real;
 use super::stribeck::StribeckLevel;
 use crate::tolerance::YIELDED;

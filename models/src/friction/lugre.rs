@@ -1,6 +1,6 @@
 //! The LuGre law: an average bristle deflection with a Stribeck level.
 
-use super::law::Partials;
+use super::partials::Partials;
 use super::real::Real;
 use super::stribeck::StribeckLevel;
 

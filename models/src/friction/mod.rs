@@ -18,7 +18,7 @@
 //!
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
-//! Modules in reading order: [`ranges`], [`properties`], [`real`], [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
+//! Modules in reading order: [`ranges`], [`properties`], [`real`], [`stribeck`], [`partials`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
 //! [`law`], [`model`], [`dry`], [`mod@contact`], [`describing`].
 //!
 //! ```
@@ -40,6 +40,7 @@ pub mod dry;
 pub mod law;
 pub mod lugre;
 pub mod model;
+pub mod partials;
 pub mod properties;
 pub mod ranges;
 pub mod real;
@@ -52,9 +53,10 @@ pub use bristle::Bristle;
 pub use contact::{Contact, Joint, contact};
 pub use dahl::Dahl;
 pub use dry::{DryFriction, SmoothLaw};
-pub use law::{Law, Partials};
+pub use law::Law;
 pub use lugre::Lugre;
 pub use model::{FrictionModel, Surroundings};
+pub use partials::Partials;
 pub use properties::Similarity;
 pub use real::Real;
 pub use reset::ResetIntegrator;

@@ -1,7 +1,8 @@
 //! Friction between two bodies as a whole: a dry law, what modulates it, viscous and quadratic drag.
 
 use super::build::checked_law;
-use super::law::{Law, Partials};
+use super::law::Law;
+use super::partials::Partials;
 use super::ranges;
 use super::sliding::Stick;
 use crate::Error;

@@ -1,6 +1,6 @@
 //! The reset integrator: a bond that stretches to its limit and then slides.
 
-use super::law::Partials;
+use super::partials::Partials;
 use super::real::Real;
 
 /// dz/dt = 0 while w pushes z beyond +/- z_0, w otherwise;

@@ -1,6 +1,6 @@
 //! Walrath's law: the sign of the rate through a first-order lag.
 
-use super::law::Partials;
+use super::partials::Partials;
 use super::real::Real;
 
 /// T + tau dT/dt = T_c sgn w; the state is the torque T, N m.

@@ -2,6 +2,7 @@
 
 use super::core::{input, state};
 use super::learned::{JointMotion, LearnedRegime};
+use super::mesh_loss::MeshLoss;
 use super::{Core, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
 use crate::loads::LoadPoint;
@@ -259,15 +260,6 @@ impl From<(f64, f64)> for SinCos {
     fn from((sin, cos): (f64, f64)) -> Self {
         Self { sin, cos }
     }
-}
-
-/// What an imperfect mesh adds at either side.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct MeshLoss {
-    /// Torque added at the motor shaft, N m.
-    pub motor_nm: f64,
-    /// Torque added at the hub, N m.
-    pub hub_nm: f64,
 }
 
 impl Plant {

@@ -1,7 +1,7 @@
 //! The operating point: what the motor must do to hold the out-of-balance.
 
 use super::core::state;
-use super::dynamics::MeshLoss;
+use super::mesh_loss::MeshLoss;
 use super::{Mesh, Plant};
 use crate::parameters::AmplifierDynamics;
 use crate::tolerance::KINEMATIC_ITERATIONS;
@@ -37,22 +37,6 @@ pub struct Equilibrium {
 }
 
 impl Plant {
-    /// Returns the equilibrium at an operating point, in closed form:
-    ///
-    /// ```text
-    ///     T_2 = mu g cos theta_h - nu g sin theta_h + K_s (theta_h - theta_p - theta_0) - equilibrator - mesh ripple
-    ///     delta = T_2 / K_gb + sgn(T_2) b / 2,   K_t i = T_2 / N - cogging,   v = V / K_v + K_ifb i,  V = R i
-    /// ```
-    ///
-    /// Wherever the mesh ripple and the cogging depend on the motor angle, the angle at T_2 without ripple is taken.
-    pub fn equilibrium(&self, point: &OperatingPoint) -> Equilibrium {
-        let bare = self.equilibrium_under(point, MeshLoss::default());
-        match self.learned() {
-            Some(functions) => self.learned_equilibrium(functions, bare),
-            None => bare,
-        }
-    }
-
     /// Returns the equilibrium under added torques at the motor and at the hub.
     pub(super) fn equilibrium_under(&self, point: &OperatingPoint, added: MeshLoss) -> Equilibrium {
         let (gearbox, motor) = (&self.parameters.gearbox, &self.parameters.motor);

@@ -1,17 +1,14 @@
-//! Free functions in the plant: tables that are ready for evaluation, what they add to the torques, and the plant that has their values
-//! at an operating point as ordinary parameters.
+//! Free functions in the plant: tables that are ready for evaluation, and what they add to the torques.
 
 use std::f64::consts::TAU;
 
-use super::dynamics::MeshLoss;
-use super::equilibrium::Equilibrium;
-use super::{Impedance, Mesh, Plant};
+use super::mesh_loss::MeshLoss;
+use super::{Mesh, Plant};
 use crate::Error;
 use crate::parameters::{
-    Friction, Gearbox, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters,
-    RegimeVariable,
+    Gearbox, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
 };
-use crate::tolerance::{LEARNED_ITERATIONS, LEARNED_SPACING, LEAST_LEVEL, PERIODIC_COPIES};
+use crate::tolerance::{LEARNED_SPACING, LEAST_LEVEL, PERIODIC_COPIES};
 
 /// A function through points, constant outside them.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,7 +192,7 @@ pub struct JointMotion {
 /// The free functions of a plant, ready for evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LearnedFunctions {
-    all: Vec<LearnedFunction>,
+    pub(super) all: Vec<LearnedFunction>,
     ratio: f64,
 }
 
@@ -261,7 +258,7 @@ impl LearnedFunctions {
 
     /// Adds a torque at its place; at the gearbox it acts on both sides.
     #[inline]
-    fn add(&self, place: LearnedPlace, torque_nm: f64, sum: &mut MeshLoss) {
+    pub(super) fn add(&self, place: LearnedPlace, torque_nm: f64, sum: &mut MeshLoss) {
         match place {
             LearnedPlace::Pivot => sum.hub_nm += torque_nm,
             LearnedPlace::Motor => sum.motor_nm += torque_nm,
@@ -273,7 +270,7 @@ impl LearnedFunctions {
     }
 
     #[inline]
-    fn variable(&self, function: &LearnedFunction, at: &LearnedRegime) -> f64 {
+    pub(super) fn variable(&self, function: &LearnedFunction, at: &LearnedRegime) -> f64 {
         let joint = match function.place {
             LearnedPlace::Pivot => at.hub,
             LearnedPlace::Motor => at.motor,
@@ -323,14 +320,6 @@ fn value_torque_nm(function: &LearnedFunction, value: f64, plant: &Plant, at: &L
     }
 }
 
-/// Whether a local plant has a function's slope along its own angle or rate, as small motion feels it, or its value alone, as a
-/// machine at rest does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Around {
-    SmallMotion,
-    Rest,
-}
-
 impl Plant {
     /// Returns the free functions of the plant; `None` if it has none.
     pub fn learned(&self) -> Option<&LearnedFunctions> {
@@ -346,128 +335,6 @@ impl Plant {
     pub fn learned_torques(&self, at: &LearnedRegime) -> MeshLoss {
         self.learned.as_ref().map_or_else(MeshLoss::default, |functions| functions.torques(self, at))
     }
-
-    /// Returns the equilibrium of a plant with free functions, by iteration: each plant has as ordinary parameters and constant
-    /// torques what the functions are at the equilibrium before.
-    pub(super) fn learned_equilibrium(&self, functions: &LearnedFunctions, from: Equilibrium) -> Equilibrium {
-        (0..LEARNED_ITERATIONS).fold(from, |before, _| {
-            let at = self.regime_at(&before);
-            let added = functions.constant_torques(&at);
-            match self.local(functions, &at, Around::Rest) {
-                Some(local) => local.equilibrium_under(&before.point, added),
-                None => before,
-            }
-        })
-    }
-
-    /// Returns the plant that moves a little about an equilibrium as this one does, without free functions, and the stiffness and
-    /// damping that the added torques have there at the motor and at the pivot; `None` if a function leaves no sound plant.
-    ///
-    /// Functions of an angle or a rate keep their slope; those of load, control and time their value, and those over a turn, as
-    /// cogging, have none.
-    pub(super) fn learned_local(&self, at: &Equilibrium) -> Option<(Self, [Impedance; 2])> {
-        let functions = self.learned.as_ref()?;
-        let regime = self.regime_at(at);
-        let local = self.local(functions, &regime, Around::SmallMotion)?;
-        let mut added = [Impedance::default(); 2];
-        for function in functions.all.iter().filter(|f| f.quantity == LearnedQuantity::Torque) {
-            let slope = function.table.slope_at(functions.variable(function, &regime));
-            let joint = match function.place {
-                LearnedPlace::Motor => 0,
-                LearnedPlace::Pivot => 1,
-                LearnedPlace::Gearbox => continue,
-            };
-            match function.variable {
-                RegimeVariable::Angle => added[joint].stiffness -= slope,
-                RegimeVariable::Rate => added[joint].damping -= slope,
-                _ => {}
-            }
-        }
-        Some((local, added))
-    }
-
-    /// Returns where a plant at rest is.
-    fn regime_at(&self, at: &Equilibrium) -> LearnedRegime {
-        let joint = |angle_rad: f64| JointMotion { angle_rad, rate_rad_s: 0.0 };
-        LearnedRegime {
-            time_s: 0.0,
-            drive_v: at.drive_v,
-            current_a: at.current_a,
-            motor: joint(at.motor_angle_rad),
-            hub: joint(at.point.hub_angle_rad - at.point.platform_angle_rad),
-            wind_up_rad: at.core_state[super::core::state::WINDUP],
-            mesh_torque_nm: at.mesh_torque_nm,
-        }
-    }
-
-    /// Returns the plant with the functions' factors at a regime in its parameters, and without functions.
-    fn local(&self, functions: &LearnedFunctions, at: &LearnedRegime, around: Around) -> Option<Self> {
-        let mut p = self.parameters.clone();
-        p.learned.clear();
-        for function in &functions.all {
-            let variable = functions.variable(function, at);
-            let (value, slope) = (function.table.at(variable), function.table.slope_at(variable));
-            let tangent = Tangent { variable, value, slope, around };
-            function.apply(&mut p, &tangent);
-        }
-        Self::with_whole_body(&p, self.body.clone()).ok()
-    }
-}
-
-/// A function at a place of its variable.
-struct Tangent {
-    variable: f64,
-    value: f64,
-    slope: f64,
-    around: Around,
-}
-
-impl LearnedFunction {
-    /// Puts the function's value and slope at a place of its variable into ordinary parameters.
-    fn apply(&self, p: &mut Parameters, at: &Tangent) {
-        let Tangent { variable, value, slope, .. } = *at;
-        let moves = at.around == Around::SmallMotion;
-        let of_angle = moves && self.variable == RegimeVariable::Angle;
-        let of_rate = moves && self.variable == RegimeVariable::Rate;
-        let (gear, factor) = (&mut p.gearbox, value.max(0.0));
-        match (self.quantity, self.place) {
-            (LearnedQuantity::Torque, LearnedPlace::Gearbox) if of_angle => gear.stiffness_nm_rad += slope,
-            (LearnedQuantity::Torque, LearnedPlace::Gearbox) if of_rate => gear.damping_nm_s_rad += slope,
-            (LearnedQuantity::Stiffness, LearnedPlace::Gearbox) => {
-                let tangent = if of_angle { variable * slope } else { 0.0 };
-                gear.stiffness_nm_rad *= factor + tangent;
-            }
-            (LearnedQuantity::Damping, LearnedPlace::Gearbox) => gear.damping_nm_s_rad *= factor,
-            (LearnedQuantity::Stiffness, _) => {
-                if let Some(lumped) = &mut p.lumped {
-                    let bent = variable - lumped.position_stiffness_centre_rad;
-                    lumped.position_stiffness_nm_rad *= factor + if of_angle { bent * slope } else { 0.0 };
-                }
-            }
-            (LearnedQuantity::Damping, place) => joint_friction(p, place).viscous_nm_s_rad *= factor,
-            (LearnedQuantity::FrictionLevel, place) => {
-                joint_friction(p, place).law.scale_coulomb(value.max(LEAST_LEVEL));
-            }
-            (LearnedQuantity::TorqueConstant, _) => p.motor.torque_constant_nm_a *= value,
-            (LearnedQuantity::Torque, _) => {}
-        }
-    }
-}
-
-impl LearnedFunctions {
-    /// Returns the added torques at rest.
-    fn constant_torques(&self, at: &LearnedRegime) -> MeshLoss {
-        let mut sum = MeshLoss::default();
-        for function in self.all.iter().filter(|f| f.quantity == LearnedQuantity::Torque) {
-            let torque = function.table.at(self.variable(function, at));
-            self.add(function.place, torque, &mut sum);
-        }
-        sum
-    }
-}
-
-fn joint_friction(p: &mut Parameters, place: LearnedPlace) -> &mut Friction {
-    if place == LearnedPlace::Motor { &mut p.motor_friction } else { &mut p.pivot_friction }
 }
 
 /// Refuses a free function that has no meaning, or acts on what the machine does not have.

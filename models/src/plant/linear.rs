@@ -1,6 +1,7 @@
 //! The plant linearised about an operating point.
 
 use super::core::{input, state};
+use super::impedance::Impedance;
 use super::{Core, Equilibrium, Mesh, Plant};
 use crate::Error;
 use crate::friction::FrictionModel;
@@ -121,22 +122,6 @@ impl LinearPlant {
         let inputs = std::array::from_fn(|j| kept(self.current.inputs[j], j));
         let current = OutputRow { inputs, ..self.current.clone() };
         Ok(Self { system, current, ..self.clone() })
-    }
-}
-
-/// Stiffness and damping that act on the relative motion of a joint.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Impedance {
-    /// Stiffness, N m/rad.
-    pub stiffness: f64,
-    /// Damping, N m s/rad.
-    pub damping: f64,
-}
-
-impl Impedance {
-    /// Returns the sum with another.
-    fn plus(self, other: Self) -> Self {
-        Self { stiffness: self.stiffness + other.stiffness, damping: self.damping + other.damping }
     }
 }
 

@@ -11,8 +11,11 @@ mod dry;
 pub mod dynamics;
 pub mod equilibrium;
 pub mod hose;
+pub mod impedance;
 pub mod learned;
 pub mod linear;
+mod local_plant;
+pub mod mesh_loss;
 mod outputs;
 mod ranges;
 pub mod rows;
@@ -23,10 +26,11 @@ pub use self::core::{Core, Mesh};
 pub use self::dynamics::{Excitation, SinCos};
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
 pub use self::hose::Hose;
+pub use self::impedance::Impedance;
 pub use self::learned::{
     JointMotion, LearnedFunction, LearnedFunctions, LearnedRefusal, LearnedRegime, LearnedTable,
 };
-pub use self::linear::{Angles, FrictionLinearisation, Impedance, LinearPlant, OutputRow, impedance};
+pub use self::linear::{Angles, FrictionLinearisation, LinearPlant, OutputRow, impedance};
 
 use crate::Error;
 use crate::friction::FrictionModel;

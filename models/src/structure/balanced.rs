@@ -11,7 +11,8 @@ use counterpoise_linalg::{
 };
 
 use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
-use super::large::{Clamped, SparseStructure, orthonormal};
+use super::fe::Truncation;
+use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
 use crate::Error;
 use crate::tolerance::{LEAST_RATIO, MODE_RESIDUAL, RAYLEIGH_SPAN, SPARE_MODES};
 
@@ -23,18 +24,6 @@ const NOISE: f64 = 10.0 * CONTRIBUTION;
 
 /// Factorisations at most; each finds about one motion that matters.
 const STEPS: usize = 80;
-
-/// What the balanced shapes leave out.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Truncation {
-    /// Hankel values that were kept; two belong to a lightly damped mode.
-    pub kept: usize,
-    /// Twice the sum of the values left out, relative to the largest: an *estimate* of the largest error over all frequencies, because the
-    /// values are computed from low-rank factors of the Gramians and the shapes are used on both sides.
-    pub estimated_error: f64,
-    /// Factorisations that it took.
-    pub steps: usize,
-}
 
 /// The shapes of a structure that is clamped at its hub, zero there, and what they leave out.
 pub(super) struct BalancedShapes {

@@ -2,7 +2,7 @@
 //!
 //! Unknowns [w_1, theta_1, w_2, theta_2], theta = dw/dx (without shear), as in (5-5), (5-6).
 
-use super::power_law;
+use super::power_law::{self, PowerLaw};
 use super::profile::{CrossSection, Profile};
 use crate::Error;
 use nalgebra::{Matrix4, Vector4};
@@ -62,7 +62,7 @@ pub fn element(
             let average = profile.average(from_m, to_m);
             Ok(integrate(profile, from_m, to_m, theory, |_| average))
         }
-        Integration::PowerLaw => power_law::element(profile, from_m, to_m),
+        Integration::PowerLaw => power_law_element(profile, from_m, to_m),
     }
 }
 
@@ -82,6 +82,26 @@ fn integrate(
         }
     }
     out
+}
+
+/// Returns the element from x = `from_m` to `to_m`, Bernoulli-Euler.
+///
+/// # Errors
+/// [`Error::PowerLaw`] if the three cross sections are not monotone, so that no power law passes through them.
+fn power_law_element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Element, Error> {
+    let (near, far) = (profile.after(from_m), profile.before(to_m));
+    let middle = profile.after(0.5 * (from_m + to_m));
+    let refused = || Error::PowerLaw { from_m, to_m };
+    let area = PowerLaw::through(near.area_m2, middle.area_m2, far.area_m2).ok_or_else(refused)?;
+    let second = PowerLaw::through(near.second_moment_m4, middle.second_moment_m4, far.second_moment_m4);
+    let length = to_m - from_m;
+    let line_mass = profile.density_kg_m3() * near.area_m2;
+    let rigidity = profile.youngs_modulus_pa() * near.second_moment_m4;
+    Ok(Element {
+        mass: power_law::mass(line_mass, length, &area),
+        stiffness: power_law::stiffness(rigidity, length, &second.ok_or_else(refused)?),
+        shape: Shape::hermite(from_m, to_m),
+    })
 }
 
 impl Element {

@@ -1,6 +1,5 @@
 //! The finite-element model of a structure that turns about a pivot.
 
-use super::balanced::Truncation;
 use super::element::{Element, Integration, Shape, Theory, element};
 use super::mesh::Mesh;
 use super::profile::Profile;
@@ -35,6 +34,18 @@ pub struct FeModel {
     pub tip_arm_m: f64,
     /// What was left out if the model was condensed to balanced shapes.
     pub truncation: Option<Truncation>,
+}
+
+/// What the balanced shapes leave out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truncation {
+    /// Hankel values that were kept; two belong to a lightly damped mode.
+    pub kept: usize,
+    /// Twice the sum of the values left out, relative to the largest: an *estimate* of the largest error over all frequencies, because the
+    /// values are computed from low-rank factors of the Gramians and the shapes are used on both sides.
+    pub estimated_error: f64,
+    /// Factorisations that it took.
+    pub steps: usize,
 }
 
 /// Which unknowns belong to a node.

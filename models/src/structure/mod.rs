@@ -5,8 +5,8 @@
 //!
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
-//! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
-//! [`reduced`], [`refinement`], [`configured`], [`large`], `supported`, [`balanced`], [`import`].
+//! Modules in reading order: [`profile`], [`power_law`], [`element`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
+//! [`reduced`], [`refinement`], [`configured`], [`sparse_structure`], `supported`, [`balanced`], [`large`], [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
@@ -31,14 +31,15 @@ pub mod power_law;
 pub mod profile;
 pub mod reduced;
 pub mod refinement;
+pub mod sparse_structure;
 mod supported;
 
-pub use balanced::Truncation;
 pub use configured::{Structure, with_derived_lumped};
 pub use element::{Integration, Theory};
-pub use fe::{FeModel, FeOptions, Fitted, NodeRows};
-pub use large::{Condensation, Shapes, SparseStructure};
+pub use fe::{FeModel, FeOptions, Fitted, NodeRows, Truncation};
+pub use large::{Condensation, Shapes};
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, modes};
 pub use profile::Profile;
 pub use reduced::{LockedMode, LockedStructure, PinnedStructure, locked, lumped, pinned};
+pub use sparse_structure::SparseStructure;

@@ -3,31 +3,8 @@
 //! A(xi) = A_0 (1 + s xi^b), I(xi) = I_0 (1 + r xi^a) through the near end, the middle and the far end: (5-17) to
 //! (5-20), with the entries that the print has wrong corrected and the rotation's sign that of the uniform element.
 
-use super::element::{Element, Shape};
-use super::profile::Profile;
-use crate::Error;
 use crate::tolerance::SAME_SECTION;
 use nalgebra::Matrix4;
-
-/// Returns the element from x = `from_m` to `to_m`, Bernoulli-Euler.
-///
-/// # Errors
-/// [`Error::PowerLaw`] if the three cross sections are not monotone, so that no power law passes through them.
-pub fn element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Element, Error> {
-    let (near, far) = (profile.after(from_m), profile.before(to_m));
-    let middle = profile.after(0.5 * (from_m + to_m));
-    let refused = || Error::PowerLaw { from_m, to_m };
-    let area = PowerLaw::through(near.area_m2, middle.area_m2, far.area_m2).ok_or_else(refused)?;
-    let second = PowerLaw::through(near.second_moment_m4, middle.second_moment_m4, far.second_moment_m4);
-    let length = to_m - from_m;
-    let line_mass = profile.density_kg_m3() * near.area_m2;
-    let rigidity = profile.youngs_modulus_pa() * near.second_moment_m4;
-    Ok(Element {
-        mass: mass(line_mass, length, &area),
-        stiffness: stiffness(rigidity, length, &second.ok_or_else(refused)?),
-        shape: Shape::hermite(from_m, to_m),
-    })
-}
 
 /// 1 + excess xi^exponent.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,8 +9,8 @@ use counterpoise_linalg::{
     sparse::{Cut, LowestModes, ModeCounter, Progress, Wanted, Watch, highest_cut, lowest_modes},
 };
 
-use super::large::{Clamped, SparseStructure, orthonormal};
 use super::modes::Support;
+use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
 use crate::Error;
 use crate::tolerance::{DEPENDENT_SHAPE, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES};
 

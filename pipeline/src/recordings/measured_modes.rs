@@ -115,7 +115,10 @@ pub struct StructureDiagnosis {
 ///
 /// # Errors
 /// A project without a beam or with fewer flexible modes than were measured.
-pub fn structure(project: &Project, measured: &MeasuredModes) -> Result<StructureDiagnosis, PipelineError> {
+pub fn diagnose_structure(
+    project: &Project,
+    measured: &MeasuredModes,
+) -> Result<StructureDiagnosis, PipelineError> {
     let bench = Bench { project, measured };
     let mut tried: Vec<(Hypothesis, TriedStructure)> = Vec::new();
     for hypothesis in hypotheses(measured.modes_hz.len()) {

@@ -69,7 +69,8 @@ pub fn read(
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let mut all = Vec::new();
     for file in files {
-        let (_, recordings) = tabulate(project, file).map_err(PipelineError::UnreadableRecording)?;
+        let (_, recordings) =
+            read_table_and_recordings(project, file).map_err(PipelineError::UnreadableRecording)?;
         for recording in recordings {
             all.extend(read_recording(project, controller, recording, gaps)?);
         }
@@ -81,7 +82,10 @@ pub fn read(
 ///
 /// # Errors
 /// The file cannot be decoded, or its columns do not fit the mapping.
-pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<Recording>), Error> {
+pub fn read_table_and_recordings(
+    project: &Project,
+    file: &RecordingFile,
+) -> Result<(Table, Vec<Recording>), Error> {
     let table = Table::read(&file.bytes, &file.name)?;
     let recordings = mapping(project).recordings(&table)?;
     Ok((table, recordings))

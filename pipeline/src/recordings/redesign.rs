@@ -24,7 +24,7 @@ pub struct Consequence {
 ///
 /// # Errors
 /// Those of the stages from the project to the verification.
-pub fn consequence(
+pub fn verify_redesign(
     project: &Project,
     improved: &Parameters,
     world: &dyn World,

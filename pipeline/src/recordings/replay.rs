@@ -13,7 +13,7 @@ use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, Selected
 
 use super::column_remarks::ColumnRemark;
 use super::read::{ReadRecording, unused_columns};
-use super::tracks::{Track, tracks};
+use super::tracks::{Track, compare_channels};
 use crate::PipelineError;
 use crate::model;
 use crate::model::two_inertias;
@@ -121,7 +121,7 @@ fn replay_on(
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
     let remarks = item.remarks.iter().cloned().chain(anomalies(plant, &item.recording)).collect();
-    let tracks = tracks(&item.recording, &followed.replay, None);
+    let tracks = compare_channels(&item.recording, &followed.replay, None);
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 

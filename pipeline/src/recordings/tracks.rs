@@ -40,13 +40,13 @@ pub fn before_and_after(
     let of = |recording: &Recording| {
         let before = replay(plant, recording, control).ok()?;
         let after = is_improved.then(|| replay(improved, recording, control).ok()).flatten();
-        Some(tracks(recording, &before, after.as_ref()))
+        Some(compare_channels(recording, &before, after.as_ref()))
     };
     recordings.iter().filter_map(of).flatten().collect()
 }
 
 /// Returns the compared channels of one recording beside its replays.
-pub fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
+pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
     let track = |channel: Channel| {
         Some(Track {
             recording: short_name(&recording.name),

@@ -291,14 +291,13 @@ impl From<&RegimeLoop> for RegimeResult {
 
 /// Returns the predicted limit cycles with the loops on both sides of each.
 fn predicted(found: &Prediction) -> Vec<PredictedResult> {
-    let balances = |k| found.balances.iter().filter(move |at| at.cycle == k).map(BalanceResult::from);
-    let each = found.cycles.iter().enumerate().map(|(k, cycle)| PredictedResult {
+    let each = found.cycles.iter().zip(&found.balances).map(|(cycle, sides)| PredictedResult {
         amplitude_rad_s: cycle.rate_rad_s,
         frequency_hz: cycle.frequency_hz,
         third_harmonic: cycle.third_harmonic,
         frequency_error: finite(cycle.frequency_error),
         reliable: cycle.is_reliable(),
-        balances: balances(k).collect(),
+        balances: sides.iter().map(BalanceResult::from).collect(),
     });
     each.collect()
 }

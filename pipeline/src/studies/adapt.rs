@@ -21,7 +21,9 @@ use crate::synth::schedule::unbalanced;
 use crate::synth::torque_per_volt;
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, Compensation, ObserverOptions};
+use counterpoise_project::resolve::synthesis_options::{
+    Adaptation, AdaptationMethod, Compensation, ObserverOptions,
+};
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize)]

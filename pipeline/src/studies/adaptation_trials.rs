@@ -7,7 +7,7 @@ use counterpoise_simulate::{
     FurtherMotion, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
 };
 use counterpoise_verify::Procedure;
-use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
 use serde::Serialize;
 
 use crate::synth::controller_blocks::estimator;

@@ -83,9 +83,21 @@ pub struct Point {
     pub describing: Option<[f64; 2]>,
 }
 
-/// A measured map.
+/// What has to be known with the numbers of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MapRemark {
+    /// The loop is closed by the controller of the recordings.
+    RecordingController,
+    /// The mechanism is taken as balanced: with the motor disconnected nothing holds its out-of-balance.
+    TakenAsBalanced {
+        /// The out-of-balance that it has, kg m.
+        out_of_balance_kg_m: f64,
+    },
+}
+
+/// A measured map. Its remarks are typed as it is measured, and sentences as it is presented.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Map {
+pub struct Map<Remark = String> {
     /// Name of the machine.
     pub name: String,
     /// What was excited and measured.
@@ -97,14 +109,14 @@ pub struct Map {
     /// How long the mechanism was simulated, s.
     pub simulated_s: f64,
     /// What has to be known with the numbers.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
 }
 
 /// A map that was measured on a recording, and what was found about the columns of that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedMap {
     /// The map.
-    pub map: Map,
+    pub map: Map<MapRemark>,
     /// What was found about the columns.
     pub columns: Vec<ColumnRemark>,
 }
@@ -139,7 +151,7 @@ pub struct AmplitudeCurve {
     pub linear: Vec<[f64; 2]>,
 }
 
-impl Map {
+impl<Remark> Map<Remark> {
     /// Returns the curves of the map, amplitude by amplitude.
     pub fn amplitude_curves(&self) -> Vec<AmplitudeCurve> {
         let mut all: Vec<AmplitudeCurve> = Vec::new();
@@ -202,7 +214,7 @@ pub struct Analyser {
     around: Around,
     offset_m: f64,
     name: String,
-    remarks: Vec<String>,
+    remarks: Vec<MapRemark>,
 }
 
 impl Analyser {
@@ -296,7 +308,11 @@ impl Analyser {
     ///
     /// # Errors
     /// Those of the linearisation.
-    pub fn compare(&self, measured: &[Measurement], pool: &dyn Pool) -> Result<Map, PipelineError> {
+    pub fn compare(
+        &self,
+        measured: &[Measurement],
+        pool: &dyn Pool,
+    ) -> Result<Map<MapRemark>, PipelineError> {
         let points = map(pool, measured.len(), |k| {
             let one = &measured[k];
             let point = self.point_of(&one.response, one.amplitude)?;
@@ -317,7 +333,11 @@ impl Analyser {
     ///
     /// # Errors
     /// A channel that was not recorded, a frequency that does not fit into the recording, and those of the linearisation.
-    pub fn recorded(&self, recording: &Recording, frequencies_hz: &[f64]) -> Result<Map, PipelineError> {
+    pub fn recorded(
+        &self,
+        recording: &Recording,
+        frequencies_hz: &[f64],
+    ) -> Result<Map<MapRemark>, PipelineError> {
         let input = match self.around {
             Around::Plant => Channel::Control,
             Around::Closed => Channel::Demand,
@@ -510,11 +530,11 @@ fn acting(
     project: &Project,
     modelled: &Modelled,
     on: On,
-    remarks: &mut Vec<String>,
+    remarks: &mut Vec<MapRemark>,
 ) -> Result<Acting, PipelineError> {
     let recorded = project.recording_controller.as_ref().and_then(|c| c.as_proportional_integral());
     if let Some(pi) = recorded.filter(|_| on == On::Recording || project.synth.is_none()) {
-        remarks.push("the loop is closed by the controller of the recordings".to_owned());
+        remarks.push(MapRemark::RecordingController);
         return Ok(Acting::Recorded(pi.clone()));
     }
     let made = synthesise(project, modelled, &reduce(project, modelled)?)?;
@@ -529,7 +549,7 @@ fn acting(
 fn disconnected(
     project: &Project,
     modelled: &Modelled,
-    remarks: &mut Vec<String>,
+    remarks: &mut Vec<MapRemark>,
 ) -> Result<Plant, PipelineError> {
     let mut parameters = modelled.parameters.clone();
     if let Some(lumped) = &mut parameters.lumped {
@@ -537,9 +557,7 @@ fn disconnected(
     }
     let moment = modelled.plant.body().out_of_balance_kg_m;
     if moment != 0.0 {
-        remarks.push(format!(
-            "the mechanism is taken as balanced: with the motor disconnected nothing holds its {moment:.2} kg m"
-        ));
+        remarks.push(MapRemark::TakenAsBalanced { out_of_balance_kg_m: moment });
     }
     let open = fra::disconnected(&parameters)?;
     Ok(match project.model.structure {

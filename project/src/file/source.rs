@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::diagnostic::{Diagnostic, Problem, Severity, printable};
+use crate::diagnostic::{Diagnostic, Problem, Severity, escape_control};
 
 /// A text with its name, and the parts that it includes.
 #[derive(Debug, Clone)]
@@ -114,10 +114,10 @@ impl Source {
         }
         let flat = written[..end].split_whitespace().collect::<Vec<_>>().join(" ");
         if flat.chars().count() <= LONGEST_QUOTE && end == written.len() {
-            return printable(&flat);
+            return escape_control(&flat);
         }
         let head: String = flat.chars().take(LONGEST_QUOTE).collect();
-        printable(&format!("{head}..."))
+        escape_control(&format!("{head}..."))
     }
 
     /// Returns a finding at a place of the text.

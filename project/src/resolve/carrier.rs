@@ -1,9 +1,8 @@
 //! What carries the platform in `[verify.road]`: the vehicle on a road, and the ship in a sea.
 
 use counterpoise_models::base_motion::Traverse;
-use counterpoise_verify::signals::four_wheels::Sides;
-use counterpoise_verify::signals::iso_road::Vehicle;
 use counterpoise_verify::signals::sea::{Sea, Ship, WaveShape, Waves};
+use counterpoise_verify::signals::{Sides, Vehicle};
 
 use super::base_motion::{three, traverse};
 use crate::file::field::{Field, Limit};

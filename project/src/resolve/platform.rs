@@ -2,12 +2,12 @@
 
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::Road;
-use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::signals::sea::Sea;
 use counterpoise_verify::signals::six_axes::SixAxes;
 use counterpoise_verify::signals::spectrum::{
     Realisation, Tone, angle_tones, pitch_simulator, random_motion, tones,
 };
+use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
 use std::f64::consts::TAU;
 
 use super::base_motion::{self, InertialUnit};

@@ -360,7 +360,11 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
             let memory = Field::new("memory", "time constant of forgetting").unit("s").limit(ABOVE_0);
             v.number(&memory.or(usual.memory_s), &mut a.memory_s);
             let band = "RMS of the platform's acceleration below which the estimate is not changed; without it what dry friction hides of the out-of-balance";
-            maybe_number(v, &Field::new("dead_band", band).unit("m/s^2").limit(AT_LEAST_0), &mut a.dead_band_m_s2);
+            maybe_number(
+                v,
+                &Field::new("dead_band", band).unit("m/s^2").limit(AT_LEAST_0),
+                &mut a.dead_band_m_s2,
+            );
             let filter = "lag by which control and regressors are filtered, so that accelerations are known; 0 for none";
             let filter = Field::new("filter", filter).unit("s").limit(AT_LEAST_0);
             v.number(&filter.or(usual.filter_s), &mut a.filter_s);

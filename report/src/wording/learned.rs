@@ -1,6 +1,6 @@
 //! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
 
-use counterpoise_diagnose::findings::answer::Channels;
+use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
 use counterpoise_diagnose::learning::visited::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};

@@ -16,7 +16,7 @@ pub mod recordings;
 pub use effects::{EffectText, describe_effect, experiment_for};
 
 /// Returns the text with a capital first letter.
-pub fn capitalised(text: &str) -> String {
+pub fn capitalise_first(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

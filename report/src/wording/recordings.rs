@@ -12,7 +12,7 @@ use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
-use counterpoise_pipeline::studies::fra::{Map, RecordedMap};
+use counterpoise_pipeline::studies::fra::{Map, MapRemark, RecordedMap};
 
 use super::learned::describe_beyond;
 
@@ -61,9 +61,26 @@ fn without_demand(files: &[String], replayed: &str) -> Option<String> {
 
 /// Returns the map of a recording, with what was found about its columns among its remarks.
 pub fn describe_recorded_map(found: RecordedMap) -> Map {
-    let RecordedMap { mut map, columns } = found;
+    let RecordedMap { map, columns } = found;
+    let mut map = describe_map(map);
     map.remarks.extend(columns.iter().map(describe_column_remark));
     map
+}
+
+/// Returns a map with its remarks in sentences.
+pub fn describe_map(map: Map<MapRemark>) -> Map {
+    let Map { name, around, recording, points, simulated_s, remarks } = map;
+    let remarks = remarks.into_iter().map(describe_map_remark).collect();
+    Map { name, around, recording, points, simulated_s, remarks }
+}
+
+fn describe_map_remark(remark: MapRemark) -> String {
+    match remark {
+        MapRemark::RecordingController => "the loop is closed by the controller of the recordings".to_owned(),
+        MapRemark::TakenAsBalanced { out_of_balance_kg_m } => format!(
+            "the mechanism is taken as balanced: with the motor disconnected nothing holds its {out_of_balance_kg_m:.2} kg m"
+        ),
+    }
 }
 
 /// Describes that the recordings' controller was exported from another state of the project.

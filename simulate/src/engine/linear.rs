@@ -4,7 +4,7 @@
 use super::modal::modal;
 use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
-use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable, step_table};
+use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable};
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::Core;
 use counterpoise_models::plant::core::{input, state};
@@ -61,7 +61,7 @@ pub(crate) struct Hold {
 /// x' = A x + B u in one mode, in coordinates z in which A is a block and pairs on the diagonal.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
-    blocks: Vec<Block>,
+    pub(super) blocks: Vec<Block>,
     firsts: Vec<usize>,
     n: usize,
     /// The coordinates z; `None` if they are the physical state itself.
@@ -80,15 +80,15 @@ pub(crate) struct Linear {
     pub pushes: [Vec<f64>; 2],
     /// Change of z that changes the voltage by one.
     pub lift: Vec<f64>,
-    coarse: Chain,
-    deep: Option<Chain>,
-    period_s: f64,
-    tables: Vec<Option<StepTable>>,
+    pub(super) coarse: Chain,
+    pub(super) deep: Option<Chain>,
+    pub(super) period_s: f64,
+    pub(super) tables: Vec<Option<StepTable>>,
 }
 
 /// A diagonal block of the core, and its rows of the input matrix.
 #[derive(Debug, Clone)]
-struct Block {
+pub(super) struct Block {
     A: Mat,
     B: Mat,
 }
@@ -102,14 +102,14 @@ struct Coordinates {
 
 /// The moments of all blocks at times that double.
 #[derive(Debug, Clone)]
-struct Chain {
+pub(super) struct Chain {
     finest: f64,
     /// For the first and second inner node and for the middle of each step, and the end of the last: time by time, block by block.
     nodes: [Vec<Vec<Moments>>; 3],
 }
 
 impl Chain {
-    fn new(blocks: &[Block], finest: f64, count: usize) -> Self {
+    pub(super) fn new(blocks: &[Block], finest: f64, count: usize) -> Self {
         let family = |fraction: f64, count: usize| {
             let families: Vec<Vec<Moments>> = blocks
                 .iter()
@@ -120,7 +120,7 @@ impl Chain {
         Self { finest, nodes: [family(NODES[1], count), family(NODES[2], count), family(0.5, count + 1)] }
     }
 
-    fn span(&self, k: usize) -> Span<'_> {
+    pub(super) fn span(&self, k: usize) -> Span<'_> {
         let [first, second, middle] = &self.nodes;
         Span {
             step_s: self.finest * f64::from(1u32 << k),
@@ -263,25 +263,7 @@ impl Linear {
         self.blocks[0].A.nrows()
     }
 
-    /// Makes the table of a level, if it is not there yet.
-    pub fn prepare(&mut self, level: usize) {
-        if self.tables[level].is_some() {
-            return;
-        }
-        let table = if level <= LEVELS {
-            step_table(self, &self.coarse.span(LEVELS - level))
-        } else {
-            let deep = self.deep.take().unwrap_or_else(|| {
-                Chain::new(&self.blocks, self.period_s / f64::from(1u32 << DEEPEST), DEEPEST - LEVELS)
-            });
-            let table = step_table(self, &deep.span(DEEPEST - level));
-            self.deep = Some(deep);
-            table
-        };
-        self.tables[level] = Some(table);
-    }
-
-    /// Returns the table of a level that [`Linear::prepare`] has made.
+    /// Returns the table of a level that `Linear::prepare` has made.
     pub fn table(&self, level: usize) -> Option<&StepTable> {
         self.tables[level].as_ref()
     }

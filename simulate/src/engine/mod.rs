@@ -15,7 +15,7 @@
 //! joint comes to rest or breaks away, shorter and shorter steps end at that instant. The control is held between
 //! samples, and most samples of a smooth motion are one step.
 //!
-//! Modules in reading order: [`linear`] (the core in its modes), [`modal`], [`moments`], [`tables`], [`strips`],
+//! Modules in reading order: [`modal`], [`moments`], [`strips`], [`tables`], [`linear`] (the core in its modes), [`table_computation`],
 //! [`ports`], [`state`], [`crossing`], [`attempt`] (one step), [`present`] (where the plant is), [`joints`] (true stick),
 //! [`events`], [`filter`], [`stepper`]. Each uses only modules before it in this list.
 
@@ -32,4 +32,5 @@ pub(crate) mod present;
 pub(crate) mod state;
 pub(crate) mod stepper;
 pub(crate) mod strips;
+pub(crate) mod table_computation;
 pub(crate) mod tables;

@@ -11,6 +11,7 @@ mod initial_controller_state;
 mod normal;
 pub mod platform;
 mod recorded_controller;
+mod recorded_readings;
 pub(crate) mod smoother;
 pub mod start;
 mod windowed_replay;

@@ -12,6 +12,7 @@ use counterpoise_recordings::{Channel, Recording};
 use super::exported_controller::{ExportedController, FittedStart};
 use super::initial_controller_state::fit_initial_states;
 use super::platform::{reading_floor, reading_step};
+use super::recorded_readings::{READ, recorded_readings};
 use crate::Error;
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::tolerance::{INTEGRAL_SAMPLES, START_RATE_SAMPLES};
@@ -26,17 +27,6 @@ pub enum RecordedController {
     /// A controller as it is exported, with every block that runs on the target.
     Exported(Arc<ExportedController>),
 }
-
-/// The recorded channels behind a controller's readings, in the order of [`counterpoise_controller::READING_NAMES`].
-const READ: [Channel; READINGS] = [
-    Channel::Demand,
-    Channel::HubRate,
-    Channel::PlatformRate,
-    Channel::PlatformAccel,
-    Channel::MotorRate,
-    Channel::HubPosition,
-    Channel::PlatformSurge,
-];
 
 impl RecordedController {
     /// Returns the proportional-integral controller; `None` if it is another one.
@@ -174,22 +164,6 @@ impl From<Controller> for RecordedController {
     fn from(controller: Controller) -> Self {
         Self::Exported(Arc::new(ExportedController::new(controller)))
     }
-}
-
-/// Returns the recorded readings of every sample; a channel that was not recorded reads 0, and a missing sample repeats the one before.
-pub(crate) fn recorded_readings(recording: &Recording) -> Option<Vec<Readings>> {
-    let columns = READ.map(|channel| recording.samples(channel));
-    columns[0]?;
-    columns[1]?;
-    let mut last = [0.0; READINGS];
-    let mut at = |k: usize| {
-        for (value, column) in last.iter_mut().zip(&columns) {
-            let recorded = column.and_then(|c| c.get(k)).copied().filter(|v| v.is_finite());
-            *value = recorded.unwrap_or(*value);
-        }
-        Readings::from_array(last)
-    };
-    Some((0..recording.len()).map(&mut at).collect())
 }
 
 /// Returns the controller with the integral that it had at the first sample: the mean of what its output leaves unexplained, for its

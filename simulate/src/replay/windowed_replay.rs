@@ -11,7 +11,7 @@ use super::windows::is_explained;
 use super::{ChannelFit, Loop, RecordedController, Replay, Replayer};
 use crate::Error;
 use crate::history::ReadingColumns;
-use crate::sensing::Noise;
+use crate::noise::Noise;
 use crate::tolerance::{DIVERGED_FLOORS, LONG_WINDOWS, WRONG_MODEL};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};

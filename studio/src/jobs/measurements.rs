@@ -8,6 +8,7 @@ use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, requirement_spreads};
+use counterpoise_report::wording::recordings::describe_map;
 use counterpoise_verify::VerifiedController;
 use counterpoise_verify::robust::{Campaign, Sample};
 
@@ -95,7 +96,8 @@ fn measure_map(of: &VerificationRequest, watch: &Watch) -> Result<Map, pipeline:
         offset_m: 0.0,
     };
     let analyser = Analyser::new(&of.design.project, &of.design.modelled, &plan, On::Simulation)?;
-    analyser.compare(&analyser.measure(&plan, watch)?, watch)
+    let map = analyser.compare(&analyser.measure(&plan, watch)?, watch)?;
+    Ok(describe_map(map))
 }
 
 fn run_campaign(

@@ -9,7 +9,7 @@ use counterpoise_models::Parameters;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
-    loop_of, read_recording, recording_controller, tabulate, without_demand,
+    loop_of, read_recording, read_table_and_recordings, recording_controller, without_demand,
 };
 use counterpoise_pipeline::recordings::replay::replay_one;
 use counterpoise_pipeline::recordings::{
@@ -135,7 +135,8 @@ pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFi
 fn read_table(request: &ReplayRequest, path: &Path) -> Result<(Table, Vec<Recording>), String> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| format!("cannot read {name}: {error}"))?;
-    tabulate(&request.project, &RecordingFile { name, bytes }).map_err(|error| error.to_string())
+    read_table_and_recordings(&request.project, &RecordingFile { name, bytes })
+        .map_err(|error| error.to_string())
 }
 
 fn column_names(table: &Table) -> Vec<ColumnName> {

@@ -150,7 +150,7 @@ fn show_orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, shown: &Shown
     show_figure(ui, "bound on the error", reduced.bound.map(format_short));
     show_figure(ui, "largest error", reduced.error.map(|(error, rate)| error_in_words(view, error, rate)));
     reduced.warnings.iter().for_each(|warning| {
-        ui.label(RichText::new(warning).small().color(theme.warn));
+        ui.label(RichText::new(warning.to_string()).small().color(theme.warn));
     });
 }
 

@@ -3,8 +3,8 @@
 use super::Circumstances;
 use super::candidate::rounded;
 use super::scan::Tried;
+use crate::error::attempt;
 use crate::finding::Finding;
-use crate::refusal::attempt;
 use crate::{
     Assembly, Basis, Channel, Error, FeedforwardWeights, Knowledge, Reference, Specification, Weight, design,
 };

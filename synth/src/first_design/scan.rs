@@ -10,7 +10,7 @@ use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
 use crate::bandwidth::{Limit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
-use crate::refusal::attempt;
+use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING};
 use crate::{Error, FeedbackWeights, Reference, feedback};
 

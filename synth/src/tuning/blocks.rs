@@ -1,16 +1,10 @@
-//! The family of a fixed structure: the open parameters of its blocks.
-
-use std::f64::consts::LN_2;
+//! The open parameters of a fixed structure, and how far those without a range may go.
 
 use counterpoise_linalg::C64;
-use counterpoise_lti::StateSpace;
 
-use super::family::{Family, GridResponse};
-use super::grid::LoopGrid;
-use super::problem::{LoopPlant, Problem};
-use super::starts::{placed_starts, usual_range};
-use super::{TunedFeedback, sampled_structure};
+use super::grid::{LoopGrid, LoopPlant};
 use crate::fixed_structure::{FixedStructure, Parameter, ParameterName};
+use crate::tolerance::LEAST_RESPONSE;
 use crate::{Error, Sampling};
 
 /// A parameter that moves.
@@ -28,8 +22,9 @@ pub(crate) struct OpenParameter {
 pub(crate) struct Blocks<'a> {
     pub structure: &'a FixedStructure,
     pub open: Vec<OpenParameter>,
-    sampling: &'a Sampling,
-    ranges: Vec<[f64; 2]>,
+    pub sampling: &'a Sampling,
+    /// Logarithms of the lowest and the highest value of each.
+    pub ranges: Vec<[f64; 2]>,
 }
 
 impl<'a> Blocks<'a> {
@@ -78,7 +73,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The structure with every parameter fixed at a point.
-    fn fixed(&self, at: &[f64]) -> FixedStructure {
+    pub fn fixed(&self, at: &[f64]) -> FixedStructure {
         let mut structure = self.structure.clone();
         for (block, values) in structure.blocks.iter_mut().zip(self.values(at)) {
             block.parameters = values.into_iter().map(Parameter::fixed).collect();
@@ -87,52 +82,28 @@ impl<'a> Blocks<'a> {
     }
 }
 
-impl Family for Blocks<'_> {
-    fn ranges(&self) -> &[[f64; 2]] {
-        &self.ranges
-    }
-
-    fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error> {
-        let values = self.values(at);
-        Ok(grid.s.iter().map(|s| self.at(&values, *s)).collect())
-    }
-
-    fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error> {
-        let values = self.values(at);
-        let blocks = &self.structure.blocks;
-        let of = |s: &C64| -> Vec<C64> {
-            let slopes: Vec<Vec<C64>> =
-                blocks.iter().zip(&values).map(|(block, p)| block.kind.slopes(p, *s)).collect();
-            self.open.iter().map(|open| slopes[open.block][open.place]).collect()
-        };
-        Ok(GridResponse { K: self.gain(at, grid)?, slopes: grid.s.iter().map(of).collect() })
-    }
-
-    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        self.sampled(at)
-    }
-
-    fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        sampled_structure(&self.fixed(at), self.sampling)
-    }
-
-    fn calmer(&self, at: &[f64]) -> Option<Vec<f64>> {
-        let gain = self.open.iter().position(|open| open.name == ParameterName::Gain)?;
-        let mut calmer = at.to_vec();
-        for (k, open) in self.open.iter().enumerate() {
-            // With the corner, the gain's crossover stays above what integrates.
-            if k == gain || open.name == ParameterName::Corner {
-                calmer[k] = (at[k] - LN_2).max(self.ranges[k][0]);
+/// The range of a parameter that the file leaves open: as wide as makes a difference to a loop at this sample rate.
+fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlant) -> [f64; 2] {
+    let top = grid.rates[grid.rates.len() - 1];
+    let (slowest, fastest) = (3e-5 * top, 0.8 * top);
+    match name {
+        ParameterName::Gain => {
+            let sizes = grid.rates.iter().zip(&plant.response).filter(|(rate, _)| **rate > 1e-3 * top);
+            let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+            for (_, response) in sizes {
+                least = least.min(response.norm());
+                most = most.max(response.norm());
             }
+            [1e-3 / most, 10.0 / least.max(LEAST_RESPONSE * most)]
         }
-        Some(calmer)
-    }
-
-    fn starts(&self, problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>> {
-        placed_starts(self, problem, count, seed)
-    }
-
-    fn feedback(&self, at: &[f64]) -> TunedFeedback {
-        TunedFeedback::Structure(self.fixed(at))
+        ParameterName::Frequency
+        | ParameterName::Corner
+        | ParameterName::ZeroFrequency
+        | ParameterName::PoleFrequency => [slowest, fastest],
+        ParameterName::DerivativeTime | ParameterName::FilterTime => [1.0 / fastest, 1.0 / slowest],
+        ParameterName::Ratio => [1.0, 50.0],
+        ParameterName::Damping | ParameterName::PoleDamping => [0.05, 3.0],
+        ParameterName::ZeroDamping => [0.005, 3.0],
+        ParameterName::Depth => [0.01, 1.0],
     }
 }

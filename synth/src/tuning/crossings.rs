@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use counterpoise_linalg::C64;
 
 use super::LoopLimits;
-use super::evaluation::{LoopResponse, Row};
+use super::loop_response::{LoopResponse, Row};
 
 /// A row for each crossing of the negative real axis and of the unit circle that a margin speaks of.
 pub(crate) fn crossings(response: &LoopResponse<'_>, limits: &LoopLimits) -> Vec<Row> {

@@ -4,16 +4,12 @@ use counterpoise_linalg::C64;
 
 use super::crossings::crossings;
 use super::family::GridResponse;
+use super::grid::LoopPlant;
 use super::limits::{decays, pole_region};
-use super::problem::{LoopPlant, Problem};
+use super::loop_response::{LoopResponse, Row};
+use super::problem::Problem;
 use crate::Error;
-
-/// A number with its slopes in the open parameters.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
-    pub value: f64,
-    pub slope: Vec<f64>,
-}
+use crate::tolerance::POLE_STEP;
 
 /// A loop at a point.
 #[derive(Debug, Clone)]
@@ -38,23 +34,10 @@ impl Evaluation {
     }
 }
 
-/// The loop of one plant on the grid.
-pub(crate) struct LoopResponse<'a> {
-    pub rates: &'a [f64],
-    pub L: Vec<C64>,
-    pub S: Vec<C64>,
-    /// |KS|.
-    pub effort: Vec<f64>,
-    /// Slopes of ln K in the open parameters, at each frequency.
-    pub slopes: &'a [Vec<C64>],
-}
-
 /// Peaks lower than this below their limit, as a natural logarithm, have no row: no step of the trust region reaches them.
 const FAR: f64 = -0.7;
 /// Poles with a row of their own: as many as have been seen to share a limit, and one more.
 const SLOWEST: usize = 5;
-/// The trust region's step in the logarithms of the parameters by which the slopes of poles are taken.
-pub(crate) const POLE_STEP: f64 = 1e-5;
 
 impl Problem<'_> {
     /// Evaluates the loop at a point; whether it is stable is another question.

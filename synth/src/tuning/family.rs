@@ -4,8 +4,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 
 use super::TunedFeedback;
-use super::grid::LoopGrid;
-use super::problem::Problem;
+use super::grid::{LoopGrid, LoopPlant};
 use crate::Error;
 
 /// A feedback on the grid.
@@ -48,8 +47,8 @@ pub(crate) trait Family {
     /// The point with less gain, whose loop is nearer to a stable one; `None` if the family has no gain of its own.
     fn calmer(&self, at: &[f64]) -> Option<Vec<f64>>;
 
-    /// The points from which the tuning starts: the same for the same seed.
-    fn starts(&self, problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>>;
+    /// The points from which the tuning on the nominal plant starts: the same for the same seed.
+    fn starts(&self, nominal: &LoopPlant, grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>>;
 
     /// The feedback at a point with every parameter fixed.
     fn feedback(&self, at: &[f64]) -> TunedFeedback;

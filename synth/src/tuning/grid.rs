@@ -22,6 +22,14 @@ pub(crate) struct LoopGrid {
     pub power: Vec<f64>,
 }
 
+/// A plant under a zero-order hold.
+pub(crate) struct LoopPlant {
+    /// From the held control to the reading.
+    pub system: StateSpace,
+    /// Its response on the grid.
+    pub response: Vec<C64>,
+}
+
 /// How a continuous controller is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Clock {

@@ -11,9 +11,10 @@
 //! highest: the extended set of frequencies of Apkarian and Noll, "Nonsmooth H-infinity synthesis", IEEE TAC 51 (2006) 71.
 //! An exact penalty and a trust region decide on the step; several deterministic starts guard against local minima.
 //!
-//! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `family`, `blocks`, `shape`, `weights`,
-//! `problem`, `evaluation`, `crossings`, `tangent`, `descent`, `starts`, `search`.
+//! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `family`, `random`, `blocks`, `starts`,
+//! `block_family`, `shape`, `weights`, `problem`, `loop_response`, `crossings`, `evaluation`, `tangent`, `descent`, `search`.
 
+mod block_family;
 mod blocks;
 mod crossings;
 mod descent;
@@ -22,7 +23,9 @@ mod evaluation;
 mod family;
 mod grid;
 mod limits;
+mod loop_response;
 mod problem;
+mod random;
 mod search;
 mod shape;
 mod starts;

@@ -6,20 +6,12 @@ use counterpoise_lti::{StateSpace, feedback, poles, series};
 
 use super::blocks::Blocks;
 use super::family::Family;
-use super::grid::{Clock, Density, LoopGrid};
+use super::grid::{Clock, Density, LoopGrid, LoopPlant};
 use super::weights::Weights;
 use super::{LoopLimits, TuningSubject, TuningTask, bilinear_factor};
 use crate::Error;
 use crate::sampling::sampled_plant;
 use crate::tolerance::DRIFTING_POLE;
-
-/// A plant under a zero-order hold.
-pub(crate) struct LoopPlant {
-    /// From the held control to the reading.
-    pub system: StateSpace,
-    /// Its response on the grid.
-    pub response: Vec<C64>,
-}
 
 /// The problem; a point is the logarithms of the open parameters.
 pub(crate) struct Problem<'a> {

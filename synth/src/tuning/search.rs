@@ -2,7 +2,8 @@
 //! the grid tightened until the figures of the state-space systems keep them.
 
 use super::descent::{Descended, descend};
-use super::problem::{LoopPlant, Problem};
+use super::grid::LoopPlant;
+use super::problem::Problem;
 use super::starts::near;
 use super::{LoopMeasures, Tuned, TuningTask, measure_loop};
 use crate::Error;
@@ -43,7 +44,8 @@ impl<'a> Search<'a> {
     /// # Errors
     /// Those of the descent.
     pub fn descend_from_starts(&mut self) -> Result<(), Error> {
-        for start in self.problem.family.starts(&self.problem, self.task.starts, self.task.seed) {
+        let (nominal, grid) = (&self.problem.plants[0], &self.problem.grid);
+        for start in self.problem.family.starts(nominal, grid, self.task.starts, self.task.seed) {
             let found = self.descended(&start)?;
             self.starts_rad_s.push(kept_residual(found.as_ref()));
             self.keep_better(found);

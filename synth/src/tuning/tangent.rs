@@ -7,7 +7,8 @@
 
 use counterpoise_linalg::{Cone, ConeProgram, Unsolved};
 
-use super::evaluation::{Evaluation, Row};
+use super::evaluation::Evaluation;
+use super::loop_response::Row;
 use crate::Error;
 use crate::tolerance::TANGENT_RIDGE;
 

@@ -18,14 +18,13 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d};
 
 use super::TunedFeedback;
-use super::evaluation::POLE_STEP;
 use super::family::{Family, GridResponse};
-use super::grid::LoopGrid;
+use super::grid::{LoopGrid, LoopPlant};
 use super::limits::hub_path;
-use super::problem::Problem;
+use super::random::Random;
 use super::shape::{PAIR_DAMPING, Root, Shape, control_shape};
-use super::starts::Random;
 use crate::feedback::{controller_with_observer, observer_gain};
+use crate::tolerance::POLE_STEP;
 use crate::{
     Assembly, DesignPlant, Error, FeedbackWeights, Reference, Sampling, SamplingMethod, Specification,
     design, discretise,
@@ -245,7 +244,7 @@ impl Family for Weights<'_> {
         Some(calmer)
     }
 
-    fn starts(&self, _problem: &Problem<'_>, count: usize, seed: u64) -> Vec<Vec<f64>> {
+    fn starts(&self, _nominal: &LoopPlant, _grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut random = Random(seed);
         let levels = 2 + usize::from(self.recovers);
         let mut all = vec![self.start.clone()];

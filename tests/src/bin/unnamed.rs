@@ -5,7 +5,8 @@
 
 use std::sync::Mutex;
 
-use counterpoise_diagnose::findings::answer::{Answer, Channels, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::{diagnose, simulator_access::Serial};
 use counterpoise_models::reference;
 use counterpoise_report::wording::learned::describe_learned;

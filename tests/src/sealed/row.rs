@@ -1,6 +1,7 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
-use counterpoise_diagnose::findings::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, Finding, Verdict};
+use counterpoise_diagnose::findings::channel_fits::{ChannelFit, Channels};
 use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
 use serde::{Deserialize, Serialize};

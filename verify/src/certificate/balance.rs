@@ -69,8 +69,6 @@ pub struct MeshBalance {
 /// The loop at an amplitude on one side of a predicted limit cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleBalance {
-    /// Index of the cycle in [`super::Prediction::cycles`].
-    pub cycle: usize,
     /// Amplitude of the hub's rate, rad/s.
     pub rate_rad_s: f64,
     /// Frequency for which the describing functions hold, rad/s.
@@ -104,14 +102,12 @@ pub struct CycleBalance {
 
 impl CycleBalance {
     /// Returns the loop of a settled motion as the result states it.
-    pub(super) fn new(subject: &Subject<'_>, cycle: usize, at: &Settled) -> Result<Self, Error> {
+    pub(super) fn new(subject: &Subject<'_>, at: &Settled) -> Result<Self, Error> {
         let parameters = subject.case.plant.parameters();
         let (motion, ratio) = (&at.motion, parameters.gearbox.ratio);
         let body = with_mesh(&subject.case.plant, at.elements.mesh_share)?;
-        let friction = FrictionLinearisation::Impedances {
-            motor: Impedance::default(),
-            pivot: Impedance::default(),
-        };
+        let friction =
+            FrictionLinearisation::Impedances { motor: Impedance::default(), pivot: Impedance::default() };
         let equilibrium = body.equilibrium(&subject.procedure.operating_point);
         let free = body.linearise(&equilibrium, friction, Angles::Relative)?;
         let resolver = resolver_use(&quasi_linear(subject.controller, &at.elements.observers)?);
@@ -123,7 +119,6 @@ impl CycleBalance {
             joint_balance(friction, amplitude_rad, motion.frequency_rad_s, impedance)
         };
         Ok(Self {
-            cycle,
             rate_rad_s: motion.rate_rad_s,
             frequency_rad_s: motion.frequency_rad_s,
             motor_over_hub: motion.motor_over_hub,

@@ -16,8 +16,7 @@ use super::regime::{Teeth, teeth};
 use crate::Error;
 use crate::linear::plant::port;
 use crate::tolerance::{
-    AMPLITUDES_PER_DECADE, CYCLE_HALVINGS, FREQUENCY_ERROR, FREQUENCY_ROUNDS, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S,
-    OPEN, STEADY_GROWTH, THIRD_HARMONIC,
+    CYCLE_HALVINGS, FREQUENCY_ERROR, FREQUENCY_ROUNDS, OPEN, STEADY_GROWTH, THIRD_HARMONIC,
 };
 
 /// A predicted limit cycle.
@@ -45,17 +44,6 @@ pub struct Growth {
     pub frequency_hz: f64,
 }
 
-/// What the harmonic balance predicts.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Prediction {
-    /// Growth over the amplitude, by rising amplitude.
-    pub growth: Vec<Growth>,
-    /// Stable limit cycles, by rising amplitude.
-    pub cycles: Vec<Cycle>,
-    /// The loop below and above each of them: at the last amplitude that grows and at the first that fades.
-    pub balances: Vec<CycleBalance>,
-}
-
 impl Cycle {
     /// Returns whether the loop is enough of a low-pass for the prediction to hold, and its describing functions hold for its frequency.
     pub fn is_reliable(&self) -> bool {
@@ -68,36 +56,16 @@ impl Cycle {
     }
 }
 
-/// Predicts the limit cycles of a case.
-pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
-    let balance = Balance::new(subject)?;
-    let least = LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s();
-    let decades = (MOST_AMPLITUDE_RAD_S / least).log10();
-    let count = (decades * AMPLITUDES_PER_DECADE).ceil() as usize + 1;
-    let mut found = Prediction::default();
-    let mut at = balance.start_rad_s;
-    for k in 0..count {
-        let rate = least * (MOST_AMPLITUDE_RAD_S / least).powf(k as f64 / (count - 1) as f64);
-        let Some(growth) = balance.growth(rate, at)? else { continue };
-        at = std::f64::consts::TAU * growth.frequency_hz;
-        let before = found.growth.last().copied();
-        found.growth.push(growth);
-        if let Some(before) = before.filter(|b| b.growth_per_s > STEADY_GROWTH)
-            && growth.growth_per_s <= STEADY_GROWTH
-        {
-            balance.cycle(&mut found, before, growth)?;
-        }
-    }
-    if balance.teeth != Teeth::WithoutGap {
-        balance.rattling(&mut found)?;
-    }
-    Ok(found)
+/// A predicted limit cycle with the loops below and above it.
+pub(super) struct Bracketed {
+    pub cycle: Cycle,
+    pub balances: Vec<CycleBalance>,
 }
 
 /// The loop whose balance is sought.
 pub(super) struct Balance<'a> {
     pub(super) subject: &'a Subject<'a>,
-    teeth: Teeth,
+    pub(super) teeth: Teeth,
     /// Torque that presses the teeth together at rest, N m.
     pressed_nm: f64,
     /// Frequency of the outermost oscillating pole at rest, rad/s.
@@ -105,7 +73,7 @@ pub(super) struct Balance<'a> {
 }
 
 impl<'a> Balance<'a> {
-    fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
+    pub(super) fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
         let point = &subject.procedure.operating_point;
         let rest = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
         let period_s = rest.plant.sample_period_s;
@@ -119,7 +87,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The growth at an amplitude, the frequency sought from `from_rad_s`; `None` if nothing oscillates.
-    fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
+    pub(super) fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
         let Some(Settled { pole, .. }) = self.settled(rate_rad_s, from_rad_s)? else { return Ok(None) };
         let period_s = self.subject.case.plant.parameters().interface.sample_period_s;
         Ok(Some(Growth {
@@ -172,8 +140,8 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Adds the limit cycle between an amplitude at which the motion grows and one at which it fades.
-    fn cycle(&self, found: &mut Prediction, grows: Growth, fades: Growth) -> Result<(), Error> {
+    /// The limit cycle between an amplitude at which the motion grows and one at which it fades.
+    pub(super) fn cycle(&self, grows: Growth, fades: Growth) -> Result<Bracketed, Error> {
         let (mut low, mut high) = (grows, fades);
         for _ in 0..CYCLE_HALVINGS {
             let middle = (low.rate_rad_s * high.rate_rad_s).sqrt();
@@ -181,29 +149,34 @@ impl<'a> Balance<'a> {
             let Some(growth) = self.growth(middle, from)? else { break };
             if growth.growth_per_s > STEADY_GROWTH { low = growth } else { high = growth }
         }
-        let (cycle, mut third, mut sides) = (found.cycles.len(), 0.0, Vec::new());
-        for (k, side) in [low, high].into_iter().enumerate() {
-            let rate = std::f64::consts::TAU * side.frequency_hz;
-            let Some(settled) = self.settled(side.rate_rad_s, rate)? else { continue };
-            if k == 0 {
-                third = third_harmonic(&settled.linear, rate)?;
-            }
-            found.balances.push(CycleBalance::new(self.subject, cycle, &settled)?);
-            sides.push(settled);
+        let mut sides = Vec::new();
+        for side in [low, high] {
+            sides.extend(self.settled(side.rate_rad_s, std::f64::consts::TAU * side.frequency_hz)?);
         }
-        let frequency_error = match sides.as_slice() {
-            [below, above] => frequency_error(below, above),
-            _ => f64::INFINITY,
+        let rate = std::f64::consts::TAU * low.frequency_hz;
+        let third = sides.first().map(|below| third_harmonic(&below.linear, rate)).transpose()?;
+        let cycle = Cycle {
+            rate_rad_s: low.rate_rad_s,
+            frequency_hz: low.frequency_hz,
+            third_harmonic: third.unwrap_or(0.0),
+            frequency_error: frequency_error(&sides),
         };
-        let (rate_rad_s, frequency_hz) = (low.rate_rad_s, low.frequency_hz);
-        found.cycles.push(Cycle { rate_rad_s, frequency_hz, third_harmonic: third, frequency_error });
-        Ok(())
+        Bracketed::new(self.subject, cycle, &sides)
+    }
+}
+
+impl Bracketed {
+    /// Returns a limit cycle with the loops below and above it.
+    pub(super) fn new(subject: &Subject<'_>, cycle: Cycle, sides: &[Settled]) -> Result<Self, Error> {
+        let balances = sides.iter().map(|side| CycleBalance::new(subject, side));
+        Ok(Self { cycle, balances: balances.collect::<Result<_, _>>()? })
     }
 }
 
 /// Returns the largest relative difference between the frequency of the pole and the one for which the describing functions hold, below and
 /// above a limit cycle; infinite if growth does not turn into fading between them.
-pub(super) fn frequency_error(below: &Settled, above: &Settled) -> f64 {
+pub(super) fn frequency_error(sides: &[Settled]) -> f64 {
+    let [below, above] = sides else { return f64::INFINITY };
     let growth = |at: &Settled| at.pole.norm().ln() / at.linear.plant.sample_period_s;
     if growth(below) <= STEADY_GROWTH || growth(above) > STEADY_GROWTH {
         return f64::INFINITY;

@@ -4,22 +4,24 @@
 //!
 //! 1. linearises the loop in each regime ([`regime`]): at rest with the presliding stiffness of friction and of the controller's
 //!    friction observers, sliding, with open gear teeth, and with the estimator learning, at each setting of the schedule;
-//! 2. predicts limit cycles by harmonic balance with the describing functions of friction, observers and backlash ([`cycle`]);
+//! 2. predicts limit cycles by harmonic balance with the describing functions of friction, observers and backlash ([`prediction`]);
 //! 3. starts the simulator near each predicted limit cycle and follows the motion until it settles or fades ([`orbit`]);
 //! 4. proves stability where a sector argument applies: passivity, circle criterion, Popov, Zames-Falb ([`sector`]);
 //! 5. looks at runs of its own at rest and in motion, with noise and quantisation ([`runs`]).
 //!
 //! Its verdict is a [`Stability`]; what is proved, what is predicted and what is only simulated stay apart.
 //!
-//! Modules in reading order: [`regime`], [`elements`], [`cycle`], [`gap`], [`balance`], [`orbit`], [`multiplier`], [`sector`],
+//! Modules in reading order: [`regime`], [`elements`], [`gap`], [`balance`], [`cycle`], [`gear_rattle`], [`prediction`], [`orbit`], [`multiplier`], [`sector`],
 //! [`runs`].
 
 pub mod balance;
 pub mod cycle;
 pub mod elements;
 pub mod gap;
+pub mod gear_rattle;
 pub mod multiplier;
 pub mod orbit;
+pub mod prediction;
 pub mod regime;
 pub mod runs;
 pub mod sector;
@@ -28,9 +30,10 @@ use counterpoise_controller::Controller;
 use counterpoise_models::plant::Plant;
 
 pub use balance::CycleBalance;
-pub use cycle::{Cycle, Prediction};
+pub use cycle::Cycle;
 pub use multiplier::Criterion;
 pub use orbit::Orbit;
+pub use prediction::Prediction;
 pub use regime::{Regime, RegimeLoop, Teeth};
 pub use runs::Run;
 pub use sector::SectorProof;
@@ -181,7 +184,7 @@ impl Subject<'_> {
 fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let noise_floor_rad_s = subject.noise_floor_rad_s();
     let regimes = regime::loops(subject)?;
-    let prediction = cycle::predict(subject)?;
+    let prediction = prediction::predict(subject)?;
     let orbits = orbit::follow(subject, &prediction)?;
     let rest = runs::at_rest(subject)?;
     let motion = runs::in_motion(subject)?;

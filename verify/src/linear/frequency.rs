@@ -1,10 +1,10 @@
 //! Frequency responses of plant, controller, loop and platform to hub.
 
 use counterpoise_linalg::{C64, CMat};
-use counterpoise_lti::{Response, StateSpace};
 
 use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;
+use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold};
 use super::{Closed, SampledPlant};
 use crate::{Arrangement, Error, Source};
 
@@ -48,11 +48,6 @@ pub struct Rejection {
     pub response: Vec<C64>,
 }
 
-/// Readings in the order of the controller.
-pub(super) const DEMAND: usize = 0;
-const HUB_GYRO: usize = 1;
-pub(super) const PLATFORM_GYRO: usize = 2;
-pub(super) const ACCELEROMETER: usize = 3;
 const POINTS: usize = 700;
 const LOWEST_HZ: f64 = 0.02;
 
@@ -61,36 +56,6 @@ pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
     let highest = 0.499 / sample_period_s;
     let ratio = (highest / LOWEST_HZ).ln() / (POINTS - 1) as f64;
     (0..POINTS).map(|k| LOWEST_HZ * (ratio * k as f64).exp()).collect()
-}
-
-/// What a plant contributes to its curves: computed once, while controllers come and go.
-#[derive(Debug, Clone)]
-pub struct PlantResponse {
-    /// Frequencies, Hz.
-    pub frequency_hz: Vec<f64>,
-    pub(super) rates_rad_s: Vec<f64>,
-    /// (control, heave, pitch rate) to all outputs, continuous.
-    pub(super) continuous: Vec<CMat>,
-    /// Control to readings, sampled.
-    pub(super) readings: Vec<CMat>,
-}
-
-impl PlantResponse {
-    /// The response of a plant at some frequencies.
-    ///
-    /// # Errors
-    /// A response that does not exist because of a pole on the axis.
-    pub fn of(plant: &SampledPlant, frequency_hz: Vec<f64>) -> Result<Self, Error> {
-        let rates_rad_s: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
-        let continuous = Response::of(&plant.continuous)?.at_all(&rates_rad_s)?;
-        let readings = Response::of(&to_readings(plant))?.at_all(&rates_rad_s)?;
-        Ok(Self { frequency_hz, rates_rad_s, continuous, readings })
-    }
-
-    pub(super) fn controller(&self, closed: &Closed) -> Result<Option<Vec<CMat>>, Error> {
-        let K = closed.controller.as_ref();
-        K.map(|K| Ok(Response::of(K)?.at_all(&self.rates_rad_s)?)).transpose()
-    }
 }
 
 impl Curves {
@@ -203,12 +168,6 @@ fn rejection_of(
     })
 }
 
-/// The discrete plant from control to readings.
-fn to_readings(plant: &SampledPlant) -> StateSpace {
-    let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
-    plant.sampled.select(&readings, &[port::CONTROL])
-}
-
 /// What a tone of the platform puts into the readings, without control.
 fn reading_tones(plant: &SampledPlant, continuous: &CMat, input: usize, rate: f64) -> Vec<C64> {
     let delays = &plant.delays.readings;
@@ -222,13 +181,6 @@ fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
     debug_assert_eq!(R.len(), plant.delays.readings.len());
     let through = |column: &dyn Fn(usize) -> C64| (0..R.len()).map(|i| K[(0, i)] * column(i)).sum::<C64>();
     through(&|i| R[i]) / (C64::new(1.0, 0.0) - through(&|i| P[(i, 0)]))
-}
-
-/// The hold and the control's delay.
-pub(crate) fn hold(plant: &SampledPlant, rate: f64) -> C64 {
-    let angle = rate * plant.sample_period_s;
-    let j = C64::new(0.0, angle);
-    (C64::new(1.0, 0.0) - (-j).exp()) / j * C64::from_polar(1.0, -angle * plant.delays.control as f64)
 }
 
 /// The rejection ratios in dB at some frequencies.

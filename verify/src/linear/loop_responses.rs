@@ -3,8 +3,8 @@
 use counterpoise_linalg::{C64, CMat};
 
 use super::SampledPlant;
-use super::frequency::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse, hold};
 use super::plant::port;
+use super::plant_response::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse, hold};
 
 /// One response of the closed loop beside its sensitivities.
 #[derive(Debug, Clone, PartialEq)]

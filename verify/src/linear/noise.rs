@@ -4,8 +4,9 @@ use counterpoise_linalg::C64;
 
 use super::SampledPlant;
 use super::closed::Closed;
-use super::frequency::{PlantResponse, broken_at, hold};
+use super::frequency::broken_at;
 use super::plant::port;
+use super::plant_response::{PlantResponse, hold};
 use crate::Error;
 
 /// Where noise enters a loop.

@@ -13,19 +13,8 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
-use super::iso_road::Vehicle;
+use super::vehicle::{Sides, Vehicle};
 use crate::Error;
-
-/// What a vehicle with four wheels has beside [`Vehicle`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sides {
-    /// Distance of the left wheels from the right ones, m.
-    pub track_m: f64,
-    /// Roll inertia of the body, kg m^2.
-    pub roll_inertia_kg_m2: f64,
-    /// Height of the pivot above the axis about which the body rolls, m.
-    pub pivot_height_m: f64,
-}
 
 /// Returns x K_1(x) from K_1(x) = integral of exp(-x cosh t) cosh t over t >= 0 by the trapezoidal rule, whose error falls faster than
 /// any power of its step for this integrand.

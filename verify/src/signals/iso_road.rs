@@ -12,8 +12,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::filter::from_rest;
-use super::four_wheels::{Sides, coherence_function, roll_dynamics};
+use super::four_wheels::{coherence_function, roll_dynamics};
 use super::six_axes::{BaseSeries, felt_road, phases};
+use super::vehicle::Vehicle;
 use crate::{Error, Road};
 
 /// Roughness class.
@@ -29,44 +30,6 @@ pub enum RoadClass {
     D,
     /// Very poor: rough track.
     E,
-}
-
-/// A vehicle: a body on two axles; half of one if its sides are not stated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vehicle {
-    /// Mass of the body, kg.
-    pub body_mass_kg: f64,
-    /// Pitch inertia of the body about its centre of mass, kg m^2.
-    pub pitch_inertia_kg_m2: f64,
-    /// Mass of each axle, kg.
-    pub axle_mass_kg: f64,
-    /// Stiffness of each suspension, N/m.
-    pub suspension_n_m: f64,
-    /// Damping of each suspension, N s/m.
-    pub damping_n_s_m: f64,
-    /// Stiffness of each axle's tyres, N/m.
-    pub tyre_n_m: f64,
-    /// Distance of each axle from the centre of mass, m.
-    pub half_base_m: f64,
-    /// Distance of the mechanism's pivot in front of the centre of mass, m.
-    pub pivot_m: f64,
-    /// Its two sides, if it has four wheels: it then rolls. `None` if both sides see the same road.
-    pub sides: Option<Sides>,
-}
-
-impl Vehicle {
-    /// A wheeled vehicle of 12 t with heave at about 1.3 Hz and pitch at about 1.5 Hz; chosen, not measured.
-    pub const HEAVY: Self = Self {
-        body_mass_kg: 12_000.0,
-        pitch_inertia_kg_m2: 36_000.0,
-        axle_mass_kg: 900.0,
-        suspension_n_m: 450_000.0,
-        damping_n_s_m: 30_000.0,
-        tyre_n_m: 1_800_000.0,
-        half_base_m: 2.0,
-        pivot_m: 0.5,
-        sides: None,
-    };
 }
 
 /// A drive over a road.
@@ -261,7 +224,7 @@ fn dynamics(v: Vehicle) -> Result<StateSpace, Error> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::signals::rms;
+    use crate::signals::{Sides, rms};
     use counterpoise_lti::{dcgain, poles};
 
     const G: f64 = 9.80665;

@@ -1,6 +1,6 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`four_wheels`], [`iso_road`], [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`], `normal`.
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`vehicle`], [`four_wheels`], [`iso_road`], [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`], `normal`.
 
 pub mod filter;
 pub mod four_wheels;
@@ -12,15 +12,16 @@ pub mod six_axes;
 pub mod spectrum;
 pub mod statistics;
 pub mod step;
+pub mod vehicle;
 pub mod welch;
 
 pub use filter::{LowPass, from_rest, low_pass};
-pub use four_wheels::Sides;
-pub use iso_road::{Drive, RoadClass, Vehicle, iso_road};
+pub use iso_road::{Drive, RoadClass, iso_road};
 pub use sea::{Sea, Ship, WaveShape, Waves};
 pub use spectrum::{Realisation, Tone, pitch_simulator, random_motion};
 pub use statistics::{mean, peak, rms};
 pub use step::{StepFigures, step_figures};
+pub use vehicle::{Sides, Vehicle};
 pub use welch::{Spectra, WelchOptions, welch};
 
 use crate::Error;

@@ -28,8 +28,8 @@ use super::places::{Dry, Place};
 use super::taylor::{Interval, Taylor, response_over};
 use crate::Error;
 use crate::linear::closed::resolver_use;
-use crate::linear::frequency::hold;
 use crate::linear::plant::port;
+use crate::linear::plant_response::hold;
 use crate::linear::{Closed, SampledPlant};
 
 /// Readings that the loop goes through: hub gyroscope, tachometer, resolver.

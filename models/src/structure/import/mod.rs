@@ -16,7 +16,8 @@ pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, op4};
 
 use super::fe::{FeModel, Fitted, NodeRows};
-use super::large::{Condensation, Shapes, SparseStructure};
+use super::large::{Condensation, Shapes};
+use super::sparse_structure::SparseStructure;
 use crate::Error;
 use crate::tolerance::{ASYMMETRY_OF_IMPORT, LARGE_STRUCTURE};
 use counterpoise_linalg::{

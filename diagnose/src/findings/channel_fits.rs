@@ -1,0 +1,30 @@
+//! How well a model fits the recordings, channel by channel.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::fitting::score::Score;
+
+/// Fit of one channel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ChannelFit {
+    /// RMS error.
+    pub rms_error: f64,
+    /// Noise floor: the RMS of the residual of a perfect model.
+    pub floor: f64,
+}
+
+/// Fit of every channel, over all recordings.
+pub type Channels = BTreeMap<&'static str, ChannelFit>;
+
+/// Returns the RMS over the recordings, channel by channel.
+pub(crate) fn channels(score: &Score) -> Channels {
+    let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
+    for cell in &score.cells {
+        let sum = sums.entry(cell.channel).or_default();
+        *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
+    }
+    let fit = |(e, f, n): (f64, f64, f64)| ChannelFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };
+    sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
+}

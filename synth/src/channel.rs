@@ -1,0 +1,10 @@
+//! The two disturbances that a design knows.
+
+/// Which disturbance is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Channel {
+    /// The vertical motion of the pivot.
+    Heave,
+    /// The rotation of the platform.
+    Pitch,
+}

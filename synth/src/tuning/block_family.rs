@@ -1,0 +1,64 @@
+//! The family of a fixed structure.
+
+use std::f64::consts::LN_2;
+
+use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
+
+use super::blocks::Blocks;
+use super::family::{Family, GridResponse};
+use super::grid::{LoopGrid, LoopPlant};
+use super::starts::placed_starts;
+use super::{TunedFeedback, sampled_structure};
+use crate::Error;
+use crate::fixed_structure::ParameterName;
+
+impl Family for Blocks<'_> {
+    fn ranges(&self) -> &[[f64; 2]] {
+        &self.ranges
+    }
+
+    fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error> {
+        let values = self.values(at);
+        Ok(grid.s.iter().map(|s| self.at(&values, *s)).collect())
+    }
+
+    fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error> {
+        let values = self.values(at);
+        let blocks = &self.structure.blocks;
+        let of = |s: &C64| -> Vec<C64> {
+            let slopes: Vec<Vec<C64>> =
+                blocks.iter().zip(&values).map(|(block, p)| block.kind.slopes(p, *s)).collect();
+            self.open.iter().map(|open| slopes[open.block][open.place]).collect()
+        };
+        Ok(GridResponse { K: self.gain(at, grid)?, slopes: grid.s.iter().map(of).collect() })
+    }
+
+    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error> {
+        self.sampled(at)
+    }
+
+    fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error> {
+        sampled_structure(&self.fixed(at), self.sampling)
+    }
+
+    fn calmer(&self, at: &[f64]) -> Option<Vec<f64>> {
+        let gain = self.open.iter().position(|open| open.name == ParameterName::Gain)?;
+        let mut calmer = at.to_vec();
+        for (k, open) in self.open.iter().enumerate() {
+            // With the corner, the gain's crossover stays above what integrates.
+            if k == gain || open.name == ParameterName::Corner {
+                calmer[k] = (at[k] - LN_2).max(self.ranges[k][0]);
+            }
+        }
+        Some(calmer)
+    }
+
+    fn starts(&self, nominal: &LoopPlant, grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>> {
+        placed_starts(self, nominal, grid, count, seed)
+    }
+
+    fn feedback(&self, at: &[f64]) -> TunedFeedback {
+        TunedFeedback::Structure(self.fixed(at))
+    }
+}
