@@ -32,9 +32,9 @@ const LEAST_SLOPE: f64 = 0.2;
 /// adaptation, even one that is told the load, does not lower the hub rate (`docs/evidence/robustness.md`).
 const HIDDEN: f64 = 0.5;
 /// The same without gravity, where heave alone shows the load: a lower value lets friction move the estimate.
-const HIDDEN_WITHOUT_GRAVITY: f64 = 0.7;
-/// Share of the friction that an observer leaves at least: with less the estimate would follow the errors of the observer.
-const LEAST_UNOBSERVED: f64 = 0.3;
+const HIDDEN_WITHOUT_GRAVITY: f64 = 1.2;
+/// Share of the friction that counts at least with an observer, whose errors the estimate would else follow: with gravity, and without.
+const LEAST_UNOBSERVED: [f64; 2] = [0.3, 0.55];
 /// Least default of the dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
 const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
 /// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
@@ -246,11 +246,10 @@ pub(crate) fn dead_band_m_s2(
 ) -> f64 {
     let p = &modelled.parameters;
     let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
-    let left = match observer {
-        Some(observer) => (1.0 - observer.share).max(LEAST_UNOBSERVED),
-        None => 1.0,
-    };
-    let share = if p.gravity_m_s2 == 0.0 { HIDDEN_WITHOUT_GRAVITY } else { HIDDEN * left };
+    let [with_gravity, without] = LEAST_UNOBSERVED;
+    let (hidden, least) =
+        if p.gravity_m_s2 == 0.0 { (HIDDEN_WITHOUT_GRAVITY, without) } else { (HIDDEN, with_gravity) };
+    let share = hidden * observer.map_or(1.0, |observer| (1.0 - observer.share).max(least));
     adaptation.dead_band_m_s2.unwrap_or_else(|| (share * dry_nm(p) / moment).max(LEAST_DEAD_BAND_M_S2))
 }
 
