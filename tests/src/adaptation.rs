@@ -56,9 +56,6 @@ pub fn trial(seed: u64) -> Option<Case> {
     let modelled = model(&project).ok()?;
     let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
     let procedure = project_procedure(&project, &Beside(folder)).ok()?;
-    if let Some(road) = &procedure.road {
-        eprintln!("road rms {:.3}", counterpoise_verify::signals::rms(&road.heave_m_s2));
-    }
     let tried = own_trials(&project, &modelled, &made, &procedure).ok()??;
     Some(Case { seed, drawn, is_refused: !tried.refused.is_empty(), rows: tried.rows })
 }
@@ -104,11 +101,5 @@ fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
         document = document.set("synth.observer.share", &Setting::Number(0.9)).ok()?;
     }
     document = document.set("synth.adaptation.method", &Setting::Text("recursive".to_owned())).ok()?;
-    for (variable, key) in [("CP_HOLD", "synth.adaptation.hold_band"), ("CP_MEM", "synth.adaptation.memory")]
-    {
-        if let Ok(text) = std::env::var(variable) {
-            document = document.set(key, &Setting::Number(text.parse().ok()?)).ok()?;
-        }
-    }
     Some((document, words.join(", ")))
 }
