@@ -207,7 +207,7 @@ fn replayed_view(
     blank: RecordingView,
 ) -> RecordingView {
     let mut errors = Vec::new();
-    let control = loop_of(controller);
+    let control = loop_of(&request.project, controller);
     let mut kept = |made: Result<ReplayedRecording, PipelineError>| {
         made.map_err(|error| errors.push(describe_recordings_error(&error))).ok()
     };
