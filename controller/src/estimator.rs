@@ -62,12 +62,12 @@ pub enum Learning {
     ///
     /// The covariance is kept as U D U' (G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, 1977),
     /// so that it stays positive in single precision. Two factors between 0 and 1 hold it back: learning fades out where
-    /// the mean square of the first regressor falls from 1.1 to 1 times `dead_band_m_s2`^2, and forgetting fades out
+    /// the mean square of the platform's acceleration falls from 1.21 to 1 times `dead_band_m_s2`^2, and forgetting fades out
     /// where a variance grows from 9 to 10 times its start. What one sample tells counts at most 1e9 times all before.
     Squares {
         /// What a sample keeps of the weight of those before it, 0 < forget < 1.
         forget: f64,
-        /// Below this RMS of the first regressor the estimate stands still, m/s^2; 0 for none.
+        /// Below this RMS of the platform's acceleration the estimate stands still, m/s^2; 0 for none. Gravity does not count.
         dead_band_m_s2: f64,
         /// Standard deviations of the parameters at the start: V per m/s^2, V, V s/rad, V.
         deviation: [f64; 4],

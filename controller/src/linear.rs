@@ -50,7 +50,7 @@ impl Controller {
             parts.drive_curve.clear();
             parts.transfer_time_s = 0.0;
             stand_at_design(parts);
-            parts.estimator.iter_mut().for_each(|estimator| estimator.hold_band_kg_m = 0.0);
+            parts.estimator.iter_mut().for_each(learn_at_rest);
         })?;
         let mut runner = sliding.runner();
         runner.set_out_of_balance(out_of_balance_kg_m);
@@ -119,4 +119,16 @@ impl Controller {
 /// Keeps a projection at the elevation of its design.
 fn stand_at_design(parts: &mut Parts) {
     parts.projection.iter_mut().for_each(|projection| projection.angle_reading = None);
+}
+
+/// Takes the hold band from an estimator, and with gravity the dead-band on heave, so that it learns in a mechanism at rest: what is certified is the
+/// loop that learns.
+fn learn_at_rest(estimator: &mut Estimator) {
+    estimator.hold_band_kg_m = 0.0;
+    let has_gravity = estimator.gravity_m_s2 != 0.0;
+    if let Learning::Squares { dead_band_m_s2, .. } = &mut estimator.learning
+        && has_gravity
+    {
+        *dead_band_m_s2 = 0.0;
+    }
 }

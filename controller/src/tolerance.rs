@@ -40,7 +40,7 @@ pub(crate) const BREAKS_FROM: f64 = 0.98;
 
 // ---- estimator of the out-of-balance ----
 
-/// The mean square of the first regressor, over that of the dead-band, at which learning is whole: 1.1 squared.
+/// The mean square of the platform's acceleration, over that of the dead-band, at which learning is whole: 1.1 squared.
 pub(crate) const WHOLE: f64 = 1.21;
 /// Share of gravity that the mean over a window counts at least: a hub held beyond 60 degrees is not divided by.
 pub(crate) const LEAST_LIFT: f64 = 0.5;

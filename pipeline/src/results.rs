@@ -1,5 +1,6 @@
 //! Results as plain data that serialises: what `--json` prints, and what another program reads.
 
+mod balance;
 mod certificate;
 mod robustness;
 

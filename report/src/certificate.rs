@@ -102,6 +102,8 @@ pub fn certificate_lines(found: &Certificate) -> Vec<String> {
     lines.extend(worst.prediction.cycles.iter().map(|cycle| {
         let trust = if cycle.is_reliable() {
             "predicted by harmonic balance"
+        } else if !cycle.is_consistent() {
+            "not predicted reliably, because its describing functions hold for another frequency"
         } else {
             "not predicted reliably, because the loop is no low-pass there"
         };

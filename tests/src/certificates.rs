@@ -210,7 +210,7 @@ fn adaptation(which: usize) -> Adaptation {
         method,
         window_s: 2.0,
         memory_s: 2.0,
-        dead_band_m_s2: 0.1,
+        dead_band_m_s2: Some(0.1),
         filter_s: 0.02,
         hold_band: 0.0,
         step: 0.002,

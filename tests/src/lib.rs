@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use counterpoise_pipeline::World;
 use counterpoise_project::Project;
 
+pub mod adaptation;
 pub mod certificates;
 pub mod examples;
 pub mod exported_loop;

@@ -32,6 +32,9 @@ pub const CYCLE_HALVINGS: usize = 6;
 /// A loop is taken as a low-pass where the third harmonic returns with at most this share of the first, a third of which is what a
 /// relay excites. Above it a harmonic balance says nothing reliable (D. Atherton, *Nonlinear Control Engineering*, 1975, ch. 3).
 pub const THIRD_HARMONIC: f64 = 0.5;
+/// Relative difference between the frequency of a pole and the one for which its describing functions hold, above which a prediction is not
+/// consistent: the rounds that seek both have then gone from one pole to another.
+pub const FREQUENCY_ERROR: f64 = 0.1;
 
 /// Periods of a sine over which an observer's gain is read, after as many to settle; its state forgets its start in one.
 pub const OBSERVER_PERIODS: usize = 3;

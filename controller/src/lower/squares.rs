@@ -31,8 +31,10 @@ pub(crate) fn squares(
         writer.sum_into(one, Some(1.0), &[]);
         phi.push(one);
     }
-    let gate = (*dead_band_m_s2 > 0.0)
-        .then(|| gate(phi[0], &DeadBand { forget: *forget, rms_m_s2: *dead_band_m_s2 }, states, writer));
+    let gate = (*dead_band_m_s2 > 0.0).then(|| {
+        let heave = (inputs.signal)(Signal::PlatformAcceleration);
+        gate(heave, &DeadBand { forget: *forget, rms_m_s2: *dead_band_m_s2 }, states, writer)
+    });
     let mut left = unexplained(control, &p, &phi, writer);
     if let Some(gate) = gate {
         left = writer.product("gated_unexplained_v", gate, left);
@@ -86,19 +88,20 @@ impl Filtered<'_> {
     }
 }
 
-/// A dead-band on the mean square of the first regressor.
+/// A dead-band on the mean square of the platform's acceleration.
 struct DeadBand {
     /// What a sample keeps of the mean square before it.
     forget: f64,
-    /// RMS of the regressor below which the estimate stands still, m/s^2.
+    /// RMS of the acceleration below which the estimate stands still, m/s^2.
     rms_m_s2: f64,
 }
 
-/// Writes a switch that is 1 while the regressor is lively and 0 inside the dead-band.
-fn gate(phi: Slot, band: &DeadBand, states: &mut States, writer: &mut Writer) -> Slot {
+/// Writes a switch that is 1 while the platform is lively and 0 inside the dead-band. Gravity does not count: what a wrong out-of-balance
+/// costs grows with heave, and at rest friction carries what gravity would show.
+fn gate(heave: Slot, band: &DeadBand, states: &mut States, writer: &mut Writer) -> Slot {
     let (forget, dead_band) = (band.forget, band.rms_m_s2);
     let liveliness = states.scalar("liveliness", 0.0, OnRestart::Restart);
-    let square = writer.product("lift_square", phi, phi);
+    let square = writer.product("heave_square", heave, heave);
     let next = writer.sum("liveliness_next", &[(forget, liveliness), (1.0 - forget, square)]);
     writer.copy(liveliness, next);
     let slope = 1.0 / ((WHOLE - 1.0) * dead_band * dead_band);

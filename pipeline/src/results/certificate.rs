@@ -2,10 +2,11 @@
 
 use counterpoise_verify::certificate::multiplier::{Kind, Term};
 use counterpoise_verify::certificate::{
-    CaseCertificate, Certificate, Cycle, Orbit, RegimeLoop, SectorProof, Stability,
+    CaseCertificate, Certificate, Orbit, Prediction, RegimeLoop, SectorProof, Stability,
 };
 use serde::Serialize;
 
+use super::balance::BalanceResult;
 use crate::exchange::{PulledLoopResult, SystemResult};
 
 /// The certificate: the worst case, and every case.
@@ -175,14 +176,21 @@ pub struct RegimeResult {
 }
 
 /// A predicted limit cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictedResult {
     /// Amplitude of the hub rate, rad/s.
     pub amplitude_rad_s: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Whether the loop is enough of a low-pass for the prediction to hold.
+    /// Share of the first harmonic with which the third one returns round the loop.
+    pub third_harmonic: f64,
+    /// Relative difference between the frequency of the pole and the one for which the describing functions hold, the larger of both sides;
+    /// `None` if growth does not turn into fading between them.
+    pub frequency_error: Option<f64>,
+    /// Whether the loop is enough of a low-pass for the prediction to hold, and its describing functions hold for its frequency.
     pub reliable: bool,
+    /// The loop with its describing functions at the last amplitude that grows, and at the first that fades.
+    pub balances: Vec<BalanceResult>,
 }
 
 /// A motion on the simulator.
@@ -206,6 +214,8 @@ impl CertificateResult {
         for case in &mut self.cases {
             (case.rest_rates_rad_s, case.motion_rates_rad_s) = (Vec::new(), Vec::new());
             case.orbits.iter_mut().for_each(|orbit| orbit.rates_rad_s.clear());
+            let balances = case.predicted.iter_mut().flat_map(|cycle| &mut cycle.balances);
+            balances.for_each(BalanceResult::leave_torques_out);
         }
     }
 }
@@ -252,7 +262,7 @@ impl From<&CaseCertificate> for CaseResult {
             sector: case.sector.as_ref().map(SectorResult::from),
             limit_cycle,
             regimes: case.regimes.iter().map(RegimeResult::from).collect(),
-            predicted: case.prediction.cycles.iter().map(PredictedResult::from).collect(),
+            predicted: predicted(&case.prediction),
             orbits: case.orbits.iter().map(OrbitResult::from).collect(),
             rest_rms_rad_s: case.rest.rms_rad_s,
             motion_growth: case.motion.second_half_rad_s / case.motion.first_half_rad_s,
@@ -279,14 +289,17 @@ impl From<&RegimeLoop> for RegimeResult {
     }
 }
 
-impl From<&Cycle> for PredictedResult {
-    fn from(cycle: &Cycle) -> Self {
-        Self {
-            amplitude_rad_s: cycle.rate_rad_s,
-            frequency_hz: cycle.frequency_hz,
-            reliable: cycle.is_reliable(),
-        }
-    }
+/// Returns the predicted limit cycles with the loops on both sides of each.
+fn predicted(found: &Prediction) -> Vec<PredictedResult> {
+    let each = found.cycles.iter().zip(&found.balances).map(|(cycle, sides)| PredictedResult {
+        amplitude_rad_s: cycle.rate_rad_s,
+        frequency_hz: cycle.frequency_hz,
+        third_harmonic: cycle.third_harmonic,
+        frequency_error: finite(cycle.frequency_error),
+        reliable: cycle.is_reliable(),
+        balances: sides.iter().map(BalanceResult::from).collect(),
+    });
+    each.collect()
 }
 
 impl From<&Orbit> for OrbitResult {

@@ -16,12 +16,14 @@ use counterpoise_verify::Procedure;
 use serde::Serialize;
 
 use crate::budget::{Run, affordable};
-use crate::synth::controller_blocks::{SMALL_KG_M, drive_curve, inertia_v_s2_rad};
+use crate::synth::controller_blocks::{SMALL_KG_M, dead_band_m_s2, drive_curve, inertia_v_s2_rad};
 use crate::synth::schedule::unbalanced;
 use crate::synth::torque_per_volt;
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, Compensation};
+use counterpoise_project::resolve::synthesis_options::{
+    Adaptation, AdaptationMethod, Compensation, ObserverOptions,
+};
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -107,6 +109,7 @@ enum Amplifier {
 /// The mechanism and its controller, as every run needs them.
 struct Stage<'a> {
     adaptation: &'a Adaptation,
+    observer: Option<&'a ObserverOptions>,
     controller: &'a Controller,
     modelled: &'a Modelled,
     procedure: &'a Procedure,
@@ -130,7 +133,8 @@ pub fn adapt(
     let (procedure, undo) = (&verification.procedure, asked.options.amplifier_curve);
     let (duration_s, period_s) = (adaptation.trial.duration_s, controller.sample_period_s());
     affordable(Run { key: "synth.adaptation.trial.duration", duration_s, period_s })?;
-    let stage = Stage { adaptation, controller, modelled, procedure, undo };
+    let observer = asked.options.observer.as_ref();
+    let stage = Stage { adaptation, observer, controller, modelled, procedure, undo };
     let mut runs: Vec<AdaptRun> = Vec::new();
     for plan in plans(adaptation) {
         let (mut run, default) = (stage.run(&plan)?, stage.default_for(&plan)?);
@@ -386,7 +390,7 @@ impl Stage<'_> {
             scale: self.scale(amplifier),
             memory_s: self.adaptation.memory_s,
             sample_period_s,
-            dead_band_m_s2: self.adaptation.dead_band_m_s2,
+            dead_band_m_s2: dead_band_m_s2(self.adaptation, self.modelled, self.observer),
             half_rate_rad_s: self.adaptation.half_rate_rad_s,
             rate_limit_kg_m_s: self.adaptation.rate_limit_kg_m_s,
             start_kg_m,

@@ -155,7 +155,7 @@ pub fn run_trials(
     let missing =
         PipelineError::Missing { section: "synth.adaptation", needed_by: "the trials of adaptation" };
     let adaptation = asked(project).ok_or(missing)?;
-    let stage = Stage { adaptation, modelled, controller: &made.sampled.controller, procedure };
+    let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let possible = |(method, _): &(AdaptationMethod, _)| {
         // the mean goes by gravity, which an axis without it does not have
         *method != AdaptationMethod::WindowedMean || modelled.parameters.gravity_m_s2 != 0.0
@@ -175,7 +175,7 @@ pub fn own_trials(
     procedure: &Procedure,
 ) -> Result<Option<Trials>, PipelineError> {
     let Some(adaptation) = asked(project) else { return Ok(None) };
-    let stage = Stage { adaptation, modelled, controller: &made.sampled.controller, procedure };
+    let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let own: Vec<_> = METHODS.into_iter().filter(|(method, _)| *method == adaptation.method).collect();
     tried(&stage, &own).map(Some)
 }
@@ -228,6 +228,7 @@ enum Acts {
 }
 
 struct Stage<'a> {
+    project: &'a Project,
     adaptation: &'a Adaptation,
     modelled: &'a Modelled,
     controller: &'a Controller,
@@ -279,7 +280,9 @@ impl Stage<'_> {
         let own = match acts {
             Acts::Adapts(method) => {
                 let adaptation = Adaptation { method, ..self.adaptation.clone() };
-                Some(estimator(&adaptation, self.modelled))
+                let synth = self.project.synth.as_ref();
+                let observer = synth.and_then(|asked| asked.options.observer.as_ref());
+                Some(estimator(&adaptation, self.modelled, observer))
             }
             Acts::Without | Acts::Told => None,
         };

@@ -28,6 +28,15 @@ const PITCH_WASHOUT_S: f64 = 10.0;
 const SHORTEST: f64 = 0.03;
 /// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
 const LEAST_SLOPE: f64 = 0.2;
+/// Torque of the out-of-balance under heave, RMS over the dry friction on the hub, below which the estimate stands still: there an
+/// adaptation, even one that is told the load, does not lower the hub rate (`docs/evidence/robustness.md`).
+const HIDDEN: f64 = 0.5;
+/// The same without gravity, where heave alone shows the load: a lower value lets friction move the estimate.
+const HIDDEN_WITHOUT_GRAVITY: f64 = 1.2;
+/// Share of the friction that counts at least with an observer, whose errors the estimate would else follow: with gravity, and without.
+const LEAST_UNOBSERVED: [f64; 2] = [0.3, 0.55];
+/// Least default of the dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
+const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
 /// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
 pub(crate) const SMALL_KG_M: f64 = 10.0;
 
@@ -48,7 +57,8 @@ pub(crate) fn with_controller_blocks(
         None => Vec::new(),
     };
     let adaptation = asked.options.adaptation.as_ref();
-    let estimator = adaptation.map(|adaptation| estimator(adaptation, modelled));
+    let observer = asked.options.observer.as_ref();
+    let estimator = adaptation.map(|adaptation| estimator(adaptation, modelled, observer));
     let amplifier = &modelled.parameters.amplifier;
     let drive_curve = match asked.options.amplifier_curve {
         Compensation::Absent => Vec::new(),
@@ -170,7 +180,11 @@ fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObse
 }
 
 /// Returns the estimator of the out-of-balance.
-pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimator {
+pub(crate) fn estimator(
+    adaptation: &Adaptation,
+    modelled: &Modelled,
+    observer: Option<&ObserverOptions>,
+) -> Estimator {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     let mean = adaptation.method == AdaptationMethod::WindowedMean;
@@ -179,7 +193,7 @@ pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimat
     // the first estimates rest on few samples: until the memory is full they would leave the band for no reason
     let hold_s = if holds { adaptation.memory_s } else { 0.0 };
     Estimator {
-        learning: learning(adaptation, modelled),
+        learning: learning(adaptation, modelled, observer),
         gravity_m_s2: p.gravity_m_s2,
         rate: Signal::RelativeRate,
         half_rate_rad_s: adaptation.half_rate_rad_s,
@@ -190,14 +204,14 @@ pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimat
     }
 }
 
-fn learning(adaptation: &Adaptation, modelled: &Modelled) -> Learning {
+fn learning(adaptation: &Adaptation, modelled: &Modelled, observer: Option<&ObserverOptions>) -> Learning {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
     let (ratio, period_s) = (p.gearbox.ratio, p.interface.sample_period_s);
     match adaptation.method {
         AdaptationMethod::Gradient => {
-            let dry = p.pivot_friction.coulomb_nm() + ratio * p.motor_friction.coulomb_nm();
+            let dry = dry_nm(p);
             let viscous =
                 p.pivot_friction.viscous_nm_s_rad + ratio * ratio * p.motor_friction.viscous_nm_s_rad;
             Learning::Gradient {
@@ -210,12 +224,33 @@ fn learning(adaptation: &Adaptation, modelled: &Modelled) -> Learning {
         }
         AdaptationMethod::Recursive => Learning::Squares {
             forget: (-period_s / adaptation.memory_s).exp(),
-            dead_band_m_s2: adaptation.dead_band_m_s2,
+            dead_band_m_s2: dead_band_m_s2(adaptation, modelled, observer),
             deviation: [moment * volts, LOOSE, LOOSE, LOOSE],
             filter_s: adaptation.filter_s,
             inertia_v_s2_rad: inertia_v_s2_rad(modelled),
         },
     }
+}
+
+/// Returns the dry friction of pivot and motor on the hub, N m.
+fn dry_nm(p: &Parameters) -> f64 {
+    p.pivot_friction.coulomb_nm() + p.gearbox.ratio * p.motor_friction.coulomb_nm()
+}
+
+/// Returns the RMS of the platform's acceleration below which the estimate stands still: as the project states it, or where the torque of the
+/// out-of-balance is so small against dry friction that knowing it better does not lower the hub rate.
+pub(crate) fn dead_band_m_s2(
+    adaptation: &Adaptation,
+    modelled: &Modelled,
+    observer: Option<&ObserverOptions>,
+) -> f64 {
+    let p = &modelled.parameters;
+    let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
+    let [with_gravity, without] = LEAST_UNOBSERVED;
+    let (hidden, least) =
+        if p.gravity_m_s2 == 0.0 { (HIDDEN_WITHOUT_GRAVITY, without) } else { (HIDDEN, with_gravity) };
+    let share = hidden * observer.map_or(1.0, |observer| (1.0 - observer.share).max(least));
+    adaptation.dead_band_m_s2.unwrap_or_else(|| (share * dry_nm(p) / moment).max(LEAST_DEAD_BAND_M_S2))
 }
 
 /// Returns volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of

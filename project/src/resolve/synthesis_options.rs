@@ -106,8 +106,8 @@ pub struct Adaptation {
     pub window_s: f64,
     /// Forgetting time of least squares, s.
     pub memory_s: f64,
-    /// Excitation below which least squares stand still, m/s^2.
-    pub dead_band_m_s2: f64,
+    /// RMS of the platform's acceleration below which least squares stand still, m/s^2; `None` for what friction demands.
+    pub dead_band_m_s2: Option<f64>,
     /// Lag that control and regressors of least squares pass, s.
     pub filter_s: f64,
     /// Share of the design's out-of-balance by which the estimate of least squares may differ before it is followed.
@@ -329,7 +329,7 @@ fn blank_adaptation() -> Adaptation {
         // With 2 s the noise of the estimate raises the hub rate by 4 % on a road; with 8 s by 1 %, and a change of 30 % is still
         // followed within 20 s (`counterpoise adapt`).
         memory_s: 8.0,
-        dead_band_m_s2: 0.1,
+        dead_band_m_s2: None,
         filter_s: 0.02,
         // What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where no
         // observer covers friction, 4 % leaves 18 %. The out-of-balance still stands still on every example when nothing changes.
@@ -359,8 +359,12 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
         AdaptationMethod::Recursive => {
             let memory = Field::new("memory", "time constant of forgetting").unit("s").limit(ABOVE_0);
             v.number(&memory.or(usual.memory_s), &mut a.memory_s);
-            let band = Field::new("dead_band", "RMS excitation below which the estimate is not changed");
-            v.number(&band.unit("m/s^2").limit(AT_LEAST_0).or(usual.dead_band_m_s2), &mut a.dead_band_m_s2);
+            let band = "RMS of the platform's acceleration below which the estimate is not changed; without it what dry friction hides of the out-of-balance";
+            maybe_number(
+                v,
+                &Field::new("dead_band", band).unit("m/s^2").limit(AT_LEAST_0),
+                &mut a.dead_band_m_s2,
+            );
             let filter = "lag by which control and regressors are filtered, so that accelerations are known; 0 for none";
             let filter = Field::new("filter", filter).unit("s").limit(AT_LEAST_0);
             v.number(&filter.or(usual.filter_s), &mut a.filter_s);

@@ -14,8 +14,7 @@ pub struct RecursiveSettings {
     pub memory_s: f64,
     /// Sample period, s.
     pub sample_period_s: f64,
-    /// Below this RMS of the imbalance's regressor, m/s^2, the estimate stands still. Gravity alone exceeds it; in
-    /// azimuth the lateral acceleration must.
+    /// Below this RMS of the platform's acceleration, m/s^2, the estimate stands still. Gravity does not count.
     pub dead_band_m_s2: f64,
     /// Rate at which the sign of the rate counts half, rad/s: a soft sign, for a rate that is noise near zero.
     pub half_rate_rad_s: f64,
@@ -39,7 +38,7 @@ pub struct RecursiveSettings {
 ///
 /// with w the hub's rate relative to the platform, a the accelerometer's reading. The fourth regressor (a constant) is
 /// used only without gravity, where it takes what is not the imbalance's: with gravity it could not be told from it.
-/// Learning fades out where the mean square of the first regressor falls from 1.21 to 1 times the dead-band's, forgetting
+/// Learning fades out where the mean square of the platform's acceleration falls from 1.21 to 1 times the dead-band's, forgetting
 /// where a variance grows from 9 to 10 times its start. The controller's own estimator
 /// ([`counterpoise_controller::Learning::Squares`]) is the same with the covariance in factors.
 #[derive(Debug, Clone)]
@@ -98,7 +97,8 @@ impl Recursive {
     pub fn update(&mut self, readings: &Readings, control_v: f64) -> f64 {
         let (phi, volts) = self.lag(readings, self.settings.scale.curve.at(control_v));
         let forget = (-self.settings.sample_period_s / self.settings.memory_s).exp();
-        self.excitation = forget * self.excitation + (1.0 - forget) * phi[0] * phi[0];
+        let heave = readings.platform_accel_m_s2;
+        self.excitation = forget * self.excitation + (1.0 - forget) * heave * heave;
         let gate = self.gate();
         self.learn(&phi.map(|regressor| gate * regressor), gate * volts, 1.0 - (1.0 - forget) * gate);
         let wanted = self.parameters[0] / self.settings.scale.volts_per_kg_m_s2;
@@ -119,7 +119,7 @@ impl Recursive {
         ]
     }
 
-    /// 1 where the first regressor is lively, 0 inside the dead-band.
+    /// Returns 1 where the platform is lively, 0 inside the dead-band.
     fn gate(&self) -> f64 {
         let dead_band = self.settings.dead_band_m_s2;
         if dead_band == 0.0 {

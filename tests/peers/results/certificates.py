@@ -6,6 +6,7 @@ Each function yields rows (name, value in the result, value computed here, relat
 
 import math
 
+import control
 import numpy as np
 
 from responses import at, named, system
@@ -317,3 +318,157 @@ def runs(case, dt):
     near = min(known, key=lambda pair: abs((pair[0] or math.inf) - cycle_["amplitude_rad_s"]))
     yield f"amplitude of the limit cycle, {name}", cycle_["amplitude_rad_s"], near[0], 1e-10
     yield f"frequency of the limit cycle, {name}", cycle_["frequency_hz"], near[1], 1e-6
+
+
+# The describing functions are sampled 2000 times a period in the program, and 400 times for the gap.
+SAMPLED = 2e-3
+# Frequency and ratio of motions are those of the last of a few rounds that converge on them.
+CONVERGED = 1e-2
+# Growth, 1/s, above which a motion counts as growing.
+STEADY_GROWTH = 0.02
+# Share of the third harmonic up to which a loop counts as a low-pass.
+THIRD_HARMONIC = 0.5
+# Relative difference of frequencies up to which a prediction is consistent.
+FREQUENCY_ERROR = 0.1
+NO_TORQUE = "the torque of a period is not part of the result: ask for --histories"
+BY_OBSERVER = "friction observers run their own program of many operations; its describing function stands in the controller's system"
+
+
+def first_harmonic(torque, amplitude, rate):
+    """Stiffness and damping of what acts at x = A sin(w t)."""
+    phase = 2.0 * math.pi * np.arange(1, len(torque) + 1) / len(torque)
+    sine, cosine = (2.0 * float(np.mean(torque * wave)) / amplitude for wave in (np.sin(phase), np.cos(phase)))
+    return sine, cosine / rate
+
+
+def dahl(coulomb, stiffness, amplitude, rate):
+    """The same of Dahl's law: F = -+F_c + (F_0 +- F_c) exp(-+sigma x / F_c) on each branch, F_0 from the symmetry of the loop."""
+    a = stiffness * amplitude / coulomb
+    turn = coulomb * math.tanh(a)
+    phase = np.linspace(-math.pi / 2.0, math.pi / 2.0, 20001)
+    x = amplitude * np.sin(phase)
+    rising = coulomb - (coulomb + turn) * np.exp(-stiffness * (x + amplitude) / coulomb)
+    # the falling half is the rising one mirrored: its harmonics are the same
+    step = phase[1] - phase[0]
+    whole = lambda values: float(np.sum((values[1:] + values[:-1]) * 0.5) * step)
+    return 2.0 / (math.pi * amplitude) * whole(rising * np.sin(phase)), 2.0 / (math.pi * amplitude) * whole(rising * np.cos(phase)) / rate
+
+
+def gap(mesh):
+    """The describing function of a dead zone that is pressed to one side, by the times at which its edges are passed."""
+    A, pressed, width = mesh["wind_up_rad"], mesh["pressed_rad"], mesh["gap_rad"]
+    if width == 0.0 or A <= pressed:
+        return 1.0
+    inside = lambda level: math.acos(min(max(level / A, -1.0), 1.0))
+    # about x = A cos(p): touching while x > -pressed, and on the other flank while x < -pressed - gap
+    near, far = inside(-pressed), inside(-pressed - width)
+    part = lambda low, high, shift: 0.5 * A * ((high - low) + 0.5 * (math.sin(2.0 * high) - math.sin(2.0 * low))) + shift * (math.sin(high) - math.sin(low))
+    return max(2.0 / (math.pi * A) * (part(0.0, near, pressed) + part(far, math.pi, pressed + width)), 1e-6)
+
+
+def closed_by_friction(free, joints, rates):
+    """Responses from the control to all outputs with the impedances of the joints put in; free: inputs control, torques on motor and hub."""
+    G = at(free["system"], rates, 0.0)
+    out = []
+    for k, rate in enumerate(rates):
+        s = 1j * rate
+        to_rate = np.array([G[k][2], G[k][0] * (s if free["is_position"] else 1.0)])
+        Z = np.diag([joint["damping_nm_s_rad"] + joint["stiffness_nm_rad"] / s for joint in joints])
+        torques = -np.linalg.solve(np.eye(2) + Z @ to_rate[:, 1:], Z @ to_rate[:, 0])
+        out.append(G[k][:, 0] + G[k][:, 1:] @ torques)
+    return np.array(out)
+
+
+def balance(one, verify, name):
+    """A loop with its describing functions: the functions, the mechanism with them, its sampling, and the growth of its poles."""
+    rate = 2.0 * math.pi * one["frequency_hz"]
+    swing = one["amplitude_rad_s"] / rate
+    for joint, expected in zip(one["joints"], (swing * one["motor_over_hub"], swing)):
+        place = f"{joint['joint']}, {name}"
+        yield f"amplitude of the joint, {place}", joint["amplitude_rad"], expected, 1e-12
+        told = (joint["stiffness_nm_rad"], joint["damping_nm_s_rad"])
+        size = math.hypot(told[0], told[1] * rate)
+        if joint.get("torque_nm"):
+            mine = first_harmonic(np.array(joint["torque_nm"]), joint["amplitude_rad"], rate)
+            yield f"describing function, {place}", 1.0, 1.0 + math.hypot(mine[0] - told[0], (mine[1] - told[1]) * rate) / (size or 1.0), 1e-9
+        else:
+            yield f"describing function, {place}", size, NO_TORQUE
+        if joint["dahl_coulomb_nm"]:
+            mine = dahl(joint["dahl_coulomb_nm"], joint["dahl_stiffness_nm_rad"], joint["amplitude_rad"], rate)
+            yield f"describing function of Dahl's law, {place}", 1.0, 1.0 + math.hypot(mine[0] - told[0], (mine[1] - told[1]) * rate) / size, SAMPLED
+    yield f"share of the gear's stiffness, {name}", one["mesh"]["share"], gap(one["mesh"]), SAMPLED
+    yield from mechanism_of(one, verify, name)
+    pole, dt = pole_of(one)
+    yield f"growth, {name}", 1.0, 1.0 + abs(math.log(abs(pole)) / dt - one["growth_per_s"]), 1e-4
+
+
+def pole_of(one):
+    """The least stable pole of a balance: oscillating, or real and growing."""
+    P, K = (system(named(one["systems"], part)) for part in ("sampled_mechanism", "controller"))
+    inner = np.linalg.inv(np.eye(1) - K.D @ P.D)
+    A = np.block([
+        [P.A + P.B @ inner @ K.D @ P.C, P.B @ inner @ K.C],
+        [K.B @ (P.C + P.D @ inner @ K.D @ P.C), K.A + K.B @ P.D @ inner @ K.C],
+    ])
+    poles = np.linalg.eigvals(A)
+    lively = [p for p in poles if p.imag > 0.0 or (p.imag == 0.0 and p.real > 1.0)]
+    return max((p for p in lively if abs(p - 1.0) > 1e-5), key=abs), P.dt
+
+
+def frequency_error(one):
+    pole, dt = pole_of(one)
+    rate = abs(np.angle(pole)) / dt if pole.imag else abs(math.log(abs(pole.real))) / dt
+    return abs(rate / (2.0 * math.pi * one["frequency_hz"]) - 1.0)
+
+
+def mechanism_of(one, verify, name):
+    rate = 2.0 * math.pi * one["frequency_hz"]
+    free, whole, P = (named(one["systems"], part) for part in ("mechanism_without_friction", "mechanism", "sampled_mechanism"))
+    hub = free["outputs"][0]["name"]
+    rates = np.geomspace(0.1 * rate, min(20.0 * rate, 2.0 / P["sample_time_s"]), 40)
+    theirs = at(system(whole), rates, 0.0)[:, :, 0]
+    if hub != "effort":
+        mine = closed_by_friction({"system": system(free), "is_position": hub == "hub_rad"}, one["joints"], rates)
+        off = float(np.max(np.abs(mine - theirs) / np.maximum(np.max(np.abs(theirs), axis=0), 1e-300)))
+        yield f"mechanism with its describing functions, {name}", 1.0, 1.0 + off, 1e-7
+        at_rate = at(system(whole), np.array([rate]), 0.0)[0][:, 0]
+        moved = abs(at_rate[2]) / (abs(at_rate[0]) * (rate if hub == "hub_rad" else 1.0))
+        # the ratio is that of the round before: where the rounds do not converge, the prediction says that it is not reliable
+        allowed = max(CONVERGED, frequency_error(one))
+        yield f"motion of the motor over that of the hub, {name}", one["motor_over_hub"], moved, allowed
+    held = control.sample_system(control.ss(system(whole).A, system(whole).B, system(whole).C[4:], system(whole).D[4:]), P["sample_time_s"], method="zoh")
+    inside = rates[rates < 0.9 * math.pi / P["sample_time_s"]]
+    late = np.array(verify["reading_delays_samples"])[1:] + verify["control_delay_samples"]
+    mine = at(held, inside, P["sample_time_s"])[:, :, 0] * np.exp(-1j * np.outer(inside, late) * P["sample_time_s"])
+    theirs = at(system(P), inside, P["sample_time_s"])[:, 1:, 0]
+    off = float(np.max(np.abs(mine - theirs) / np.maximum(np.max(np.abs(theirs), axis=0), 1e-300)))
+    yield f"sampled mechanism, {name}", 1.0, 1.0 + off, 1e-6
+
+
+def predictions(case, verify):
+    """Limit cycles by harmonic balance: between an amplitude that grows and one that fades, each by its describing functions."""
+    for cycle_ in case["predicted"]:
+        name = f"predicted limit cycle of {1e3 * cycle_['amplitude_rad_s']:.4g} mrad/s, {case['name']}"
+        sides = cycle_["balances"]
+        for side, words in zip(sides, ("below", "above")):
+            yield from balance(side, verify, f"{words}, {name}")
+            for _ in side["observers"][:1]:
+                yield f"friction observers, {words}, {name}", len(side["observers"]), BY_OBSERVER
+        if len(sides) < 2:
+            continue
+        below, above = sides
+        yield f"amplitude, {name}", cycle_["amplitude_rad_s"], below["amplitude_rad_s"], 1e-12
+        errors = [frequency_error(side) for side in sides]
+        yield f"frequency, {name}", cycle_["frequency_hz"], below["frequency_hz"], max(CONVERGED, errors[0])
+        changes = below["growth_per_s"] > STEADY_GROWTH >= above["growth_per_s"]
+        error = max(errors) if changes else math.inf
+        told = math.inf if cycle_["frequency_error"] is None else cycle_["frequency_error"]
+        yield f"frequency of the describing functions against the pole's, {name}", told, error, 1e-3
+        P, K = (system(named(below["systems"], part)) for part in ("sampled_mechanism", "controller"))
+        rate = 2.0 * math.pi * cycle_["frequency_hz"]
+        third = 0.0
+        if 3.0 * rate * P.dt < math.pi:
+            first, third = (abs((at(K, np.array([w]), P.dt)[0] @ at(P, np.array([w]), P.dt)[0])[0, 0]) for w in (rate, 3.0 * rate))
+            third /= first
+        yield f"third harmonic, {name}", cycle_["third_harmonic"], third, max(CONVERGED, errors[0])
+        yield f"whether the loop is a low-pass, {name}", float(cycle_["reliable"]), float(cycle_["third_harmonic"] <= THIRD_HARMONIC and error <= FREQUENCY_ERROR), HOLDS

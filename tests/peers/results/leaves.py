@@ -22,7 +22,7 @@ import recompute
 SYSTEM = r"[ABCD]\.\d+\.\d+|sample_time_s"
 DATA, RECOMPUTED = "data", "recomputed"
 
-BY_DESCRIBING = "describing functions of the friction laws, which the result does not contain: where the search for motions starts, no statement rests on it"
+BY_OBSERVER = "the describing function of a friction observer, which is a program of many operations: the controller's system holds it"
 BY_ROUNDING = "the rounding of every operation of the generated code: its self test and `counterpoise design` compare them with the compiled code"
 
 # (pattern of the whole path, class or reason). The first that matches counts.
@@ -87,7 +87,9 @@ CLASSES = [
     (r"verify\.certificate\.cases\.\d+\.orbits\.\d+\.(amplitude_rad_s|frequency_hz)", RECOMPUTED),
     (r"verify\.certificate\.cases\.\d+\.orbits\.\d+\.start_rad_s", DATA),
     (r"verify\.certificate\.cases\.\d+\.limit_cycle\..*", RECOMPUTED),
-    (r"verify\.certificate\.cases\.\d+\.predicted.*", BY_DESCRIBING),
+    (r"verify\.certificate\.cases\.\d+\.predicted\.\d+\.balances\.\d+\.(systems\..*|joints\.\d+\.(torque_nm\.\d+|dahl_\w+)|gear_ratio|mesh\.(wind_up_rad|pressed_rad|gap_rad))", DATA),
+    (r"verify\.certificate\.cases\.\d+\.predicted\.\d+\.balances\.\d+\.observers.*", BY_OBSERVER),
+    (r"verify\.certificate\.cases\.\d+\.predicted.*", RECOMPUTED),
     (r"verify\.certificate\.cases\.\d+\.(out_of_balance_kg_m|reading_noise_rad_s|reading_step_rad_s)", DATA),
     (r"verify\.certificate\.cases\.\d+\.(rest_rms_rad_s|motion_growth|noise_floor_rad_s)", RECOMPUTED),
     (r"verify\.advice\.\d+\.(limit|sensitivities\.\d+\.tried\.factor|change\.(factor|tried\.factor))", DATA),

@@ -397,6 +397,7 @@ def certificate_rows(verify):
         dt = case["regimes"][0]["sampled_loop"]["sample_time_s"]
         yield from certificates.orbits(case, dt, case["noise_floor_rad_s"])
         yield from certificates.runs(case, dt)
+        yield from certificates.predictions(case, verify)
 
 
 def response_row(verify, one):

@@ -9,12 +9,15 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::Response;
 
 use super::Subject;
+use super::balance::{CycleBalance, MeshBalance, Settled};
 use super::elements::{Elements, Learning, Linear, Sinusoid};
 use super::gap::gap_share;
 use super::regime::{Teeth, teeth};
 use crate::Error;
 use crate::linear::plant::port;
-use crate::tolerance::{CYCLE_HALVINGS, FREQUENCY_ROUNDS, OPEN, STEADY_GROWTH, THIRD_HARMONIC};
+use crate::tolerance::{
+    CYCLE_HALVINGS, FREQUENCY_ERROR, FREQUENCY_ROUNDS, OPEN, STEADY_GROWTH, THIRD_HARMONIC,
+};
 
 /// A predicted limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +28,9 @@ pub struct Cycle {
     pub frequency_hz: f64,
     /// Share of the first harmonic with which the third one returns round the loop.
     pub third_harmonic: f64,
+    /// Relative difference between the frequency of the pole and the one for which the describing functions hold, the larger of both sides;
+    /// infinite if growth does not turn into fading between them.
+    pub frequency_error: f64,
 }
 
 /// How fast a sinusoidal motion grows.
@@ -39,10 +45,21 @@ pub struct Growth {
 }
 
 impl Cycle {
-    /// Returns whether the loop is enough of a low-pass for the prediction to hold.
+    /// Returns whether the loop is enough of a low-pass for the prediction to hold, and its describing functions hold for its frequency.
     pub fn is_reliable(&self) -> bool {
-        self.third_harmonic <= THIRD_HARMONIC
+        self.third_harmonic <= THIRD_HARMONIC && self.is_consistent()
     }
+
+    /// Returns whether the describing functions hold for the frequency of the predicted motion.
+    pub fn is_consistent(&self) -> bool {
+        self.frequency_error <= FREQUENCY_ERROR
+    }
+}
+
+/// A predicted limit cycle with the loops below and above it.
+pub(super) struct Bracketed {
+    pub cycle: Cycle,
+    pub balances: Vec<CycleBalance>,
 }
 
 /// The loop whose balance is sought.
@@ -71,7 +88,7 @@ impl<'a> Balance<'a> {
 
     /// The growth at an amplitude, the frequency sought from `from_rad_s`; `None` if nothing oscillates.
     pub(super) fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
-        let Some((_, pole)) = self.settled(rate_rad_s, from_rad_s)? else { return Ok(None) };
+        let Some(Settled { pole, .. }) = self.settled(rate_rad_s, from_rad_s)? else { return Ok(None) };
         let period_s = self.subject.case.plant.parameters().interface.sample_period_s;
         Ok(Some(Growth {
             rate_rad_s,
@@ -81,35 +98,36 @@ impl<'a> Balance<'a> {
     }
 
     /// The loop at an amplitude whose describing functions have the frequency of its own pole.
-    fn settled(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<(Linear, C64)>, Error> {
+    fn settled(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Settled>, Error> {
         let ratio = self.subject.case.plant.parameters().gearbox.ratio;
         let mut motion = Sinusoid { rate_rad_s, frequency_rad_s: from_rad_s, motor_over_hub: ratio };
         let mut found = None;
         for _ in 0..FREQUENCY_ROUNDS {
             let mut elements = Elements::harmonic(self.subject, &motion)?;
-            elements.mesh_share = self.mesh_share(&motion);
+            let mesh = self.mesh(&motion);
+            elements.mesh_share = mesh.share;
             let linear = Linear::close(self.subject, &elements, Learning::Still)?;
             let Some(pole) = linear.least_stable_pole() else { return Ok(None) };
-            let frequency = rate_of(pole, linear.plant.sample_period_s);
+            let (frequency, used) = (rate_of(pole, linear.plant.sample_period_s), motion);
             motion.frequency_rad_s = frequency;
             motion.motor_over_hub = motor_over_hub(&linear, frequency)?.unwrap_or(ratio);
-            found = Some((linear, pole));
+            found = Some(Settled { motion: used, elements, linear, pole, mesh });
         }
         Ok(found)
     }
 
     /// The share of the gear's stiffness that acts: the describing function of a gap that is pressed to one side.
-    fn mesh_share(&self, motion: &Sinusoid) -> f64 {
-        if self.teeth == Teeth::WithoutGap {
-            return 1.0;
-        }
+    fn mesh(&self, motion: &Sinusoid) -> MeshBalance {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         let hub_rad = motion.rate_rad_s / motion.frequency_rad_s;
         let wind_up_rad = hub_rad * (motion.motor_over_hub / gearbox.ratio - 1.0).abs();
-        if self.pressed_nm == 0.0 {
-            return 1.0;
+        let pressed_rad = self.pressed_rad();
+        if self.teeth == Teeth::WithoutGap || self.pressed_nm == 0.0 {
+            return MeshBalance { wind_up_rad, pressed_rad, gap_rad: 0.0, share: 1.0 };
         }
-        gap_share(wind_up_rad, self.pressed_rad(), gearbox.backlash_rad).max(OPEN)
+        let gap_rad = gearbox.backlash_rad;
+        let share = gap_share(wind_up_rad, pressed_rad, gap_rad).max(OPEN);
+        MeshBalance { wind_up_rad, pressed_rad, gap_rad, share }
     }
 
     /// Wind-up by which the teeth are pressed together, rad: below 0 in the middle of the gap, where nothing presses them.
@@ -123,7 +141,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The limit cycle between an amplitude at which the motion grows and one at which it fades.
-    pub(super) fn cycle(&self, grows: Growth, fades: Growth) -> Result<Cycle, Error> {
+    pub(super) fn cycle(&self, grows: Growth, fades: Growth) -> Result<Bracketed, Error> {
         let (mut low, mut high) = (grows, fades);
         for _ in 0..CYCLE_HALVINGS {
             let middle = (low.rate_rad_s * high.rate_rad_s).sqrt();
@@ -131,15 +149,42 @@ impl<'a> Balance<'a> {
             let Some(growth) = self.growth(middle, from)? else { break };
             if growth.growth_per_s > STEADY_GROWTH { low = growth } else { high = growth }
         }
-        let third_harmonic = self.third_harmonic(&low)?;
-        Ok(Cycle { rate_rad_s: low.rate_rad_s, frequency_hz: low.frequency_hz, third_harmonic })
+        let mut sides = Vec::new();
+        for side in [low, high] {
+            sides.extend(self.settled(side.rate_rad_s, std::f64::consts::TAU * side.frequency_hz)?);
+        }
+        let rate = std::f64::consts::TAU * low.frequency_hz;
+        let third = sides.first().map(|below| third_harmonic(&below.linear, rate)).transpose()?;
+        let cycle = Cycle {
+            rate_rad_s: low.rate_rad_s,
+            frequency_hz: low.frequency_hz,
+            third_harmonic: third.unwrap_or(0.0),
+            frequency_error: frequency_error(&sides),
+        };
+        Bracketed::new(self.subject, cycle, &sides)
     }
+}
 
-    fn third_harmonic(&self, at: &Growth) -> Result<f64, Error> {
-        let rate = std::f64::consts::TAU * at.frequency_hz;
-        let Some((linear, _)) = self.settled(at.rate_rad_s, rate)? else { return Ok(0.0) };
-        third_harmonic(&linear, rate)
+impl Bracketed {
+    /// Returns a limit cycle with the loops below and above it.
+    pub(super) fn new(subject: &Subject<'_>, cycle: Cycle, sides: &[Settled]) -> Result<Self, Error> {
+        let balances = sides.iter().map(|side| CycleBalance::new(subject, side));
+        Ok(Self { cycle, balances: balances.collect::<Result<_, _>>()? })
     }
+}
+
+/// Returns the largest relative difference between the frequency of the pole and the one for which the describing functions hold, below and
+/// above a limit cycle; infinite if growth does not turn into fading between them.
+pub(super) fn frequency_error(sides: &[Settled]) -> f64 {
+    let [below, above] = sides else { return f64::INFINITY };
+    let growth = |at: &Settled| at.pole.norm().ln() / at.linear.plant.sample_period_s;
+    if growth(below) <= STEADY_GROWTH || growth(above) > STEADY_GROWTH {
+        return f64::INFINITY;
+    }
+    let error = |at: &Settled| {
+        (rate_of(at.pole, at.linear.plant.sample_period_s) / at.motion.frequency_rad_s - 1.0).abs()
+    };
+    error(below).max(error(above))
 }
 
 /// The frequency of a pole, rad/s: for a real one, the rate at which it grows, which is that of the motion that it starts.

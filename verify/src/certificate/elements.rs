@@ -187,6 +187,8 @@ pub(super) struct Linear {
     pub plant: SampledPlant,
     /// The loop broken at the plant's input, for negative feedback.
     pub broken: StateSpace,
+    /// The controller, from the readings to the control.
+    pub controller: StateSpace,
     /// Poles of the closed loop that are not neutral.
     pub poles: Vec<C64>,
 }
@@ -220,7 +222,7 @@ impl Linear {
         let broken = series(&plant.sampled.select(&readings, &[port::CONTROL]), &K)?.negate();
         let all = poles(&lft(&plant.sampled, &K)?)?;
         let poles = all.into_iter().filter(|pole| (pole - 1.0).norm() > NEUTRAL).collect();
-        Ok(Self { plant, broken, poles })
+        Ok(Self { plant, broken, controller: K, poles })
     }
 
     /// Returns the pole of largest modulus; 0 without poles.
@@ -239,7 +241,7 @@ impl Linear {
 }
 
 /// The mechanism with a share of its gear's stiffness and damping.
-fn with_mesh(plant: &Plant, share: f64) -> Result<Plant, Error> {
+pub(super) fn with_mesh(plant: &Plant, share: f64) -> Result<Plant, Error> {
     if share == 1.0 {
         return Ok(plant.clone());
     }

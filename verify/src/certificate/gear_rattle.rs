@@ -2,7 +2,10 @@
 
 use counterpoise_lti::Response;
 
-use super::cycle::{Balance, Cycle, Growth, motor_over_hub, rate_of, third_harmonic};
+use super::balance::{MeshBalance, Settled};
+use super::cycle::{
+    Balance, Bracketed, Cycle, Growth, frequency_error, motor_over_hub, rate_of, third_harmonic,
+};
 use super::elements::{Elements, Learning, Linear, Sinusoid};
 use super::gap::gap_share;
 use crate::Error;
@@ -10,17 +13,17 @@ use crate::linear::plant::port;
 use crate::tolerance::{CYCLE_HALVINGS, FREQUENCY_ROUNDS, GAP_SWINGS, MOST_GAP_SWING, OPEN, STEADY_GROWTH};
 
 /// The growth at a swing of the gear's wind-up.
-#[derive(Debug, Clone, Copy)]
 struct Swing {
     swing_rad: f64,
     growth: Growth,
     third_harmonic: f64,
+    settled: Settled,
 }
 
 impl Balance<'_> {
     /// Limit cycles in which the teeth part: sought over the swing of the gear's wind-up, because the same swing of the hub can go with
     /// teeth that stay together and with teeth that part.
-    pub(super) fn rattling(&self) -> Result<Vec<Cycle>, Error> {
+    pub(super) fn rattling(&self) -> Result<Vec<Bracketed>, Error> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         let (gap, pressed) = (gearbox.backlash_rad, self.pressed_rad());
         let least = if pressed > 0.0 { pressed } else { 0.5 * gap };
@@ -29,24 +32,33 @@ impl Balance<'_> {
         for k in 1..=GAP_SWINGS {
             let swing_rad = least * MOST_GAP_SWING.powf(k as f64 / GAP_SWINGS as f64);
             let now = self.swinging(swing_rad)?;
-            if let Some((grows, fades)) = before.zip(now)
-                && grows.growth.growth_per_s > STEADY_GROWTH
-                && fades.growth.growth_per_s <= STEADY_GROWTH
-            {
-                let (mut low, mut high) = (grows, fades);
-                for _ in 0..CYCLE_HALVINGS {
-                    let Some(middle) = self.swinging((low.swing_rad * high.swing_rad).sqrt())? else { break };
-                    if middle.growth.growth_per_s > STEADY_GROWTH { low = middle } else { high = middle }
-                }
-                cycles.push(Cycle {
-                    rate_rad_s: low.growth.rate_rad_s,
-                    frequency_hz: low.growth.frequency_hz,
-                    third_harmonic: low.third_harmonic,
-                });
+            let grew = before.as_ref().is_some_and(|at| at.growth.growth_per_s > STEADY_GROWTH);
+            let fades = now.as_ref().is_some_and(|at| at.growth.growth_per_s <= STEADY_GROWTH);
+            match (before.take(), now) {
+                // the next cycle begins only where a motion grows again
+                (Some(low), Some(high)) if grew && fades => cycles.push(self.rattling_cycle(low, high)?),
+                (_, now) => before = now,
             }
-            before = now;
         }
         Ok(cycles)
+    }
+
+    /// The limit cycle between a swing that grows and one that fades.
+    fn rattling_cycle(&self, grows: Swing, fades: Swing) -> Result<Bracketed, Error> {
+        let (mut low, mut high) = (grows, fades);
+        for _ in 0..CYCLE_HALVINGS {
+            let Some(middle) = self.swinging((low.swing_rad * high.swing_rad).sqrt())? else { break };
+            if middle.growth.growth_per_s > STEADY_GROWTH { low = middle } else { high = middle }
+        }
+        let (growth, third_harmonic) = (low.growth, low.third_harmonic);
+        let sides = [low.settled, high.settled];
+        let cycle = Cycle {
+            rate_rad_s: growth.rate_rad_s,
+            frequency_hz: growth.frequency_hz,
+            third_harmonic,
+            frequency_error: frequency_error(&sides),
+        };
+        Bracketed::new(self.subject, cycle, &sides)
     }
 
     /// The growth at a swing of the wind-up; `None` if nothing oscillates.
@@ -64,7 +76,7 @@ impl Balance<'_> {
             elements.mesh_share = share;
             let linear = Linear::close(self.subject, &elements, Learning::Still)?;
             let Some(pole) = linear.least_stable_pole() else { return Ok(None) };
-            let period_s = linear.plant.sample_period_s;
+            let (period_s, used) = (linear.plant.sample_period_s, motion);
             let frequency = rate_of(pole, period_s);
             let over = motor_over_hub(&linear, frequency)?.unwrap_or(gearbox.ratio);
             let hub_rad = swing_rad / hub_swing(&linear, (gearbox.ratio, frequency))?;
@@ -73,20 +85,19 @@ impl Balance<'_> {
                 frequency_rad_s: frequency,
                 motor_over_hub: over,
             };
-            found = Some((linear, pole));
+            let (pressed_rad, gap_rad) = (self.pressed_rad(), gearbox.backlash_rad);
+            let mesh = MeshBalance { wind_up_rad: swing_rad, pressed_rad, gap_rad, share };
+            found = Some(Settled { motion: used, elements, linear, pole, mesh });
         }
-        let Some((linear, pole)) = found else { return Ok(None) };
-        let period_s = linear.plant.sample_period_s;
+        let Some(settled) = found else { return Ok(None) };
+        let period_s = settled.linear.plant.sample_period_s;
         let growth = Growth {
             rate_rad_s: motion.rate_rad_s,
-            growth_per_s: pole.norm().ln() / period_s,
+            growth_per_s: settled.pole.norm().ln() / period_s,
             frequency_hz: motion.frequency_rad_s / std::f64::consts::TAU,
         };
-        Ok(Some(Swing {
-            swing_rad,
-            growth,
-            third_harmonic: third_harmonic(&linear, motion.frequency_rad_s)?,
-        }))
+        let third_harmonic = third_harmonic(&settled.linear, motion.frequency_rad_s)?;
+        Ok(Some(Swing { swing_rad, growth, third_harmonic, settled }))
     }
 }
 

@@ -11,9 +11,10 @@
 //!
 //! Its verdict is a [`Stability`]; what is proved, what is predicted and what is only simulated stay apart.
 //!
-//! Modules in reading order: [`regime`], [`elements`], [`gap`], [`cycle`], [`gear_rattle`], [`prediction`], [`orbit`], [`multiplier`], [`sector`],
+//! Modules in reading order: [`regime`], [`elements`], [`gap`], [`balance`], [`cycle`], [`gear_rattle`], [`prediction`], [`orbit`], [`multiplier`], [`sector`],
 //! [`runs`].
 
+pub mod balance;
 pub mod cycle;
 pub mod elements;
 pub mod gap;
@@ -29,6 +30,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::Plant;
 
+pub use balance::CycleBalance;
 pub use cycle::Cycle;
 pub use multiplier::Criterion;
 pub use orbit::Orbit;

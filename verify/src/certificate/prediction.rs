@@ -1,7 +1,8 @@
 //! What the harmonic balance predicts: growth over the amplitude, and the stable limit cycles.
 
 use super::Subject;
-use super::cycle::{Balance, Cycle, Growth};
+use super::balance::CycleBalance;
+use super::cycle::{Balance, Bracketed, Cycle, Growth};
 use super::regime::Teeth;
 use crate::Error;
 use crate::tolerance::{AMPLITUDES_PER_DECADE, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S, STEADY_GROWTH};
@@ -13,6 +14,15 @@ pub struct Prediction {
     pub growth: Vec<Growth>,
     /// Stable limit cycles, by rising amplitude.
     pub cycles: Vec<Cycle>,
+    /// The loops below and above each of them: at the last amplitude that grows and at the first that fades.
+    pub balances: Vec<Vec<CycleBalance>>,
+}
+
+impl Prediction {
+    fn add(&mut self, found: Bracketed) {
+        self.cycles.push(found.cycle);
+        self.balances.push(found.balances);
+    }
 }
 
 /// Predicts the limit cycles of a case.
@@ -33,11 +43,11 @@ pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
         if let Some(before) = before.filter(|b| b.growth_per_s > STEADY_GROWTH)
             && growth.growth_per_s <= STEADY_GROWTH
         {
-            found.cycles.push(balance.cycle(before, growth)?);
+            found.add(balance.cycle(before, growth)?);
         }
     }
     if balance.teeth != Teeth::WithoutGap {
-        found.cycles.extend(balance.rattling()?);
+        balance.rattling()?.into_iter().for_each(|cycle| found.add(cycle));
     }
     Ok(found)
 }
