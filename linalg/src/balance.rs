@@ -6,6 +6,7 @@ use crate::mat::Mat;
 use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS};
 
 /// A balanced matrix `A = D^-1 A0 D` with `D = diag(scale)`, every entry of `scale` a power of two.
+#[derive(Debug, Clone)]
 pub struct Balanced {
     /// The matrix with rows and columns of similar size.
     pub A: Mat,

@@ -9,6 +9,7 @@ use crate::mat::{C64, CMat, Mat};
 use crate::tolerance::EPS;
 
 /// A thin singular value decomposition `A = U diag(s) V'`.
+#[derive(Debug, Clone)]
 pub struct Svd {
     /// Left singular vectors, m x k, k = min(m, n).
     pub U: Mat,
@@ -78,6 +79,7 @@ pub fn largest_singular_value(A: &CMat) -> Result<f64, Error> {
 }
 
 /// A thin complex singular value decomposition `A = U diag(s) V^H`.
+#[derive(Debug, Clone)]
 pub struct CSvd {
     /// Left singular vectors, m x k.
     pub U: CMat,

@@ -138,6 +138,7 @@ pub fn cholesky(A: &Mat) -> Result<Mat, Error> {
 
 /// A thin QR factorisation `A = Q R`: `A` m x n, `Q` m x k with orthonormal columns, `R` k x n upper triangular,
 /// k = min(m, n). By Householder reflections.
+#[derive(Debug, Clone)]
 pub struct Qr {
     /// Orthonormal columns, m x k.
     pub Q: Mat,

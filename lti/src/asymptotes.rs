@@ -1,7 +1,7 @@
 //! A loop's response far from all its roots, where a state-space evaluation loses what cancels: from zeros, poles and gain.
 
 use crate::response::Point;
-use crate::tolerance::{ASYMPTOTE_AT_END, ASYMPTOTE_MARGIN, SCAN_PER_DECADE};
+use crate::tolerance::{ASYMPTOTE_AT_END, ASYMPTOTE_LIMIT, ASYMPTOTE_MARGIN, SCAN_PER_DECADE};
 use crate::zpk::Zpk;
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -43,6 +43,11 @@ impl Asymptotes {
         }
     }
 
+    /// Returns the rounding error of the response that is computed here, relative to it: four operations for each root.
+    pub(crate) fn rounding(&self) -> f64 {
+        2.0 * f64::EPSILON * (1 + self.roots.zeros.len() + self.roots.poles.len()) as f64
+    }
+
     /// Returns frequencies beyond the first and the last point at which the gain may still cross one.
     pub(crate) fn beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
         let mut rates = Vec::new();
@@ -65,6 +70,15 @@ impl Asymptotes {
             }
         }
         rates
+    }
+
+    /// Returns points so far below and above a grid that the response differs from its limits by rounding only, where it has finite
+    /// limits other than zero. Sampled time has no upper one.
+    pub(crate) fn limits(&self, first: Point, last: Point, timebase: Timebase) -> [Option<Point>; 2] {
+        let at = |rate: f64| Point { rate, value: self.at(rate) };
+        let low = (self.slope_at_zero() == 0.0).then(|| at(first.rate / ASYMPTOTE_LIMIT));
+        let is_flat = self.roots.zeros.len() == self.roots.poles.len() && timebase == Timebase::Continuous;
+        [low, is_flat.then(|| at(last.rate * ASYMPTOTE_LIMIT))]
     }
 
     /// Returns frequencies beyond the last point up to where the gain has fallen to a level; none if it does not fall, or is

@@ -7,7 +7,7 @@ use crate::peak::Peak;
 use crate::response::Point;
 use crate::roots::{is_stable_pole, poles};
 use crate::scan::Scan;
-use crate::tolerance::{NEGLIGIBLE_GAIN, REAL_CROSSING, UNIT_CROSSING};
+use crate::tolerance::{CERTAIN_SIGN, NEGLIGIBLE_GAIN, REAL_CROSSING, UNIT_CROSSING};
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, response};
 
@@ -222,10 +222,16 @@ fn ends(g: &StateSpace) -> Vec<Point> {
     ends
 }
 
+/// Returns the crossings of the negative real axis on a scan and at the ends of the axis. Where the loop is zero to rounding it crosses
+/// nothing: half the sampling rate is such a place after the bilinear map, and so is an undamped antiresonance.
 pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
     let largest = scan.points.iter().map(|point| point.value.norm()).fold(0.0, f64::max);
-    let mut crossings = scan.crossings(|L| L.im);
-    crossings.extend(ends.iter().filter(|end| end.value.norm() > NEGLIGIBLE_GAIN * largest));
+    let is_certain = |end: &&Point| match end.rate.is_finite() {
+        true => end.value.norm() > CERTAIN_SIGN * scan.rounding_at(**end),
+        false => end.value.norm() > NEGLIGIBLE_GAIN * largest,
+    };
+    let mut crossings = scan.axis_crossings();
+    crossings.extend(ends.iter().filter(is_certain));
     crossings.retain(|point| point.value.re < 0.0 && point.value.im.abs() <= REAL_CROSSING * -point.value.re);
     crossings.sort_by(|a, b| a.rate.total_cmp(&b.rate));
     let margin = |point: &Point| {
@@ -237,7 +243,7 @@ pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
 }
 
 pub(crate) fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
-    let crossings = scan.crossings(|L| L.norm() - 1.0).into_iter();
+    let crossings = scan.unit_crossings().into_iter();
     let real = crossings.filter(|point| (point.value.norm() - 1.0).abs() <= UNIT_CROSSING);
     let margin = |point: Point| {
         let angle = (-point.value).arg();

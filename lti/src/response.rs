@@ -73,6 +73,22 @@ struct Part {
     B: Mat,
     /// p x n.
     C: Mat,
+    /// How large the numbers are that the entries were computed from.
+    size: Size,
+}
+
+/// How large the numbers are that the entries of the matrices of a part were computed from, at least; 0 for entries as they are given.
+#[derive(Debug, Clone, Copy, Default)]
+struct Size {
+    H: f64,
+    B: f64,
+    C: f64,
+}
+
+impl Size {
+    fn of(g: &StateSpace) -> Self {
+        Self { H: g.A.norm_max(), B: g.B.norm_max(), C: g.C.norm_max() }
+    }
 }
 
 impl Response {
@@ -83,12 +99,19 @@ impl Response {
     /// [`Error::Matrix`] where the reduction fails.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let dual = g.outputs() < g.inputs();
-        let (scaled, _) = balance(modes(g)?.as_ref().unwrap_or(g));
+        let modal = modes(g)?;
+        let (scaled, _) = balance(modal.as_ref().unwrap_or(g));
         let scaled = if dual { scaled.dual() } else { scaled };
         let groups = independent(&scaled.A);
         let parts: Result<Vec<Part>, Error> =
             groups.iter().map(|group| Part::of(&scaled.permute(group))).collect();
-        Ok(Self { parts: parts?, D: scaled.D, dual, timebase: g.timebase })
+        let mut parts = parts?;
+        if modal.is_some() {
+            // The entries of mode shapes have errors relative to the largest one.
+            let size = Size::of(&scaled);
+            parts.iter_mut().for_each(|part| part.size = Size { H: 0.0, ..size });
+        }
+        Ok(Self { parts, D: scaled.D, dual, timebase: g.timebase })
     }
 
     /// Returns the response at one frequency in rad/s.
@@ -148,6 +171,22 @@ impl Response {
         out
     }
 
+    /// Returns how much rounding may change the first entry of the response at a frequency in rad/s; infinite at a pole.
+    ///
+    /// |y| (|H| + |s|) |x| + |C| |x| + |y| |B| + |D| times the unit roundoff, with x = inv(s I - H) B and y = C inv(s I - H), in the
+    /// coordinates in which the response is computed (N. Higham, Accuracy and Stability of Numerical Algorithms, section 7.2). O(n^2).
+    pub(crate) fn rounding_at(&self, rate_rad_s: f64) -> f64 {
+        self.rounding(point(rate_rad_s, self.timebase))
+    }
+
+    /// Returns the same at a point s (or z) of the complex plane.
+    pub(crate) fn rounding(&self, s: C64) -> f64 {
+        let direct = self.D[(0, 0)].abs();
+        let sum = self.parts.iter().fold(direct, |sum, part| sum + part.magnitude(s));
+        let noise = 0.5 * f64::EPSILON * sum;
+        if noise.is_nan() { f64::INFINITY } else { noise }
+    }
+
     /// Returns one lane's answer, with the direct path, refused where the point was a pole.
     fn gather<const N: usize>(&self, values: &[Lane<N>], lane: usize, s: C64) -> Result<CMat, Error> {
         let (p, m) = self.D.shape();
@@ -167,8 +206,55 @@ impl Response {
 impl Part {
     fn of(g: &StateSpace) -> Result<Self, Error> {
         let (H, U, g) = block_hessenberg(g)?;
-        Ok(Self { B: &U.t() * &g.B, C: &g.C * &U, H })
+        let size = if U == Mat::eye(g.order()) { Size::default() } else { Size::of(&g) };
+        Ok(Self { B: &U.t() * &g.B, C: &g.C * &U, H, size })
     }
+
+    /// Returns the sum of the magnitudes of the terms that make the first entry of the response at a point.
+    fn magnitude(&self, s: C64) -> f64 {
+        let n = self.H.nrows();
+        let shifted = |i: usize, j: usize| if i == j { s } else { C64::ZERO } - self.H[(i, j)];
+        let turned = |i: usize, j: usize| shifted(n - 1 - j, n - 1 - i);
+        let x = solve_hessenberg(n, shifted, self.B.column(0));
+        let C: Vec<f64> = (0..n).rev().map(|j| self.C[(0, j)]).collect();
+        let mut y = solve_hessenberg(n, turned, &C);
+        y.reverse();
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            (x.iter().map(|e| e.norm()).collect(), y.iter().map(|e| e.norm()).collect());
+        let mut sum = 0.0;
+        for j in 0..n {
+            let through: f64 = (0..n).map(|i| y[i] * self.H[(i, j)].abs().max(self.size.H)).sum();
+            sum += (through + s.norm() * y[j] + self.C[(0, j)].abs().max(self.size.C)) * x[j];
+            sum += y[j] * self.B[(j, 0)].abs().max(self.size.B);
+        }
+        sum
+    }
+}
+
+/// Returns the solution of M x = b for an upper Hessenberg matrix given by its entries; not finite if it is singular. Gaussian elimination
+/// with pivoting between neighbouring rows.
+fn solve_hessenberg(n: usize, entry: impl Fn(usize, usize) -> C64, b: &[f64]) -> Vec<C64> {
+    let mut x: Vec<C64> = b.iter().map(|&value| C64::new(value, 0.0)).collect();
+    let mut rows: Vec<Vec<C64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+    for k in 0..n.saturating_sub(1) {
+        if rows[k + 1][k].norm() > rows[k][k].norm() {
+            rows.swap(k, k + 1);
+            x.swap(k, k + 1);
+        }
+        let (above, below) = rows.split_at_mut(k + 1);
+        let (top, row) = (&above[k], &mut below[0]);
+        let factor = if row[k] == C64::ZERO { C64::ZERO } else { row[k] / top[k] };
+        for (target, source) in row[k..].iter_mut().zip(&top[k..]) {
+            *target -= factor * source;
+        }
+        let known = factor * x[k];
+        x[k + 1] -= known;
+    }
+    for i in (0..n).rev() {
+        let known: C64 = (i + 1..n).map(|j| rows[i][j] * x[j]).sum();
+        x[i] = (x[i] - known) / rows[i][i];
+    }
+    x
 }
 
 /// Returns the upper Hessenberg H = U' A U, group of states by group, and the system in the order of the groups that

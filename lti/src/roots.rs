@@ -5,7 +5,10 @@ use crate::entrywise::entrywise_zeros;
 use crate::error::During;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;
-use crate::tolerance::{DIRECT_GROWTH, PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SUSPECT_POLE, ZERO_RANK};
+use crate::tolerance::{
+    BAUER_STEPS, DIRECT_GROWTH, DISPLACED_ZERO, PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SINGULAR_ROUNDINGS,
+    SUSPECT_POLE, ZERO_RANK,
+};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Boundary, RangeBasis};
 
@@ -83,7 +86,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
 /// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
 /// otherwise the second is, corrected in 32 digits if there are as many inputs as outputs and at most 32 states and inputs
-/// ([`linalg::pencil_roots`]). Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
+/// ([`linalg::pencil_roots`]). A zero is at the origin if rounding the data could move it there. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
 ///
 /// # Errors
 /// [`Error::Matrix`] where a decomposition fails.
@@ -129,9 +132,47 @@ fn precise_zeros(g: &StateSpace, starts: &[C64]) -> Result<Option<Vec<C64>>, Err
         return Ok(None);
     }
     let mass: Vec<f64> = (0..n + m).map(|i| if i < n { 1.0 } else { 0.0 }).collect();
-    let mut found = linalg::pencil_roots(&system_matrix(g), &mass, starts).during("zeros")?;
+    let matrix = system_matrix(g);
+    let displaced = if is_certainly_regular(&matrix) { off_the_origin(starts) } else { starts.to_vec() };
+    let mut found = linalg::pencil_roots(&matrix, &mass, &displaced).during("zeros")?;
     found.iter_mut().for_each(|zeros| sort_roots(zeros));
     Ok(found)
+}
+
+/// Returns whether a matrix stays regular if each entry is rounded by [`SINGULAR_ROUNDINGS`] units: whether the spectral radius of |inv(M)| |M| is
+/// below their reciprocal (F. Bauer, Numerische Mathematik 8 (1966) 73), which does not depend on the scaling.
+fn is_certainly_regular(M: &Mat) -> bool {
+    let power = |size: f64| if size.is_normal() { (-size.log2().round()).exp2() } else { 1.0 };
+    let n = M.nrows();
+    let largest = |i: usize| (0..n).map(|j| M[(i, j)].abs()).fold(0.0, f64::max);
+    let rows: Vec<f64> = (0..n).map(|i| power(largest(i))).collect();
+    let scaled = Mat::from_fn(n, n, |i, j| rows[i] * M[(i, j)]);
+    let Ok(inverse) = linalg::inverse(&scaled) else { return false };
+    let product = &inverse.map(f64::abs) * &scaled.map(f64::abs);
+    // Largest quotient of a positive vector and its image: an upper bound of the radius, closer after each step (L. Collatz, 1942).
+    let mut x = Mat::from_fn(n, 1, |_, _| 1.0);
+    let mut radius = f64::INFINITY;
+    for _ in 0..BAUER_STEPS {
+        let image = &product * &x;
+        let quotients = (0..n).map(|i| image[(i, 0)] / x[(i, 0)]);
+        radius = quotients.fold(0.0, f64::max).min(radius);
+        x = image.scale(1.0 / image.norm_max());
+    }
+    radius * SINGULAR_ROUNDINGS * f64::EPSILON < 1.0
+}
+
+/// Returns the approximations with those at the origin on a small circle about it, in conjugate pairs.
+fn off_the_origin(starts: &[C64]) -> Vec<C64> {
+    let smallest = starts.iter().map(|s| s.norm()).filter(|&s| s > 0.0).fold(f64::INFINITY, f64::min);
+    let radius = if smallest.is_finite() { DISPLACED_ZERO * smallest } else { DISPLACED_ZERO };
+    let (at_origin, mut others): (Vec<C64>, Vec<C64>) = starts.iter().partition(|s| s.norm() == 0.0);
+    let count = at_origin.len();
+    let turn = |k: usize| std::f64::consts::PI * (2 * k + 1) as f64 / count as f64;
+    others.extend((0..count).map(|k| match 2 * k + 1 == count {
+        true => C64::new(-radius, 0.0),
+        false => C64::from_polar(radius, turn(k)),
+    }));
+    others
 }
 
 /// Returns whether two lists hold the same roots, up to a relative difference.

@@ -3,9 +3,11 @@
 use crate::asymptotes::Asymptotes;
 use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
+use crate::scaling::balance;
 use crate::tolerance::{
-    DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE,
-    SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, ZOOMS,
+    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL,
+    NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION,
+    SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -16,7 +18,16 @@ pub(crate) struct Scan {
     asymptotes: Option<Asymptotes>,
     /// Seconds by which the response is delayed besides.
     delay_s: f64,
+    /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one.
+    limits: Limits,
     pub points: Vec<Point>,
+}
+
+/// The response far beyond the ends of a grid, where it has reached its limit.
+#[derive(Default)]
+struct Limits {
+    low: Option<Point>,
+    high: Option<Point>,
 }
 
 impl Scan {
@@ -32,7 +43,8 @@ impl Scan {
 
     fn with_zeros(g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
         let response = Response::of(g)?;
-        let mut scan = Self { response, asymptotes: None, delay_s: 0.0, points: Vec::new() };
+        let mut scan =
+            Self { response, asymptotes: None, delay_s: 0.0, limits: Limits::default(), points: Vec::new() };
         let rates = starting_grid(g, zeros)?;
         scan.points = scan.evaluate(&rates);
         scan.refine();
@@ -93,8 +105,19 @@ impl Scan {
             return Ok(());
         };
         let asymptotes = Asymptotes::of(g, zeros, (first.rate, last.rate))?;
-        let rates = asymptotes.beyond(first, last, g.timebase);
-        if rates.is_empty() {
+        let mut rates = asymptotes.beyond(first, last, g.timebase);
+        if first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
+            // Rounding decides how many poles are at the origin, and with it the slope.
+            rates.retain(|&rate| rate > first.rate);
+        }
+        let is_other_side = |end: Point, point: Point| {
+            (end.value.norm() < 1.0) != (point.value.norm() < 1.0)
+                && (end.value.norm() - 1.0).abs() > asymptotes.rounding()
+        };
+        let limits = asymptotes.limits(first, last, g.timebase);
+        self.limits.low = limits[0].filter(|&limit| is_other_side(limit, first));
+        self.limits.high = limits[1].filter(|&limit| is_other_side(limit, last));
+        if rates.is_empty() && self.limits.low.is_none() && self.limits.high.is_none() {
             return Ok(());
         }
         self.asymptotes = Some(asymptotes);
@@ -168,8 +191,71 @@ impl Scan {
         found
     }
 
-    /// Returns the point between a and b where the sign changes: seven points inside the interval at a time.
-    fn bisect(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> Point {
+    /// Returns how much rounding may change the response at a frequency.
+    pub fn rounding_at(&self, point: Point) -> f64 {
+        match &self.asymptotes {
+            Some(asymptotes) if asymptotes.is_beyond(point.rate) => {
+                asymptotes.rounding() * point.value.norm()
+            }
+            _ => self.response.rounding_at(point.rate),
+        }
+    }
+
+    /// Returns where the response crosses the real axis: where its imaginary part changes sign from one run of points to the next, each with a
+    /// point at which rounding does not decide the sign. A response that is real, or zero, to rounding crosses nothing.
+    pub fn axis_crossings(&self) -> Vec<Point> {
+        let is_below = |point: &Point| point.value.im < 0.0;
+        let mut runs = Vec::new();
+        let mut start = 0;
+        for run in self.points.chunk_by(|a, b| is_below(a) == is_below(b)) {
+            runs.push((start, run));
+            start += run.len();
+        }
+        if runs.len() < 2 {
+            return Vec::new();
+        }
+        let is_certain = |run: &[Point]| {
+            candidates(run).any(|point| point.value.im.abs() > CERTAIN_SIGN * self.rounding_at(point))
+        };
+        runs.retain(|(_, run)| is_certain(run));
+        let mut found = Vec::new();
+        for pair in runs.windows(2) {
+            let ((start, left), (next, right)) = (pair[0], pair[1]);
+            if is_below(&left[0]) != is_below(&right[0]) {
+                let [a, b] =
+                    self.bracket(self.points[start + left.len() - 1], self.points[next], &|L: C64| L.im);
+                let nearest = if a.value.im.abs() < b.value.im.abs() { a } else { b };
+                // Through a pole or a zero on the axis the response jumps to the other side.
+                let is_continuous = (a.value - b.value).norm() <= a.value.norm();
+                let is_known = nearest.value.norm() > CERTAIN_GAIN * self.rounding_at(nearest);
+                found.extend((is_continuous && is_known).then_some(nearest));
+            }
+        }
+        found
+    }
+
+    /// Returns where the gain crosses one, on the grid and between it and the limits beyond its ends.
+    pub fn unit_crossings(&self) -> Vec<Point> {
+        let excess = |L: C64| L.norm() - 1.0;
+        let mut found = Vec::new();
+        if let (Some(limit), Some(&first)) = (self.limits.low, self.points.first()) {
+            found.push(self.bisect(limit, first, &excess));
+        }
+        found.extend(self.crossings(excess));
+        if let (Some(limit), Some(&last)) = (self.limits.high, self.points.last()) {
+            found.push(self.bisect(last, limit, &excess));
+        }
+        found
+    }
+
+    /// Returns the point between a and b where the sign changes.
+    fn bisect(&self, a: Point, b: Point, of: &impl Fn(C64) -> f64) -> Point {
+        let [a, b] = self.bracket(a, b, of);
+        if of(a.value).abs() < of(b.value).abs() { a } else { b }
+    }
+
+    /// Returns the neighbours between which the sign changes, between a and b: seven points inside the interval at a time.
+    fn bracket(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> [Point; 2] {
         let below = of(a.value) < 0.0;
         for _ in 0..ZOOMS {
             if b.rate - a.rate <= f64::EPSILON * b.rate {
@@ -181,7 +267,7 @@ impl Scan {
             b = change.and_then(|at| inside.get(at)).copied().unwrap_or(b);
             a = last.copied().unwrap_or(a);
         }
-        if of(a.value).abs() < of(b.value).abs() { a } else { b }
+        [a, b]
     }
 
     /// Returns the largest value of a function of the response.
@@ -218,6 +304,18 @@ impl Scan {
     }
 }
 
+/// Returns points of a run at which the sign of the imaginary part may be the most certain: where it is largest, alone and beside the value,
+/// and at evenly spread logarithms of the frequency, because points crowd where rounding makes the response rough.
+fn candidates(run: &[Point]) -> impl Iterator<Item = Point> {
+    let share = |point: &Point| point.value.im.abs() / point.value.norm().max(f64::MIN_POSITIVE);
+    let largest = run.iter().max_by(|a, b| a.value.im.abs().total_cmp(&b.value.im.abs()));
+    let steepest = run.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    let (low, high) = (run.first().map_or(0.0, |p| p.rate), run.last().map_or(0.0, |p| p.rate));
+    let rate = move |k: usize| low * (high / low).powf(k as f64 / SIGN_SAMPLES as f64);
+    let spread = (0..=SIGN_SAMPLES).filter_map(move |k| run.get(run.partition_point(|p| p.rate < rate(k))));
+    largest.into_iter().chain(steepest).chain(spread).copied()
+}
+
 /// Seven frequencies inside an interval.
 fn between(low: f64, high: f64) -> Vec<f64> {
     (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect()
@@ -250,19 +348,31 @@ fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     let mut roots: Vec<C64> = poles(g)?;
     roots.extend(zeros);
     let mut highest = f64::INFINITY;
+    let mut delays = 0;
     if let Timebase::Discrete { period_s } = g.timebase {
+        // Infinite zeros and roots near the origin turn the response as delays do.
+        let near_origin = roots.iter().filter(|root| root.norm() < NEAR_ORIGIN).count();
+        delays = near_origin.max(g.order().saturating_sub(zeros.len()));
         roots.iter_mut().for_each(|root| *root = root.ln() / period_s);
         highest = std::f64::consts::PI / period_s;
     }
     let sizes = roots.iter().map(|root| root.norm()).filter(|size| size.is_normal());
-    let (low, high) =
-        sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), size| (low.min(size), high.max(size)));
+    let high = sizes.clone().fold(0.0_f64, f64::max);
+    // A pole or zero at the origin is computed as a rounding error of the others.
+    let low = sizes.filter(|size| *size > AT_ORIGIN * high).fold(f64::INFINITY, f64::min);
     let (low, high) = if high > 0.0 { (low, high) } else { (1.0_f64.min(highest), 1.0) };
-    let (low, high) = (low.min(highest) / SCAN_BEYOND, (high * SCAN_BEYOND).min(highest));
+    // Where rounding leaves only the traces of roots at the origin, the couplings of the states tell the scale.
+    let coupling = if highest.is_finite() { 0.0 } else { balance(g).0.A.norm_max() };
+    let (low, high) = (low.min(highest) / SCAN_BEYOND, (high * SCAN_BEYOND).max(coupling).min(highest));
     let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil() as usize + 1;
     let mut rates: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
     for root in roots.iter().filter(|root| root.im > 0.0) {
         rates.extend(about(*root));
+    }
+    if highest.is_finite() {
+        rates.extend((1..=SCAN_TO_NYQUIST).map(|k| highest * (1.0 - 0.5_f64.powi(k))));
+        let count = SCAN_PER_DELAY * delays;
+        rates.extend((1..count).map(|k| highest * k as f64 / count as f64));
     }
     rates.retain(|&rate| rate > 0.0 && rate < highest && rate.is_finite());
     rates.sort_by(f64::total_cmp);

@@ -11,6 +11,10 @@ pub const ASYMPTOTE_MARGIN: f64 = 30.0;
 /// A crossing this near to an end of the grid, as a ratio, may be missed by the grid itself.
 pub const ASYMPTOTE_AT_END: f64 = 0.99;
 
+/// The response is at its limit this factor beyond the grid, which ends a thousand times beyond the last root: what is left of
+/// the difference is 1e-12 of itself, and its square, by which the gain changes, far below rounding.
+pub const ASYMPTOTE_LIMIT: f64 = 1e9;
+
 // ---- closing a loop ----
 
 /// Smallest reciprocal condition of a loop matrix I - D K that is still inverted. The relative error of an inverse is about the
@@ -66,8 +70,12 @@ pub const REAL_CROSSING: f64 = 1e-6;
 /// A crossing of the unit circle is one where the gain is one within this.
 pub const UNIT_CROSSING: f64 = 1e-6;
 
-/// A direct path, or a gain at the end of the frequency axis, below this share of the loop's largest gain is zero.
+/// A direct path below this share of the loop's largest gain is zero.
 pub const NEGLIGIBLE_GAIN: f64 = 1e-12;
+
+/// The sign of an imaginary part, and a gain at an end of the axis, are certain if they exceed this many times what one rounding of each
+/// operand changes: the reduction to Hessenberg form and the elimination make a few roundings each.
+pub const CERTAIN_SIGN: f64 = 100.0;
 
 // ---- margins of several loops ----
 
@@ -129,6 +137,15 @@ pub const SETTLED_ROOT: f64 = 1e-12;
 /// Rows of a system matrix up to which zeros are corrected in 32 digits: a zero of the largest takes some ten milliseconds.
 pub const PRECISE_SIZE: usize = 32;
 
+/// A system matrix is singular, and has a zero at the origin, unless rounding each entry by this many units leaves it regular.
+pub const SINGULAR_ROUNDINGS: f64 = 100.0;
+
+/// Steps of the power iteration for the componentwise condition of a system matrix: its logarithm is known to a tenth then.
+pub const BAUER_STEPS: usize = 8;
+
+/// Zeros that are not at the origin but were computed there start at this share of the smallest other one: closer to the origin than to it.
+pub const DISPLACED_ZERO: f64 = 1e-3;
+
 /// Rank decisions on the way to the zeros are taken relative to the norm of the scaled system matrix times this: some hundred
 /// times the unit roundoff, for the rounding of the transformations (A. Emami-Naeini and P. Van Dooren, Automatica 18, 1982).
 pub const ZERO_RANK: f64 = 1e-13;
@@ -166,6 +183,33 @@ pub const NEAR_STEP: f64 = 0.03;
 
 /// |ln gain| or phase distance in rad that counts as near.
 pub const NEAR_CRITICAL: f64 = 0.15;
+
+/// Points between the grid's start and half the sampling rate, each at half the distance of the one before: delays turn the response by
+/// half a turn for each sample up to there, and a zero or a pole beside -1 has points of its own.
+pub const SCAN_TO_NYQUIST: i32 = 10;
+
+/// A crossing is known if its gain exceeds this many times what one rounding of each operand changes: a digit of its factor is left.
+pub const CERTAIN_GAIN: f64 = 10.0;
+
+/// The gain of zeros and poles is read off where rounding changes the response by less than this share: three of sixteen digits are lost.
+pub const KNOWN_GAIN: f64 = 1e-13;
+
+/// Points at which it is looked for otherwise, each at a quarter of the one before: 24 decades.
+pub const GAIN_POINTS: i32 = 40;
+
+/// A root below this share of the largest one is at the origin: the rounding of a double, squared, as a double root has it. Time constants
+/// of one machine are at most 24 decades apart.
+pub const AT_ORIGIN: f64 = 1e-30;
+
+/// Points of a run of one sign at which the sign is compared with rounding: the certain part of a run may be a tenth of it.
+pub const SIGN_SAMPLES: usize = 12;
+
+/// Roots inside this radius turn a sampled response as delays do, and have no frequency near which points would resolve them.
+pub const NEAR_ORIGIN: f64 = 0.7;
+
+/// Evenly spread points for each delay of a sampled loop: it turns the response by half a turn up to half the sampling rate, and an odd number
+/// of points does not return to the same phase.
+pub const SCAN_PER_DELAY: usize = 5;
 
 /// Rounds of refinement, and points in all, at most; what is then unresolved is a jump of width 1e-9 or less.
 pub const SCAN_ROUNDS: usize = 40;

@@ -4,7 +4,7 @@ use crate::connect::series;
 use crate::response::Response;
 use crate::root_order::sort_roots;
 use crate::roots::{poles, zeros};
-use crate::tolerance::CONJUGATE;
+use crate::tolerance::{CONJUGATE, GAIN_POINTS, KNOWN_GAIN};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 
 /// gain (s - z1)(s - z2).../((s - p1)(s - p2)...) in s or z. Complex roots come in conjugate pairs.
@@ -34,7 +34,7 @@ impl Zpk {
 
     /// Returns zeros, poles and gain of a system with one input and one output; what cancels is left in.
     ///
-    /// The gain is read off the response at a point away from all roots.
+    /// The gain is read off the response at a point away from all roots at which rounding leaves it known.
     ///
     /// # Errors
     /// [`Error::NotSiso`], [`Error::Matrix`].
@@ -49,14 +49,33 @@ impl Zpk {
     /// [`Error::Matrix`].
     pub(crate) fn with_zeros(g: &StateSpace, zeros: Vec<C64>) -> Result<Self, Error> {
         let mut zpk = Self { zeros, poles: poles(g)?, gain: 1.0, timebase: g.timebase };
-        let largest = zpk.zeros.iter().chain(&zpk.poles).map(|r| r.norm()).fold(0.0, f64::max);
-        let away = C64::new(if largest > 0.0 { 2.0 * largest } else { 1.0 }, 0.0);
-        let value = Response::of(g)?.at_points(&[away])?[0][(0, 0)];
+        let response = Response::of(g)?;
+        let away = zpk.point_for_gain(&response);
+        let value = response.at_points(&[away])?[0][(0, 0)];
         zpk.gain = (value / zpk.at(away)).re;
         if zpk.gain == 0.0 {
             zpk.zeros.clear();
         }
         Ok(zpk)
+    }
+
+    /// Returns a point at which the gain is read off: at twice the largest root, if the response is known there; otherwise the best known of points
+    /// between the roots, because a response that falls off fast cancels to rounding far from them.
+    fn point_for_gain(&self, response: &Response) -> C64 {
+        let roots = || self.zeros.iter().chain(&self.poles);
+        let largest = roots().map(|r| r.norm()).fold(0.0, f64::max);
+        let away = if largest > 0.0 { 2.0 * largest } else { 1.0 };
+        let error = |s: C64| {
+            let value = response.at_points(&[s]).map_or(0.0, |values| values[0][(0, 0)].norm());
+            response.rounding(s) / value
+        };
+        let first = C64::new(away, 0.0);
+        if error(first) <= KNOWN_GAIN {
+            return first;
+        }
+        let is_apart = |s: &C64| roots().all(|root| (s - root).norm() > 0.1 * s.norm());
+        let points = (0..GAIN_POINTS).map(|k| C64::new(away * 0.25_f64.powi(k), 0.0)).filter(is_apart);
+        points.map(|s| (error(s), s)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(first, |best| best.1)
     }
 
     /// Returns the system as a cascade of sections of first and second order; nothing is expanded.

@@ -169,3 +169,69 @@ fn tustin_keeps_its_digits_in_any_units() {
         assert!(((x - y) / x).norm() < 1e-11, "{rate}: {x} {y}");
     }
 }
+
+#[test]
+fn a_loop_by_the_bilinear_map_crosses_nothing_at_half_the_sampling_rate() {
+    // Two zeros at half the sampling rate: the response vanishes there, and rounding changes the sign of its imaginary part.
+    for period_s in [1e-4, 1e-3, 1e-2, 0.3] {
+        let g = c2d(&zpk(&[], &[-1.0, -3.5], 40.0), period_s, Discretisation::Tustin { prewarp_rad_s: None })
+            .unwrap();
+        let found = margins(&g).unwrap();
+        assert!(found.gain.is_empty(), "{period_s}: {:?}", found.gain);
+        assert_eq!(found.phase.len(), 1);
+        // The double integrator is real everywhere, and crosses nothing either.
+        let g = c2d(&zpk(&[], &[0.0, 0.0], 4.0), period_s, Discretisation::Tustin { prewarp_rad_s: None })
+            .unwrap();
+        assert!(margins(&g).unwrap().gain.iter().all(|margin| margin.rate_rad_s == 0.0));
+    }
+}
+
+#[test]
+fn every_crossing_of_a_delay_line_is_found() {
+    // k z^-8 meets the negative axis at odd multiples of pi/8, between which a grid at halves of the rate sees one phase only.
+    let (n, period_s) = (8, 1e-3);
+    let A = Mat::from_fn(n, n, |i, j| if i == j + 1 { 1.0 } else { 0.0 });
+    let B = Mat::from_fn(n, 1, |i, _| if i == 0 { 0.4 } else { 0.0 });
+    let C = Mat::from_fn(1, n, |_, j| if j + 1 == n { 1.0 } else { 0.0 });
+    let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Discrete { period_s }).unwrap();
+    let found = margins(&g).unwrap().gain;
+    assert_eq!(found.len(), 4);
+    for (k, margin) in found.iter().enumerate() {
+        let rate = std::f64::consts::PI * (2 * k + 1) as f64 / 8.0 / period_s;
+        assert!((margin.rate_rad_s / rate - 1.0).abs() < 1e-12 && (margin.factor - 2.5).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn an_undamped_structure_crosses_nothing_at_its_poles_and_zeros() {
+    // Two masses, the force and the rate at the first one: through poles and zeros on the axis the response jumps to the other side.
+    let A = Mat::from_rows(&[
+        &[0.0, 0.0, 1.0, 0.0],
+        &[0.0, 0.0, 0.0, 1.0],
+        &[-7.0, 3.0, 0.0, 0.0],
+        &[2.0, -2.0, 0.0, 0.0],
+    ]);
+    let (B, C) = (Mat::col(&[0.0, 0.0, 1.0, 0.0]), Mat::row(&[1.0, 0.0, 0.03, 0.0]));
+    let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    assert!(margins(&g).unwrap().gain.is_empty());
+}
+
+#[test]
+fn a_gain_that_approaches_one_from_above_crosses_it_beyond_the_grid() {
+    // k (s + 2)/(s + 1) falls from 2 k to k, below one; k (s + 1)/(s + 2) stays below one.
+    let below = margins(&zpk(&[-2.0], &[-1.0], 1.0 - 1e-9)).unwrap();
+    let [only] = below.phase.as_slice() else { panic!("{:?}", below.phase) };
+    // |L|^2 = k^2 (w^2 + 4)/(w^2 + 1) is one at w^2 = (4 k^2 - 1)/(1 - k^2).
+    let k2 = (1.0 - 1e-9_f64).powi(2);
+    assert!((only.rate_rad_s / ((4.0 * k2 - 1.0) / (1.0 - k2)).sqrt() - 1.0).abs() < 1e-6);
+    assert!(margins(&zpk(&[-1.0], &[-2.0], 1.0 - 1e-9)).unwrap().phase.is_empty());
+}
+
+#[test]
+fn a_small_zero_beside_large_ones_keeps_its_digits() {
+    // Of the numbers from which the coupling for the zero at 1e-5 is summed, one part in 1e12 is left.
+    let g = zpk(&[-2e4, -200.0, 1e5, 1.0, 1e-5, -2e-6], &[-1e6, -1e4, -0.1, -1e-5, -1e-6, -1e-6], 1e-3);
+    let found = zeros(&g).unwrap();
+    let nearest = found.iter().map(|z| (z - 1e-5).norm()).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 1e-7, "{found:?}");
+}

@@ -1,6 +1,8 @@
 """More families of hard problems: widely drawn members of those of hard_families.py, and kinds of their own: see wide.py."""
 import numpy as np
 
+import margin_families
+
 from hard_families import cascade, modal, psd, s_dense, size, squash, stable, tens
 
 
@@ -559,7 +561,8 @@ FAMILIES = {
     'dlyap': dict(mixed=dl_mixed, slow=dl_slow),
     'zeros': dict(long=s_long, issue=s_issue, direct=s_direct, light=s_light, sampled=sampled(s_dense), planted=z_planted, square=z_square,
                   structure=z_structure),
-    'margins': dict(issue=m_issue, delay_line=m_delay_line, direct=s_direct, light=s_light, sampled=sampled(s_dense), long=s_long),
+    'margins': dict(issue=m_issue, delay_line=m_delay_line, direct=s_direct, light=s_light, sampled=sampled(s_dense), long=s_long,
+                    **margin_families.FAMILIES),
     'delayed': dict(lags=with_delay(t_lag), modes=with_delay(t_modes)),
     'norms': dict(dense=of_kind('bounds', n_dense), graded=of_kind('bounds', n_graded), modes=of_kind('bounds', n_modes),
                   error=of_kind('bounds', n_error), sampled=of_kind('bounds', n_sampled)),
