@@ -64,7 +64,9 @@ fn file_arrays(bytes: &[u8], file: &str) -> Result<Arrays, String> {
     let arrays = read_arrays(bytes, file).map_err(|why| {
         format!("{why}; a controller is read from JSON, MATLAB (.mat), HDF5 and NumPy (.npz) files")
     })?;
-    Ok(arrays.into_iter().map(|array| (array.name, array.values)).collect())
+    // a row is a vector, as MATLAB writes one: [-1 -2] is two real roots
+    let upright = |values: Array2<f64>| if values.nrows() == 1 { values.reversed_axes() } else { values };
+    Ok(arrays.into_iter().map(|array| (array.name, upright(array.values))).collect())
 }
 
 fn json_arrays(bytes: &[u8]) -> Result<Arrays, String> {

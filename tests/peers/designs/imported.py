@@ -6,7 +6,7 @@ Random controllers (a PI, notches, lags, pairs of complex poles and zeros) are m
 sampling period of 1 ms, written as state space, transfer function, or zeros, poles and gain, in continuous or in sampled time, into JSON,
 MATLAB 5 (SciPy), MATLAB 7.3 (h5py), HDF5 and NumPy files, and read by `counterpoise synth`. Compared, at 60 frequencies: the response of the
 feedback path that runs with that of the controller as it was made (continuous ones by the bilinear map), and the closed sampled loop's
-poles with numpy's. A controller whose loop numpy finds unstable must be refused, and no other.
+poles with mpmath's. A controller whose loop mpmath finds unstable must be refused, and no other.
 """
 
 import json
@@ -17,19 +17,21 @@ import tempfile
 
 import control
 import h5py
+import mpmath
 import numpy as np
 import scipy.io
 
+mpmath.mp.dps = 50
 PERIOD = 1e-3
 PROJECT = """format = 2
 [plant]
 name = "axis"
 inertia = 0.5
 friction = {{ pivot = {{ viscous = 0.8 }} }}
-motor = {{ torque_constant = 0.4, resistance = 1.0 }}
+drive = {{ kind = "torque", limit = 10.0 }}
 interface = {{ sample_period = 1e-3 }}
 [synth]
-delay_samples = 1
+delay_samples = 0
 [synth.controller]
 file = "{file}"
 """
@@ -85,7 +87,8 @@ def written(folder, form, kind, roots, period):
     """Writes a controller, and returns the name of its file."""
     zeros, poles, gain = roots
     if form == "zpk":
-        pairs = lambda all_: np.array([[r.real, r.imag] for r in all_]).reshape(-1, 2)
+        # a single row is two real roots, except in JSON
+        pairs = lambda all_: np.array([[r.real, r.imag] if len(all_) > 1 or kind == "json" else [r.real] for r in all_])
         parts = {"k": np.array([[gain]]), "Ts": np.array([[period]])}
         parts |= {key: pairs(all_) for key, all_ in (("z", zeros), ("p", poles)) if len(all_)}
     elif form == "tf":
@@ -117,14 +120,25 @@ def response(system, z):
     return (C.reshape(1, n) @ np.linalg.solve(z * np.eye(n) - A.reshape(n, n), B.reshape(n, -1)) + D.reshape(1, -1))[0, 0] if n else D.flat[0]
 
 
+def polynomial(roots):
+    """Returns the coefficients with these roots, highest power first, in 50 digits."""
+    coefficients = [mpmath.mpf(1)]
+    for root in roots:
+        shifted = [-root * c for c in coefficients]
+        coefficients = [a + b for a, b in zip([*coefficients, 0], [0, *shifted])]
+    return coefficients
+
+
 def largest_pole(zeros, poles, gain):
-    """Returns the largest modulus of the poles of the closed sampled loop: the axis under a zero-order hold, one sample later."""
-    decay = (0.8 + 0.4 * 0.4 / 1.0) / 0.5
-    held = np.exp(-decay * PERIOD)
-    axis = 0.4 / 0.5 * (1 - held) / decay
-    num = axis * gain * np.real(np.poly(zeros))
-    den = np.real(np.poly(np.concatenate([poles, [held, 0.0]])))
-    return max(abs(np.roots(np.polyadd(den, num))))
+    """Returns the largest modulus of the poles of the closed sampled loop: the axis under a zero-order hold."""
+    decay = mpmath.mpf("0.8") / mpmath.mpf("0.5")
+    held = mpmath.exp(-decay * mpmath.mpf(PERIOD))
+    axis = (1 - held) / decay / mpmath.mpf("0.5")
+    den = polynomial([*map(mpmath.mpc, poles), held])
+    num = [axis * mpmath.mpf(gain) * c for c in polynomial(map(mpmath.mpc, zeros))]
+    num = [0] * (len(den) - len(num)) + num
+    roots = mpmath.polyroots([a + b for a, b in zip(den, num)], maxsteps=500, extraprec=300)
+    return float(max(abs(root) for root in roots))
 
 
 def main():
