@@ -3,22 +3,9 @@
 //! The code of a controller is generated with the names of a rate loop. Another loop runs the same operations on other
 //! quantities; its files have these quantities' names, units and meanings in place of the rates'.
 
-use crate::File;
+use counterpoise_models::{Axis, ControlledQuantity, QuantityKind};
 
-/// The quantity that a loop controls, if it is no rate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ControlledQuantity {
-    /// The angle of a turning axis.
-    Angle,
-    /// The place of a sliding axis.
-    Place,
-    /// The torque that a transmission passes.
-    Torque,
-    /// The force that the transmission of a sliding axis passes.
-    Force,
-    /// The motor's current.
-    Current,
-}
+use crate::File;
 
 /// What a quantity is called.
 struct Words {
@@ -68,46 +55,49 @@ const MEANINGS: [&str; 3] =
 /// The line of FMI units before which units are defined.
 const AFTER_DEFINITION: &str = "    <Unit name=\"V\">";
 
-impl ControlledQuantity {
-    /// Returns generated files with the names of this quantity.
-    pub fn named(self, files: Vec<File>) -> Vec<File> {
-        files.into_iter().map(|file| File { text: self.text(&file.text), ..file }).collect()
-    }
+/// Returns generated files with the names of what the loop controls; those of a loop of rate as they are.
+pub fn named(controlled: ControlledQuantity, files: Vec<File>) -> Vec<File> {
+    let Some(words) = words_of(controlled) else { return files };
+    files.into_iter().map(|file| File { text: renamed(&file.text, &words), ..file }).collect()
+}
 
-    fn words(self) -> Words {
-        let (on_platform, passed) = ("relative to the platform", "of the transmission");
-        let (quantity, of, unit, suffix, definition) = match self {
-            Self::Angle => ("angle", on_platform, "rad", "rad", None),
-            Self::Place => ("position", on_platform, "m", "m", Some(("m", "m=\"1\""))),
-            Self::Torque => ("torque", passed, "N m", "nm", Some(("N.m", "kg=\"1\" m=\"2\" s=\"-2\""))),
-            Self::Force => ("force", passed, "N", "n", Some(("N", "kg=\"1\" m=\"1\" s=\"-2\""))),
-            Self::Current => ("current", "of the motor", "A", "a", None),
-        };
-        Words { quantity, of, unit, suffix, definition }
-    }
-
-    fn text(self, text: &str) -> String {
-        let words = self.words();
-        let pairs = MEANINGS.iter().zip(words.meanings());
-        let described = pairs.fold(text.to_owned(), |text, (rate, own)| text.replace(rate, &own));
-        let mut named = match words.definition {
-            None => described,
-            Some((name, base)) => {
-                let defined =
-                    format!("    <Unit name=\"{name}\"><BaseUnit {base}/></Unit>\n{AFTER_DEFINITION}");
-                described.replace(AFTER_DEFINITION, &defined)
-            }
-        };
-        for (index, (rate, name)) in NAMES.iter().zip(words.names()).enumerate() {
-            // The first two are variables of FMI units, whose lines state the unit as well.
-            named = match index {
-                0 | 1 => with_unit(&named, rate, words.unit_name()),
-                _ => named,
-            };
-            named = with_identifier(&named, rate, &name);
+/// Returns what a quantity is called; `None` for a rate.
+fn words_of(controlled: ControlledQuantity) -> Option<Words> {
+    let (of, definition) = match (controlled.kind, controlled.axis) {
+        (QuantityKind::Rate, _) => return None,
+        (QuantityKind::Position, Axis::Rotary) => ("relative to the platform", None),
+        (QuantityKind::Position, Axis::Linear) => ("relative to the platform", Some(("m", "m=\"1\""))),
+        (QuantityKind::Effort, Axis::Rotary) => {
+            ("of the transmission", Some(("N.m", "kg=\"1\" m=\"2\" s=\"-2\"")))
         }
-        named
+        (QuantityKind::Effort, Axis::Linear) => {
+            ("of the transmission", Some(("N", "kg=\"1\" m=\"1\" s=\"-2\"")))
+        }
+        (QuantityKind::Current, _) => ("of the motor", None),
+    };
+    let (quantity, unit) = (controlled.short_name(), controlled.unit());
+    Some(Words { quantity, of, unit, suffix: controlled.suffix(), definition })
+}
+
+fn renamed(text: &str, words: &Words) -> String {
+    let pairs = MEANINGS.iter().zip(words.meanings());
+    let described = pairs.fold(text.to_owned(), |text, (rate, own)| text.replace(rate, &own));
+    let mut named = match words.definition {
+        None => described,
+        Some((name, base)) => {
+            let defined = format!("    <Unit name=\"{name}\"><BaseUnit {base}/></Unit>\n{AFTER_DEFINITION}");
+            described.replace(AFTER_DEFINITION, &defined)
+        }
+    };
+    for (index, (rate, name)) in NAMES.iter().zip(words.names()).enumerate() {
+        // The first two are variables of FMI units, whose lines state the unit as well.
+        named = match index {
+            0 | 1 => with_unit(&named, rate, words.unit_name()),
+            _ => named,
+        };
+        named = with_identifier(&named, rate, &name);
     }
+    named
 }
 
 /// Returns the text with the unit of an FMI variable changed.
@@ -149,7 +139,8 @@ mod tests {
     fn a_variable_of_a_unit_has_the_unit_of_its_quantity() {
         let text = "    <Float64 name=\"demand_rad_s\" unit=\"rad/s\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         let files = vec![File { name: "modelDescription.xml".into(), text: text.into() }];
-        let found = ControlledQuantity::Place.named(files);
+        let place = ControlledQuantity { kind: QuantityKind::Position, axis: Axis::Linear };
+        let found = named(place, files);
         let expected = "    <Float64 name=\"demand_m\" unit=\"m\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         assert_eq!(found[0].text, expected);
     }

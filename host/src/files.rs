@@ -89,6 +89,14 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Makes a file that is written line by line.
+///
+/// # Errors
+/// Those of the file system.
+pub fn create_log(path: &Path) -> io::Result<Box<dyn Write>> {
+    Ok(Box::new(fs::File::create(path)?))
+}
+
 /// Opens a regular file for reading; returns it with its size in bytes.
 ///
 /// # Errors

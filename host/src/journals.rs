@@ -1,6 +1,7 @@
 //! Where the studio keeps the journal of a project, and whether it holds edits that were never saved.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Returns the journal's file for a project: one for each project, in the studio's own folder.
@@ -10,6 +11,11 @@ pub fn journal_path(state: &Path, project: &Path) -> PathBuf {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
     state.join(format!("journal-{hash:016x}.jsonl"))
+}
+
+/// Returns the lines of a journal up to the first that is no text; `None` if there is none.
+pub fn journal_lines(path: &Path) -> Option<impl Iterator<Item = String>> {
+    Some(BufReader::new(fs::File::open(path).ok()?).lines().map_while(Result::ok))
 }
 
 /// Returns whether the studio's journal of a project holds edits that are not in the project file.

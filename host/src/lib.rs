@@ -4,8 +4,8 @@
 //!
 //! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
 //!
-//! Modules in reading order: [`terminal`], [`files`], [`json`], [`journals`], [`large_recordings`], [`projects`], [`code_files`], [`shards`],
-//! [`interrupt`], [`worker`], [`time_left`], [`progress`],
+//! Modules in reading order: [`terminal`], [`files`], [`folders`], [`json`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
+//! [`shards`], [`programs`], [`interrupt`], [`worker`], [`journal_writer`], [`recent_files`], [`file_check`], [`change_watcher`], [`time_left`], [`progress`],
 //! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
 //!
 //! ```
@@ -17,15 +17,22 @@
 //! ```
 
 pub mod campaign_progress;
+pub mod change_watcher;
 pub mod code_files;
 pub mod compilers;
+pub mod file_check;
 pub mod files;
+pub mod folders;
 pub mod interrupt;
+pub mod journal_writer;
 pub mod journals;
 pub mod json;
 pub mod large_recordings;
+pub mod programs;
 pub mod progress;
+pub mod project_lock;
 pub mod projects;
+pub mod recent_files;
 pub mod shards;
 pub mod stages;
 pub mod terminal;

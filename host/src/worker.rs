@@ -2,6 +2,15 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Time between two looks at a worker by somebody who waits for it.
+const LOOK_INTERVAL: Duration = Duration::from_millis(2);
+
+/// Waits until the next look at a worker.
+pub fn wait_between_looks() {
+    std::thread::sleep(LOOK_INTERVAL);
+}
 
 /// Wakes the window.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

@@ -84,3 +84,18 @@ pub(crate) const DEPENDENT_SHAPE: f64 = 1e-7;
 pub(crate) const LEAST_RATIO: f64 = 1e-3;
 /// Where proportional damping has its second frequency, relative to the lowest mode: between, the ratio stays above a third of the one given.
 pub(crate) const RAYLEIGH_SPAN: f64 = 30.0;
+
+/// A step of the iteration for the Gramians that contributes less than this share is idle: shapes need fewer digits than Hankel values.
+pub(crate) const GRAMIAN_CONTRIBUTION: f64 = 1e-4;
+
+/// A direction that differs from others by less than this share adds noise, whose frequencies would be taken for modes.
+pub(crate) const SHAPE_NOISE: f64 = 10.0 * GRAMIAN_CONTRIBUTION;
+
+/// Factorisations at most; each finds about one motion that matters.
+pub(crate) const GRAMIAN_STEPS: usize = 80;
+
+/// Searches for modes that the iteration missed. Each finds up to four copies of one that is repeated.
+pub(crate) const MODE_SEARCHES: usize = 12;
+
+/// Places between two modes at which they are counted: the second and third if the stiffness is nearly singular there by chance.
+pub(crate) const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];

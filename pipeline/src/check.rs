@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
+use crate::studies::sweep::campaign_is_stated;
 use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
 
 /// How a project file was read, and which values are assumed.
@@ -95,7 +96,10 @@ pub fn check(document: &Document, parsed: &Parsed, systems: LoopSystems) -> Chec
             (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))
         }
     };
-    let can = |purpose: &Purpose| project.supports(document, *purpose);
+    let can = |purpose: &Purpose| {
+        let varies = *purpose != Purpose::Sweep || campaign_is_stated(project).is_ok();
+        varies && project.supports(document, *purpose)
+    };
     CheckResult {
         file: document.name().to_owned(),
         format: document.format(),

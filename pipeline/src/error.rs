@@ -16,6 +16,11 @@ pub enum PipelineError {
         /// The step.
         needed_by: &'static str,
     },
+    /// A campaign on a project that says nothing of what varies.
+    #[error(
+        "nothing varies from mechanism to mechanism: give a value of [plant] a tolerance, for example {{ value = 2.0, tolerance = 0.1 }}, or list what varies as [[sweep.variation]]"
+    )]
+    NothingVaries,
     /// A key that needs a controller which sees the error alone.
     #[error("synth.{key} needs reference = \"error\": the controller must see demand less rate alone")]
     NeedsError {

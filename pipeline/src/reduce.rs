@@ -18,6 +18,8 @@ pub struct Reduced {
     pub system: StateSpace,
     /// The plant before.
     pub before: StateSpace,
+    /// What the outputs are.
+    pub output_names: Vec<String>,
     /// Values by which states were ranked, largest first; empty if the method ranks none.
     pub ranked: Vec<f64>,
     /// A priori bound on the largest error over all frequencies and directions.
@@ -45,6 +47,7 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
     let plain = |system: StateSpace| Reduced {
         method: asked.method,
         before: modelled.linear.system.clone(),
+        output_names: modelled.linear.output_names.clone(),
         system,
         ranked: Vec::new(),
         bound: None,

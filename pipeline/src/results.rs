@@ -10,7 +10,6 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
 use counterpoise_synth::{Specification, Weight};
-use counterpoise_verify::acceptance::Acceptance;
 use counterpoise_verify::{Limit, Value, Verdict, Verification};
 use serde::Serialize;
 
@@ -327,8 +326,8 @@ impl From<&Modelled> for ModelResult {
         let states = linear.state_names.iter().map(String::as_str);
         Self {
             schema: SCHEMA,
-            plant: plant("linear plant", &linear.system).with_states(states),
-            responses: plant_responses(&linear.system),
+            plant: plant("linear plant", &linear.system, &linear.output_names).with_states(states),
+            responses: plant_responses(&linear.system, &linear.output_names),
             name: modelled.parameters.name.clone(),
             order: linear.system.order(),
             states: linear.state_names.clone(),
@@ -350,9 +349,9 @@ impl From<&Reduced> for ReduceResult {
     fn from(reduced: &Reduced) -> Self {
         Self {
             schema: SCHEMA,
-            plant_before: plant("linear plant", &reduced.before),
-            plant: plant("reduced plant", &reduced.system),
-            responses: plant_responses(&reduced.system),
+            plant_before: plant("linear plant", &reduced.before, &reduced.output_names),
+            plant: plant("reduced plant", &reduced.system, &reduced.output_names),
+            responses: plant_responses(&reduced.system, &reduced.output_names),
             order: [reduced.order_before(), reduced.system.order()],
             ranked: reduced.ranked.clone(),
             bound: reduced.bound,
@@ -365,10 +364,13 @@ impl From<&Reduced> for ReduceResult {
 impl From<&Synthesised> for SynthResult {
     fn from(made: &Synthesised) -> Self {
         let paths = &made.sampled.controller.parts().paths;
-        let controllers = controllers_of_design(&made.design);
+        let controlled = made.controlled;
+        let controllers = controllers_of_design(&made.design, controlled);
         let design_plant = made.design.plant.measured().ok().map(|system| {
-            let outputs: Vec<&str> =
-                std::iter::once("measured_rate_rad_s").chain(LinearPlant::OUTPUTS).collect();
+            let measured = controlled.named_signal("measured_rate_rad_s");
+            let outputs: Vec<&str> = std::iter::once(measured.as_str())
+                .chain(made.output_names.iter().map(String::as_str))
+                .collect();
             SystemResult::new("design plant", &system, &LinearPlant::INPUTS, &outputs)
         });
         let broken = &made.sampled.loop_gain;
@@ -376,7 +378,7 @@ impl From<&Synthesised> for SynthResult {
             schema: SCHEMA,
             design_plant,
             weights: weights(&made.design.specification),
-            paths: paths.iter().map(PathResult::of).collect(),
+            paths: paths.iter().map(|path| PathResult::of(path).of_loop(controlled)).collect(),
             sampled_loop: SystemResult::new("sampled loop", broken, &["control_v"], &["returned_control_v"]),
             responses: controller_responses(&controllers, broken),
             controllers: controllers.into_iter().map(|(result, _)| result).collect(),
@@ -398,24 +400,25 @@ impl From<&Synthesised> for SynthResult {
 impl VerifyResult {
     /// Returns the result of a verification; `measured_on` is what its linear figures are measured on.
     pub fn new(found: &Verification, measured_on: VerifiedLoop) -> Self {
+        let controlled = found.controlled();
         let figures = found.figures.iter().map(|measured| FigureResult {
-            figure: measured.figure.key(),
+            figure: measured.figure.key_in(controlled),
             value: match measured.value {
                 Value::Is(value) => Some(value),
                 Value::Absent { .. } => None,
             },
-            unit: measured.figure.unit(),
+            unit: measured.figure.unit(controlled),
             basis: found.acceptance(&measured.figure).basis,
         });
         let verdicts = found.verdicts.iter().map(|(requirement, verdict)| {
-            let acceptance = Acceptance::of(&requirement.figure, &found.evidence.procedure);
+            let acceptance = found.acceptance(&requirement.figure);
             let (verdict, value, limit, why) = match verdict {
                 Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
                 Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
                 Verdict::NotApplicable { why } => ("not applicable", None, None, Some(why.clone())),
             };
             VerdictResult {
-                figure: requirement.figure.key(),
+                figure: requirement.figure.key_in(controlled),
                 basis: acceptance.basis,
                 verdict,
                 value,
@@ -476,7 +479,7 @@ impl From<&Designed> for DesignResult {
             weights_in_words: designed.weights.clone(),
             certificates: designed.certificates.iter().map(DesignCertificateResult::from).collect(),
             beside: designed.comparison.clone(),
-            targets: (&designed.targets).into(),
+            targets: TargetsResult::from(&designed.targets).of_loop(made.synthesised.controlled),
             files: made.files.iter().map(|f| f.name.clone()).collect(),
             left_out: made.left_out.iter().map(ToString::to_string).collect(),
         }
@@ -512,14 +515,16 @@ fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
 }
 
 /// Returns a plant with the inputs and outputs of the linear plant.
-fn plant(name: &str, system: &StateSpace) -> SystemResult {
-    SystemResult::new(name, system, &LinearPlant::INPUTS, &LinearPlant::OUTPUTS)
+fn plant(name: &str, system: &StateSpace, outputs: &[String]) -> SystemResult {
+    let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
+    SystemResult::new(name, system, &LinearPlant::INPUTS, &outputs)
 }
 
-fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
+fn plant_responses(system: &StateSpace, outputs: &[String]) -> Vec<ResponseResult> {
+    let hub = outputs.get(LinearPlant::HUB_RATE).map_or("", String::as_str);
     let hz = stored_frequencies_hz();
     let one = |(input, name): (usize, &str)| {
-        let name = format!("{} over {name}", LinearPlant::OUTPUTS[LinearPlant::HUB_RATE]);
+        let name = format!("{hub} over {name}");
         ResponseResult::of_system(&name, system, LinearPlant::HUB_RATE, input, &hz)
     };
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()

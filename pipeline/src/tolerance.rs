@@ -25,3 +25,31 @@ pub(crate) const DRIFTING_POLE: f64 = 1e-6;
 /// Share of the largest Hankel value from which on a state is kept if the project states no order: the a priori bound of the error is then
 /// about 1e-6 of the response, below what a drawing shows or a margin feels.
 pub(crate) const KEPT_HANKEL_SHARE: f64 = 1e-6;
+
+/// A limit that a mechanism of the sweep misses by less than this share counts as kept.
+pub(crate) const TUNED_LIMIT_KEPT: f64 = 1e-3;
+
+/// Lines nearer than this, relatively, become one: no feedback tells them apart.
+pub(crate) const SAME_LINE: f64 = 0.03;
+
+/// Share of the power that the lines leave out at the upper end.
+pub(crate) const LINES_LEFT_OUT: f64 = 1e-4;
+
+/// A reading may exceed the range by this fraction: decimals of the file, and an offset that was removed.
+pub(crate) const CONVERTER_RANGE_MARGIN: f64 = 1e-2;
+
+/// Beyond this many times the range, a reading is no reading but a mark or an error of transmission. The guard of exported code draws the
+/// same line.
+pub(crate) const IMPOSSIBLE_READING: f64 = 2.0;
+
+/// Relative change of the swing at which the describing function agrees with itself.
+pub(crate) const SELF_CONSISTENT_SWING: f64 = 5e-3;
+
+/// Trials to find that swing.
+pub(crate) const MOST_SWING_TRIALS: usize = 30;
+
+/// A line of a recording's input counts as excitation when it stands this many times above what noise leaves of it.
+pub(crate) const EXCITED_ABOVE_NOISE: f64 = 5.0;
+
+/// A level nearer than this to the one of the point before is left out.
+pub(crate) const SAME_FRICTION_LEVEL: f64 = 1e-4;

@@ -28,7 +28,7 @@ use crate::first_design::{with_angles, with_chosen_weights};
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
-use crate::tolerance::STILL_RAD_S;
+use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
 use crate::{
     FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
     synthesise,
@@ -225,7 +225,7 @@ pub fn tune_feedback(
         let mut worst: Option<(f64, &DesignPlant)> = None;
         for plant in &ground.mechanisms {
             let missed = missed_on(&found, plant, ground, &wanted.limits)?;
-            if missed > SLACK && worst.is_none_or(|(most, _)| missed > most) {
+            if missed > TUNED_LIMIT_KEPT && worst.is_none_or(|(most, _)| missed > most) {
                 worst = Some((missed, plant));
             }
         }
@@ -238,14 +238,11 @@ pub fn tune_feedback(
     let mut missed = found.missed;
     for plant in &ground.mechanisms {
         let most = missed_on(&found, plant, ground, &wanted.limits)?;
-        missed = missed.max(if most > SLACK { most } else { 0.0 });
+        missed = missed.max(if most > TUNED_LIMIT_KEPT { most } else { 0.0 });
     }
     found.missed = missed;
     Ok((found, checked))
 }
-
-/// A limit that a mechanism of the sweep misses by less than this share counts as kept.
-const SLACK: f64 = 1e-3;
 
 /// By how much a tuned feedback misses the worst limit on a plant; infinite if the loop is not stable there.
 fn missed_on(
@@ -354,10 +351,6 @@ fn reading_noise(sensor: &Sensor, bits: u32) -> f64 {
 /// Segments of the spectrum at least, and the longest segment in samples: 8 s at a millisecond resolve 0.12 Hz.
 const SEGMENTS: usize = 4;
 const LONGEST_SEGMENT: usize = 8192;
-/// Lines nearer than this, relatively, become one: no feedback tells them apart.
-const NEIGHBOURS: f64 = 0.03;
-/// Share of the power that the lines leave out at the upper end.
-const LEFT_OUT: f64 = 1e-4;
 
 /// Returns the spectrum of the hub rate, less that of the reading's noise, over |S|^2.
 fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec<[f64; 2]>, PipelineError> {
@@ -386,10 +379,10 @@ fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec
     Ok(merged(lines))
 }
 
-/// Returns the power of a bin of the spectrum on lines that are no further apart than [`NEIGHBOURS`]: a real spectrum is continuous, and a
+/// Returns the power of a bin of the spectrum on lines that are no further apart than [`SAME_LINE`]: a real spectrum is continuous, and a
 /// feedback must not be rewarded for zeros of S at the bins.
 fn spread([hz, width_hz]: [f64; 2], power: f64) -> Vec<[f64; 2]> {
-    let count = (width_hz / (NEIGHBOURS * hz)).ceil().clamp(1.0, MOST_LINES) as usize;
+    let count = (width_hz / (SAME_LINE * hz)).ceil().clamp(1.0, MOST_LINES) as usize;
     let place = |k: usize| hz + width_hz * ((k as f64 + 0.5) / count as f64 - 0.5);
     (0..count).map(|k| [TAU * place(k), power / count as f64]).collect()
 }
@@ -404,7 +397,7 @@ fn merged(mut lines: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut beyond = 0.0;
     while let Some(last) = lines.last() {
         beyond += last[1];
-        if beyond > LEFT_OUT * total {
+        if beyond > LINES_LEFT_OUT * total {
             break;
         }
         lines.pop();
@@ -412,7 +405,7 @@ fn merged(mut lines: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
     for line in lines.into_iter().filter(|line| line[1] > 0.0) {
         match groups.last_mut() {
-            Some(group) if line[0] <= group[0][0] * (1.0 + NEIGHBOURS) => group.push(line),
+            Some(group) if line[0] <= group[0][0] * (1.0 + SAME_LINE) => group.push(line),
             _ => groups.push(vec![line]),
         }
     }

@@ -203,7 +203,7 @@ impl NativeProject {
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
             let read = read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
-            let control = loop_of(controller.as_ref());
+            let control = loop_of(&loaded.project, controller.as_ref());
             let replayed =
                 replay(&loaded.project, &read, &control, ReplayLength::Automatic).map_err(refused)?;
             Ok(ReplayResult { recordings: replayed.iter().map(describe_replay).collect() })

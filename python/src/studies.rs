@@ -49,7 +49,7 @@ impl Columns {
         let factors = found.variations.iter().zip(found.factors.columns());
         let factors = factors.map(|(v, column)| (format!("factor.{}", v.parameter.key()), column.to_vec()));
         let figures = found.requirements.iter().zip(found.values.columns());
-        let figures = figures.map(|(r, column)| (r.figure.key(), column.to_vec()));
+        let figures = figures.map(|(r, column)| (r.figure.key_in(found.controlled), column.to_vec()));
         Self { sample: (0..found.samples()).collect(), values: factors.chain(figures).collect() }
     }
 }

@@ -2,17 +2,8 @@
 
 use ndarray::{Array1, ArrayView1};
 
-use crate::tolerance::SAME_PERIOD_BY_ROUNDING;
+use crate::tolerance::{EVEN_STEPS, FEWEST_ROWS, GAP_PERIODS, LONGEST_GAP, SAME_PERIOD_BY_ROUNDING};
 use crate::{Error, Remark};
-
-/// A step of at least this many periods is a gap.
-const GAP: f64 = 3.0;
-/// Steps that scatter by less than this fraction of the period are even.
-const EVEN: f64 = 1e-3;
-/// A gap of more than this many times the recording's own length is not a gap but a broken clock.
-const LONGEST_GAP: f64 = 10.0;
-/// A recording has at least this many rows: a sample period and its scatter need two steps.
-const FEWEST_ROWS: usize = 3;
 
 /// Signals on a uniform clock may take so many bytes in all.
 const LARGEST: u64 = 1 << 30;
@@ -57,11 +48,11 @@ pub fn to_uniform_clock(
 ) -> Result<Uniform, Error> {
     let found = Steps::of(file, time_s, &signals)?;
     let Steps { rows, steps_s, median_s, .. } = &found;
-    let regular: Vec<f64> = steps_s.iter().copied().filter(|s| *s < GAP * median_s).collect();
+    let regular: Vec<f64> = steps_s.iter().copied().filter(|s| *s < GAP_PERIODS * median_s).collect();
     let jitter = deviation(&regular, mean(&regular)) / mean(&regular);
     let has_gaps = steps_s.len() != regular.len() || rows.len() != time_s.len();
     let (first, last) = (rows[0], rows[rows.len() - 1]);
-    let period_s = if jitter > EVEN {
+    let period_s = if jitter > EVEN_STEPS {
         wanted_s.unwrap_or_else(|| mean(&regular))
     } else if has_gaps {
         mean(&regular)
@@ -70,10 +61,10 @@ pub fn to_uniform_clock(
     };
     let period_s = rounded(period_s, wanted_s, *median_s);
     let mut remarks = found.remarks();
-    if jitter > EVEN {
+    if jitter > EVEN_STEPS {
         remarks.push(Remark::Uneven { jitter, period_s });
     }
-    let is_uneven = has_gaps || jitter > EVEN;
+    let is_uneven = has_gaps || jitter > EVEN_STEPS;
     if is_uneven {
         check_length(file, time_s[last] - time_s[first], period_s, signals.len())?;
     }
@@ -99,7 +90,7 @@ impl Steps {
     fn remarks(&self) -> Vec<Remark> {
         let gap = |(at, step): (usize, &f64)| {
             let samples = (step / self.median_s).round() as usize - 1;
-            (*step >= GAP * self.median_s).then(|| Remark::Gap { row: self.rows[at] + 1, samples })
+            (*step >= GAP_PERIODS * self.median_s).then(|| Remark::Gap { row: self.rows[at] + 1, samples })
         };
         let rows = self.repeated.len();
         let repeated = self.repeated.first().map(|row| Remark::Repeated { rows, first_row: row + 1 });
@@ -193,7 +184,7 @@ fn interpolated(
 /// gap.
 fn instants(time_s: ArrayView1<'_, f64>, rows: &[usize], period_s: f64) -> Vec<(usize, Option<f64>)> {
     let (first, last) = (time_s[rows[0]], time_s[rows[rows.len() - 1]]);
-    let count = ((last - first) / period_s + EVEN).floor() as usize + 1;
+    let count = ((last - first) / period_s + EVEN_STEPS).floor() as usize + 1;
     let mut row = 0;
     let place = |index: usize| {
         let t = first + index as f64 * period_s;
@@ -205,8 +196,8 @@ fn instants(time_s: ArrayView1<'_, f64>, rows: &[usize], period_s: f64) -> Vec<(
         }
         let step = time_s[rows[row + 1]] - time_s[rows[row]];
         let fraction = (t - time_s[rows[row]]) / step;
-        let inside = if step < GAP * period_s { Some(fraction) } else { None };
-        let is_on_a_sample = fraction * step < EVEN * period_s;
+        let inside = if step < GAP_PERIODS * period_s { Some(fraction) } else { None };
+        let is_on_a_sample = fraction * step < EVEN_STEPS * period_s;
         (row, if is_on_a_sample { Some(0.0) } else { inside })
     };
     (0..count).map(place).collect()

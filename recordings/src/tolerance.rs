@@ -22,3 +22,15 @@ pub(crate) const MOST_OUTLIERS: f64 = 1e-3;
 
 /// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
 pub(crate) const STATED_PERIOD: f64 = 1e-3;
+
+/// A step of at least this many periods is a gap.
+pub(crate) const GAP_PERIODS: f64 = 3.0;
+
+/// Steps that scatter by less than this fraction of the period are even.
+pub(crate) const EVEN_STEPS: f64 = 1e-3;
+
+/// A gap of more than this many times the recording's own length is not a gap but a broken clock.
+pub(crate) const LONGEST_GAP: f64 = 10.0;
+
+/// A recording has at least this many rows: a sample period and its scatter need two steps.
+pub(crate) const FEWEST_ROWS: usize = 3;

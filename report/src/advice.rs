@@ -11,7 +11,7 @@ pub fn advice_lines(all: &[Advice]) -> Vec<String> {
 }
 
 fn line(advice: &Advice) -> String {
-    let (name, unit) = (advice.requirement.figure.name(), advice.requirement.figure.unit());
+    let (name, unit) = (advice.name(), advice.unit());
     let Some(change) = &advice.change else {
         return format!("{name}: no single weight of the design moves it");
     };
@@ -58,7 +58,7 @@ pub fn advice_section(all: &[Advice]) -> Option<Section> {
     let mut table = Table::new("Sensitivities", &columns);
     for advice in all {
         for Sensitivity { key, per_factor_e: slope, .. } in &advice.sensitivities {
-            let name = advice.requirement.figure.name();
+            let name = advice.name();
             table.rows.push(vec![Cell::text(name), Cell::text(*key), Cell::number(*slope)]);
         }
     }

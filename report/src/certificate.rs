@@ -1,5 +1,6 @@
 //! The stability certificate in words: what is proved, what is predicted, what the simulator shows.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -19,14 +20,16 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
             None => "stable: predicted in every regime, and quiet in the runs; not proved".to_owned(),
         },
         Stability::LimitCycle { amplitude_rad_s, frequency_hz } => format!(
-            "NOT quiet at rest: a limit cycle of {} mrad/s at {} Hz",
+            "NOT quiet at rest: a limit cycle of {} {} at {} Hz",
             short_number(1e3 * amplitude_rad_s),
+            case.rate.milli_unit(),
             short_number(frequency_hz)
         ),
         Stability::Unstable => "NOT stable: the motion grows".to_owned(),
         Stability::NotPredicted => format!(
-            "not predicted: the runs show neither rest nor a limit cycle; at rest the hub moves {} mrad/s RMS",
-            short_number(1e3 * case.rest.rms_rad_s)
+            "not predicted: the runs show neither rest nor a limit cycle; at rest the hub moves {} {} RMS",
+            short_number(1e3 * case.rest.rms_rad_s),
+            case.rate.milli_unit()
         ),
     }
 }
@@ -103,12 +106,15 @@ pub fn certificate_lines(found: &Certificate) -> Vec<String> {
             "not predicted reliably, because the loop is no low-pass there"
         };
         format!(
-            "limit cycle of {} mrad/s at {} Hz: {trust}",
+            "limit cycle of {} {} at {} Hz: {trust}",
             short_number(1e3 * cycle.rate_rad_s),
+            worst.rate.milli_unit(),
             short_number(cycle.frequency_hz)
         )
     }));
-    lines.extend(worst.orbits.iter().filter(|orbit| orbit.rms_rad_s > 0.0).map(orbit_words));
+    lines.extend(
+        worst.orbits.iter().filter(|orbit| orbit.rms_rad_s > 0.0).map(|orbit| orbit_words(orbit, worst.rate)),
+    );
     let others = found.cases.iter().filter(|case| case.name != worst.name);
     lines.extend(others.map(|case| format!("{}: {}", case.name, describe_verdict(case))));
     lines
@@ -130,15 +136,16 @@ fn loop_words(at: &RegimeLoop) -> String {
     )
 }
 
-fn orbit_words(orbit: &Orbit) -> String {
+fn orbit_words(orbit: &Orbit, motion: ControlledQuantity) -> String {
+    let unit = motion.milli_unit();
     if orbit.rms_rad_s.is_infinite() {
         return format!(
-            "simulated from {} mrad/s: the motion diverges",
+            "simulated from {} {unit}: the motion diverges",
             short_number(1e3 * orbit.start_rad_s)
         );
     }
     format!(
-        "simulated from {} mrad/s at {} Hz: {} mrad/s at {} Hz stays",
+        "simulated from {} {unit} at {} Hz: {} {unit} at {} Hz stays",
         short_number(1e3 * orbit.start_rad_s),
         short_number(orbit.start_hz),
         short_number(1e3 * orbit.amplitude_rad_s),
@@ -227,7 +234,7 @@ fn growth(case: &CaseCertificate) -> Figure {
     let panel = Panel::new(Axis::linear("growth of an oscillation", "1/s"), series).with_marks(marks);
     Figure::new(
         "Growth over the amplitude",
-        Axis::logarithmic("amplitude of the hub rate", "mrad/s"),
+        Axis::logarithmic(&format!("amplitude of the {}", case.rate.name()), case.rate.milli_unit()),
         vec![panel],
     )
 }

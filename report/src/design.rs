@@ -1,5 +1,6 @@
 //! The report of a whole design: the verification's, then the plant that was designed for, the weights and the certificates.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
@@ -13,6 +14,7 @@ use crate::evidence::PLANT;
 use crate::page::Origin;
 use crate::targets::{self, TargetEvidence};
 use crate::verification::{Context, of_verification};
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, alternatives};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
@@ -42,7 +44,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     let stages = &designed.stages;
     let mut more = vec![
         crate::certificate::certificate_section(&stages.stability, &[]),
-        reduction_section(&designed.views.plants, &stages.reduced),
+        reduction_section(&designed.views.plants, &stages.reduced, stages.synthesised.controlled),
         weight_section(&designed.weights, &designed.views.weights),
         certificate_section(&designed.certificates, &result.synth),
     ];
@@ -50,7 +52,9 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     more.extend(alternatives::alternatives_sections(&designed.comparison, &designed.views.families));
     more.push(order_section(result));
     more.push(crate::check::assumptions_section(run.assumptions, run.effects));
-    let evidence = TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs };
+    let controlled = stages.synthesised.controlled;
+    let evidence =
+        TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs, controlled };
     more.push(targets::targets_section(&evidence));
     if !stages.left_out.is_empty() {
         let lines = stages.left_out.iter().map(ToString::to_string);
@@ -97,13 +101,14 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origi
     report.reproduced_by(&origin.command)
 }
 
-fn reduction_section(plants: &[PlantResponse], reduced: &Reduced) -> Section {
+fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: ControlledQuantity) -> Section {
+    let hub = capitalise_first(controlled.motion().name());
     let figure = |plant: &PlantResponse| {
         let curves = [
             response_curve(&plant.full, Colour::Muted),
             response_curve(&plant.reduced, Colour::First).dashed(),
         ];
-        bode_figure(&format!("Hub rate for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
+        bode_figure(&format!("{hub} for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
     };
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))

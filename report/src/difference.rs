@@ -79,7 +79,7 @@ pub fn classify_change(change: &Change) -> (Tone, &'static str) {
 /// degrees.
 pub fn describe_size(change: &Change) -> String {
     let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
-    match change.figure.unit() {
+    match change.unit() {
         unit @ ("dB" | "deg" | "%") if (after - before).abs() < 0.005 => format!("under 0.01 {unit}"),
         unit @ ("dB" | "deg" | "%") => format!("{:+.2} {unit}", after - before),
         _ if change.relative().is_some_and(|part| part.abs() < 5e-4) => "under 0.1 %".to_owned(),
@@ -90,9 +90,8 @@ pub fn describe_size(change: &Change) -> String {
 fn row(change: &Change) -> Vec<Cell> {
     let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
     let (tone, word) = classify_change(change);
-    let unit = change.figure.unit();
-    let name =
-        if unit.is_empty() { change.figure.name() } else { format!("{} [{unit}]", change.figure.name()) };
+    let unit = change.unit();
+    let name = if unit.is_empty() { change.name() } else { format!("{} [{unit}]", change.name()) };
     let requirement = if word.is_empty() { Cell::text("") } else { Cell::Verdict(tone, word.to_owned()) };
     vec![
         Cell::text(name),
@@ -114,7 +113,8 @@ mod tests {
     fn change(before: f64, after: f64, verdicts: [bool; 2]) -> Change {
         let figure = Figure::from_key("gain_margin_db").unwrap();
         let [held, holds] = verdicts.map(Some);
-        Change { figure, before: Some(before), after: Some(after), held, holds }
+        let controlled = counterpoise_models::ControlledQuantity::RATE;
+        Change { figure, controlled, before: Some(before), after: Some(after), held, holds }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The evidence of a verification as sections with figures and tables.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
@@ -139,10 +140,11 @@ fn margin_table(found: &Verification) -> Table {
 fn step_section(found: &Verification) -> Section {
     let control =
         step_column(found, ("Control during the step", "control", "V"), |history| &history.control_v);
-    let tip = step_column(found, ("Tip rate during the step", "tip rate", "rad/s"), |history| {
-        &history.tip_rate_rad_s
-    });
-    Section::new("Step of the demanded hub rate")
+    let controlled = found.controlled();
+    let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
+    let title = format!("{} during the step", capitalise_first(&name));
+    let tip = step_column(found, (&title, &name, unit), |history| &history.tip_rate_rad_s);
+    Section::new(&format!("Step of the demanded {}", controlled.name()))
         .showing(step_figure(found, 220.0))
         .showing(control)
         .showing(tip)
@@ -163,7 +165,7 @@ fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
     time_s.iter().copied().zip(column.iter().copied()).collect()
 }
 
-/// Returns the hub rate after a step, on both plants.
+/// Returns what the loop controls after a step, on both plants.
 pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
@@ -173,7 +175,7 @@ pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
         .collect();
     let first = steps(found).next()?.0;
     series.push(Series::dotted("demand", Colour::Third, paired(&first.time_s, &first.demand_rad_s)));
-    let panel = Panel::new(Axis::linear("hub rate", "rad/s"), series).with_height(height);
+    let panel = Panel::new(controlled_axis(found), series).with_height(height);
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
 
@@ -203,7 +205,7 @@ fn disturbance_section(found: &Verification) -> Section {
     section
 }
 
-/// Returns the hub rate while the platform moves, in the three arrangements; the second panel leaves out the one without
+/// Returns what the loop controls while the platform moves, in the three arrangements; the second panel leaves out the one without
 /// control, whose size would hide the others.
 pub fn disturbance_figure(found: &Verification, model: Model, source: Source, height: f64) -> Option<Figure> {
     let run = |arrangement| found.history(model, Experiment::Disturbance(source, arrangement));
@@ -220,11 +222,11 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
     let name = SOURCES.iter().find(|row| row.0 == source).map_or("", |row| row.1);
     let plant = MODELS.iter().find(|row| row.0 == model).map_or("", |row| row.1);
     let panels = vec![
-        Panel::new(Axis::linear("hub rate", "rad/s"), series).with_height(height),
-        Panel::new(Axis::linear("hub rate", "rad/s"), controlled).with_height(height),
+        Panel::new(controlled_axis(found), series).with_height(height),
+        Panel::new(controlled_axis(found), controlled).with_height(height),
     ];
     let caption = "The lower panel shows the controlled loops alone.";
-    let title = format!("Hub rate under {name}, {plant}");
+    let title = format!("{} under {name}, {plant}", capitalise_first(found.controlled().name()));
     Some(Figure::new(&title, Axis::linear("time", "s"), panels).with_caption(caption))
 }
 
@@ -239,11 +241,18 @@ fn rejection_section(found: &Verification) -> Section {
         bode_figure(title, unit, &curves, Phase::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
+    let (name, unit) = (found.controlled().name(), found.controlled().unit());
+    let over_pitch = over_pitch_rate(found);
     Section::new("Disturbance rejection ratio")
-        .saying("Hub rate over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.")
+        .saying(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
         .showing([
-            figure(Source::Pitch, "DRR: hub rate over pitch rate", "", unity),
-            figure(Source::Heave, "DRR: hub rate over heave", "rad/s per m/s\u{B2}", Vec::new()),
+            figure(Source::Pitch, &format!("DRR: {name} over pitch rate"), &over_pitch, unity),
+            figure(
+                Source::Heave,
+                &format!("DRR: {name} over heave"),
+                &format!("{unit} per m/s\u{B2}"),
+                Vec::new(),
+            ),
         ])
 }
 
@@ -262,7 +271,12 @@ fn rejection_curve(
 }
 
 fn controller_section(found: &Verification) -> Section {
-    let units = ["V s/rad", "V s\u{B2}/m", "V s/rad"];
+    let controlled = found.controlled();
+    let of_error = match controlled == ControlledQuantity::RATE {
+        true => "V s/rad".to_owned(),
+        false => format!("V per {}", controlled.unit()),
+    };
+    let units = [of_error.as_str(), "V s\u{B2}/m", "V s/rad"];
     let curves = &found.evidence.curves;
     let present = curves
         .controller
@@ -285,14 +299,29 @@ fn controller_section(found: &Verification) -> Section {
 }
 
 fn plant_section(found: &Verification) -> Section {
-    let units = ["rad/s per V", "rad/s per m/s\u{B2}", ""];
+    let unit = found.controlled().unit();
+    let units = [format!("{unit} per V"), format!("{unit} per m/s\u{B2}"), over_pitch_rate(found)];
+    let hub = capitalise_first(found.controlled().name());
     let curves = &found.evidence.curves;
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
-        let title = format!("Hub rate for {}", curve.name);
-        bode_figure(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
+        let title = format!("{hub} for {}", curve.name);
+        bode_figure(&title, &unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
     });
     Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
+}
+
+/// Returns the axis of what the loop controls.
+fn controlled_axis(found: &Verification) -> Axis {
+    Axis::linear(found.controlled().name(), found.controlled().unit())
+}
+
+/// Returns the unit of what the loop controls over the platform's pitch rate; empty for a rate over a rate.
+fn over_pitch_rate(found: &Verification) -> String {
+    match found.controlled().unit() {
+        "rad/s" => String::new(),
+        unit => format!("{unit} per rad/s"),
+    }
 }
 
 /// Returns every figure with its key: what a requirement can name.
@@ -306,8 +335,11 @@ pub fn figure_section(found: &Verification) -> Section {
             Value::Is(number) => Cell::number(*number),
             Value::Absent { why } => Cell::text(why.clone()),
         };
-        let (name, key) = (Cell::text(measured.figure.name()), Cell::text(measured.figure.key()));
-        table.rows.push(vec![name, value, Cell::text(measured.figure.unit()), key]);
+        let (name, key) = (
+            Cell::text(measured.figure.name(found.controlled())),
+            Cell::text(measured.figure.key_in(found.controlled())),
+        );
+        table.rows.push(vec![name, value, Cell::text(measured.figure.unit(found.controlled())), key]);
     }
     Section::new("All figures").listing(table)
 }

@@ -1,6 +1,7 @@
 //! The loop as Nichols chart, Nyquist chart and root locus, and the responses of the closed loop beside its sensitivities.
 
 use counterpoise_controller::READING_NAMES;
+use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::loop_view::{LocusView, LoopView, MarginPoint, Points};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -137,7 +138,7 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
             .map(|(response, colour)| {
                 let points =
                     curves.frequency_hz.iter().zip(&response.response).map(|(f, h)| (*f, h.re, h.im));
-                BodeCurve::new(&cause_name(response.cause), colour, points.collect())
+                BodeCurve::new(&cause_name(response.cause, found.controlled()), colour, points.collect())
             })
             .collect();
         (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, Phase::Hidden, Vec::new()))
@@ -151,7 +152,7 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
         chart("Hub for the demand", "", &of(LoopCause::Demand, LoopEffect::Hub)),
         chart(
             "Hub for a disturbance of the control",
-            "rad/s per V",
+            &format!("{} per V", found.controlled().unit()),
             &of(LoopCause::Control, LoopEffect::Hub),
         ),
         chart("Control for the demand and for noise of the sensors", "V per unit", &drives),
@@ -159,12 +160,15 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
     all.into_iter().flatten().collect()
 }
 
-fn cause_name(cause: LoopCause) -> String {
+fn cause_name(cause: LoopCause, controlled: ControlledQuantity) -> String {
     match cause {
         LoopCause::Demand => "demand".to_owned(),
         LoopCause::Control => "disturbance of the control".to_owned(),
         LoopCause::Noise(reading) => {
-            format!("noise in {}", READING_NAMES.get(reading).copied().unwrap_or("a reading"))
+            format!(
+                "noise in {}",
+                controlled.named_signal(READING_NAMES.get(reading).copied().unwrap_or("a reading"))
+            )
         }
     }
 }

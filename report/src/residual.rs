@@ -1,6 +1,7 @@
 //! What a diagnosis left unexplained, in pictures: loops of control against rate, spectra of the residuals, responses, correlations.
 
 use counterpoise_diagnose::fitting::residual_tests::ResidualTest;
+use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_pipeline::recordings::residuals::{
     ControlResponse, ResidualSpectra, ResidualStudy, TestedResidual,
 };
@@ -19,15 +20,29 @@ const COHERENT: f64 = 0.5;
 /// Returns every section on what the models leave unexplained.
 pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
     let mut out = Vec::new();
+    let reading = tracks.iter().find(|t| t.channel == "hub_rate");
+    let controlled = reading.map_or(ControlledQuantity::RATE, |track| track.controlled());
     let loops: Vec<Figure> =
         recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
     if !loops.is_empty() {
-        out.push(Section::new("Control against rate").saying(LOOPS).showing(loops));
+        let section = match controlled.kind {
+            QuantityKind::Rate => Section::new("Control against rate").saying(LOOPS),
+            _ => Section::new(&format!("Control against {}", controlled.short_name())),
+        };
+        out.push(section.showing(loops));
     }
-    let responses: Vec<Figure> = study.responses.iter().filter_map(response).take(DRAWN).collect();
+    let responses: Vec<Figure> =
+        study.responses.iter().filter_map(|found| response(found, controlled)).take(DRAWN).collect();
     if !responses.is_empty() {
+        let (name, short) = (controlled.name(), controlled.short_name());
+        let (of_hub, of_reading) = match controlled.kind {
+            QuantityKind::Rate => ("the hub's rate".to_owned(), "measured rate".to_owned()),
+            _ => (format!("the {name}"), format!("measured {short}")),
+        };
         out.push(
-            Section::new("Frequency response, measured and simulated").saying(RESPONSES).showing(responses),
+            Section::new("Frequency response, measured and simulated")
+                .saying(RESPONSES.replace("the hub's rate", &of_hub).replace("measured rate", &of_reading))
+                .showing(responses),
         );
     }
     if !study.spectra.is_empty() {
@@ -69,11 +84,12 @@ fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
         Series::solid(name, *colour, pairs.step_by(step))
     });
     let panel = Panel::new(Axis::linear("control", control.unit), series.collect()).with_height(300.0);
-    let title = format!("{recording}: control against hub rate");
-    Some(Figure::new(&title, Axis::linear("hub rate", rate.unit), vec![panel]))
+    let name = rate.controlled().name();
+    let title = format!("{recording}: control against {name}");
+    Some(Figure::new(&title, Axis::linear(name, rate.unit), vec![panel]))
 }
 
-fn response(found: &ControlResponse) -> Option<Figure> {
+fn response(found: &ControlResponse, controlled: ControlledQuantity) -> Option<Figure> {
     let measured = &found.measured;
     let drawn = |k: &usize| measured.coherence[*k] > COHERENT && measured.frequency_hz[*k] > 0.0;
     let indices: Vec<usize> = (1..measured.frequency_hz.len()).filter(drawn).collect();
@@ -93,10 +109,11 @@ fn response(found: &ControlResponse) -> Option<Figure> {
         phases.push(line(name, *colour, &phase, spectra));
     }
     let panels = vec![
-        Panel::new(Axis::linear("gain", "dB re rad/s per V"), gains).with_height(200.0),
+        Panel::new(Axis::linear("gain", &format!("dB re {} per V", controlled.unit())), gains)
+            .with_height(200.0),
         Panel::new(Axis::linear("phase", "deg").over(-180.0, 180.0), phases).with_height(120.0),
     ];
-    let title = format!("{}: control to hub rate", found.recording);
+    let title = format!("{}: control to {}", found.recording, controlled.name());
     Some(Figure::new(&title, Axis::logarithmic("frequency", "Hz"), panels))
 }
 

@@ -1,5 +1,6 @@
 //! The rejection ratio from time histories, as a section.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::spectral::{CONFIDENCE, Spectral};
 use counterpoise_verify::{Arrangement, Source};
 
@@ -11,10 +12,12 @@ const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
 /// Returns the hub rate over pitch and over heave on the road, with confidence and coherence; nothing without
 /// a road.
-pub fn spectra_section(all: &[Spectral]) -> Option<Section> {
+pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
+    let (name, unit) = (controlled.name(), controlled.unit());
+    let over_pitch = format!("dB of {unit} per rad/s");
     let of = |source| all.iter().filter(move |one| one.source == source).collect::<Vec<_>>();
     let text = format!(
         "Read from the time histories on the road, nonlinear plant, by averaged spectra; the band is the {:.0} % confidence interval. \
@@ -22,10 +25,14 @@ pub fn spectra_section(all: &[Spectral]) -> Option<Section> {
         100.0 * CONFIDENCE
     );
     Some(Section::new("Disturbance rejection from the road").saying(text).showing([
-        figure("DRR on the road: |Pxy / Pxx|, pitch rate to hub rate", "dB", &of(Source::Pitch)),
         figure(
-            "DRR on the road: |Pxy / Pxx|, heave to hub rate",
-            "dB of rad/s per m/s\u{B2}",
+            &format!("DRR on the road: |Pxy / Pxx|, pitch rate to {name}"),
+            if unit == "rad/s" { "dB" } else { &over_pitch },
+            &of(Source::Pitch),
+        ),
+        figure(
+            &format!("DRR on the road: |Pxy / Pxx|, heave to {name}"),
+            &format!("dB of {unit} per m/s\u{B2}"),
             &of(Source::Heave),
         ),
     ]))

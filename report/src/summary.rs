@@ -37,10 +37,10 @@ pub fn summarise_verdicts(found: &Verification) -> Headline {
 
 fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Option<String> {
     let Verdict::Fails { value, limit, .. } = verdict else { return None };
-    let unit = requirement.figure.unit();
+    let unit = requirement.figure.unit(found.controlled());
     Some(format!(
         "{}: {} {unit} where {} {unit} is asked ({}).",
-        capitalise_first(&requirement.figure.name()),
+        capitalise_first(&requirement.figure.name(found.controlled())),
         short_number(*value),
         words_of(*limit),
         found.acceptance(&requirement.figure).basis
@@ -83,11 +83,11 @@ pub fn verdict_table(found: &Verification) -> Table {
 }
 
 fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
-    let unit = requirement.figure.unit();
+    let unit = requirement.figure.unit(found.controlled());
     let name = if unit.is_empty() {
-        requirement.figure.name()
+        requirement.figure.name(found.controlled())
     } else {
-        format!("{} [{unit}]", requirement.figure.name())
+        format!("{} [{unit}]", requirement.figure.name(found.controlled()))
     };
     let part = |room: f64| room / requirement.limit.value().abs().max(f64::MIN_POSITIVE);
     let (measured, room, verdict) = match verdict {
@@ -123,7 +123,7 @@ pub fn traceability_section(found: &Verification) -> Option<Section> {
         let acceptance = found.acceptance(figure);
         let source = if requirement.source.is_empty() { "not stated" } else { requirement.source.as_str() };
         vec![
-            Cell::text(format!("{}, {}", figure.name(), sign_of(requirement.limit))),
+            Cell::text(format!("{}, {}", figure.name(found.controlled()), sign_of(requirement.limit))),
             Cell::text(source),
             Cell::text(acceptance.judged_by),
             Cell::text(acceptance.test),
@@ -139,6 +139,7 @@ pub fn summary_tiles(found: &Verification) -> Vec<Tile> {
     let model = nonlinear_if_run(found);
     let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
     let drr = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
+    let on_road = format!("{} on the road", found.controlled().name());
     let wanted = [
         ("gain margin, linear", Figure::Loop(LoopFigure::GainMargin)),
         ("phase margin, linear", Figure::Loop(LoopFigure::PhaseMargin)),
@@ -146,7 +147,7 @@ pub fn summary_tiles(found: &Verification) -> Vec<Tile> {
         ("step overshoot", Figure::Step(model, StepFigure::Overshoot)),
         ("DRR pitch", drr(Source::Pitch)),
         ("DRR heave", drr(Source::Heave)),
-        ("hub rate on the road", hub(Source::Road)),
+        (on_road.as_str(), hub(Source::Road)),
     ];
     wanted.into_iter().filter_map(|(label, figure)| tile(found, label, figure)).collect()
 }
@@ -160,7 +161,9 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
     let value = found.value(figure)?;
     let judged = found.verdicts.iter().find(|(requirement, _)| requirement.figure == figure);
     let tone = judged.map_or(Tone::Neutral, |(_, verdict)| tone_of(verdict));
-    let (scale, unit) = if figure.unit() == "rad/s" { (1e3, "mrad/s") } else { (1.0, figure.unit()) };
+    let controlled = found.controlled();
+    let unit = figure.unit(controlled);
+    let (scale, unit) = if unit == controlled.unit() { (1e3, controlled.milli_unit()) } else { (1.0, unit) };
     let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
     let value = scale * value;
     let kind_of = match figure {
@@ -194,6 +197,7 @@ fn rejection_note(found: &Verification, figure: Figure) -> Option<String> {
 /// Returns a sentence for each motion of the platform under which the feedforwards make the hub rate worse.
 pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
     let mut lines = Vec::new();
+    let (controlled, unit) = (found.controlled().name(), found.controlled().milli_unit());
     for model in [Model::Nonlinear, Model::Linear] {
         for (source, name) in [
             (Source::Heave, "heave"),
@@ -209,7 +213,7 @@ pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
             };
             let plant = if model == Model::Nonlinear { "nonlinear" } else { "linear" };
             lines.push(format!(
-                "On the {plant} plant the feedforwards make the residual hub rate under {name} worse: {} mrad/s RMS with them, {} without",
+                "On the {plant} plant the feedforwards make the residual {controlled} under {name} worse: {} {unit} RMS with them, {} without",
                 short_number(1e3 * with),
                 short_number(1e3 * without)
             ));

@@ -125,7 +125,7 @@ pub struct WorstCase {
 /// Returns every requirement of a campaign as plain data.
 pub fn sweep_figures(found: &CampaignResult) -> Vec<SweepFigure> {
     let row = |(k, over): (usize, &Summary)| SweepFigure {
-        figure: found.requirements[k].figure.key(),
+        figure: found.requirements[k].figure.key_in(found.controlled),
         share: over.share,
         interval: over.interval,
         q05: over.q05,
@@ -207,7 +207,8 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
 
 fn name(found: &CampaignResult, requirement: usize) -> String {
     let figure = found.requirements[requirement].figure;
-    if figure.unit().is_empty() { figure.name() } else { format!("{} [{}]", figure.name(), figure.unit()) }
+    let (name, unit) = (figure.name(found.controlled), figure.unit(found.controlled));
+    if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }
 
 fn shares(found: &CampaignResult) -> Table {
@@ -246,6 +247,7 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let all = found.samples().max(1) as f64;
     let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all));
     let figure = found.requirements[requirement].figure;
+    let name = figure.name(found.controlled);
     let limit = found.requirements[requirement].limit.value();
     let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short_number(limit)) }];
     let panel = Panel::new(
@@ -256,9 +258,9 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let span = high.max(limit) - low.min(limit);
     let span = if span > 0.0 { span } else { limit.abs().max(1.0) };
     let room = 0.03 * span;
-    let axis =
-        Axis::linear(&figure.name(), figure.unit()).over(low.min(limit) - room, high.max(limit) + room);
-    Figure::new(&figure.name(), axis, vec![panel.with_marks(marks).with_height(150.0)])
+    let axis = Axis::linear(&name, figure.unit(found.controlled))
+        .over(low.min(limit) - room, high.max(limit) + room);
+    Figure::new(&name, axis, vec![panel.with_marks(marks).with_height(150.0)])
 }
 
 /// Returns the rank correlation that chance alone exceeds in about one case of twenty.
@@ -303,7 +305,7 @@ fn member_summary(found: &CampaignResult) -> Table {
         let failed: Vec<String> = judged
             .iter()
             .filter(|(_, (_, room))| *room < 0.0)
-            .map(|(requirement, (value, _))| failure(requirement, *value))
+            .map(|(requirement, (value, _))| failure(found, requirement, *value))
             .collect();
         let verdict = match failed.len() {
             0 => Cell::Verdict(Tone::Good, format!("all {all} hold")),
@@ -314,10 +316,10 @@ fn member_summary(found: &CampaignResult) -> Table {
     table
 }
 
-fn failure(requirement: &Requirement, value: f64) -> String {
+fn failure(found: &CampaignResult, requirement: &Requirement, value: f64) -> String {
     let figure = requirement.figure;
-    let value = format!("{} {}", short_number(value), figure.unit());
-    format!("{}: {} ({})", figure.name(), value.trim_end(), bound(requirement.limit))
+    let value = format!("{} {}", short_number(value), figure.unit(found.controlled));
+    format!("{}: {} ({})", figure.name(found.controlled), value.trim_end(), bound(requirement.limit))
 }
 
 /// Returns a limit with its sign.

@@ -2,11 +2,13 @@
 
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{FormFigures, Numbers, TargetFigures, Targets};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::design::TargetStudy;
 use counterpoise_pipeline::export::PathForms;
 use counterpoise_pipeline::export::target_proofs::{Answered, CoreCost, Costs, Operations, Proof};
 use counterpoise_verify::{Experiment, Source};
 
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
 
 /// What the section shows.
@@ -18,6 +20,8 @@ pub struct TargetEvidence<'a> {
     pub proofs: &'a [Proof],
     /// Instructions and memory.
     pub costs: &'a Costs,
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
 }
 
 /// Returns the section of a report that sets the targets side by side.
@@ -64,7 +68,7 @@ fn work(operations: Operations) -> String {
 fn loops(evidence: &TargetEvidence<'_>) -> Table {
     let mut columns = vec![Column::Text("experiment")];
     for (figures, proof) in codes(evidence) {
-        columns.push(Column::Number(code_unit(proof)));
+        columns.push(Column::Number(code_unit(proof, evidence.controlled)));
         if !proof.rust && figures.numbers != Numbers::Double {
             columns.push(Column::Number(if figures.numbers == Numbers::Single {
                 "single costs [dB]"
@@ -73,8 +77,7 @@ fn loops(evidence: &TargetEvidence<'_>) -> Table {
             }));
         }
     }
-    let mut table =
-        Table::new("Hub rate error RMS of the closed loop with the exported code, nonlinear plant", &columns);
+    let mut table = Table::new(&caption(evidence.controlled), &columns);
     let experiments = evidence.study.compared.figures.first().map_or(0, |figures| figures.experiments.len());
     table.rows = (0..experiments).map(|i| loop_row(evidence, i)).collect();
     table
@@ -96,7 +99,20 @@ fn code_name(proof: &Proof) -> &'static str {
     }
 }
 
-fn code_unit(proof: &Proof) -> &'static str {
+/// Returns the caption of the table of errors; it has the unit where the columns' heads do not.
+fn caption(controlled: ControlledQuantity) -> String {
+    let unit = match controlled == ControlledQuantity::RATE {
+        true => String::new(),
+        false => format!(" [{}]", controlled.unit()),
+    };
+    let name = capitalise_first(controlled.name());
+    format!("{name} error RMS{unit} of the closed loop with the exported code, nonlinear plant")
+}
+
+fn code_unit(proof: &Proof, controlled: ControlledQuantity) -> &'static str {
+    if controlled != ControlledQuantity::RATE {
+        return code_name(proof);
+    }
     match (proof.rust, proof.numbers) {
         (false, Numbers::Double) => "C double [rad/s]",
         (false, Numbers::Single) => "C single [rad/s]",

@@ -1,5 +1,6 @@
 //! A triangle of the demand, as a section.
 
+use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_verify::{Experiment, History, Model, Verification};
 
 use crate::Section;
@@ -17,8 +18,10 @@ pub fn triangle_section(found: &Verification) -> Option<Section> {
     let first = runs.first()?.history;
     let text = "With a triangle, control against hub rate shows the out-of-balance as an offset, Coulomb friction as a step at zero rate, \
                 viscous friction as the slope of the lobes and inertia as the width of the loop.";
-    let section = Section::new("Triangle of the demanded hub rate").saying(text);
-    Some(section.showing([over_time(&runs, first), loops(&runs)]))
+    let controlled = found.controlled();
+    let section = Section::new(&format!("Triangle of the demanded {}", controlled.name()));
+    let section = if controlled.kind == QuantityKind::Rate { section.saying(text) } else { section };
+    Some(section.showing([over_time(&runs, first, controlled), loops(&runs, controlled)]))
 }
 
 /// A plant's history and how it is drawn.
@@ -43,7 +46,7 @@ fn run<'a>(
     Some(Run { history, name, colour: *colour, dash: *dash })
 }
 
-fn over_time(runs: &[Run<'_>], first: &History) -> Figure {
+fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) -> Figure {
     let of = |column: &dyn Fn(&History, usize) -> f64| -> Vec<Series> {
         let points = |history: &History| -> Vec<(f64, f64)> {
             (0..history.time_s.len()).map(|k| (history.time_s[k], column(history, k))).collect()
@@ -55,15 +58,15 @@ fn over_time(runs: &[Run<'_>], first: &History) -> Figure {
     rates.push(Series::dotted("demand", Colour::Third, demand));
     let errors = of(&|history, k| 1e3 * (history.demand_rad_s[k] - history.hub_rate_rad_s[k]));
     let panels = vec![
-        Panel::new(Axis::linear("hub rate", "rad/s"), rates).with_height(150.0),
-        Panel::new(Axis::linear("error", "mrad/s"), errors).with_height(130.0),
+        Panel::new(Axis::linear(controlled.name(), controlled.unit()), rates).with_height(150.0),
+        Panel::new(Axis::linear("error", controlled.milli_unit()), errors).with_height(130.0),
         Panel::new(Axis::linear("control", "V"), of(&|history, k| history.control_v[k])).with_height(130.0),
     ];
     Figure::new("Triangle of the demand", Axis::linear("time", "s"), panels)
 }
 
 /// Control against rate over the second half; few enough points that none is left out in drawing.
-fn loops(runs: &[Run<'_>]) -> Figure {
+fn loops(runs: &[Run<'_>], controlled: ControlledQuantity) -> Figure {
     let one = |run: &Run<'_>| {
         let history = run.history;
         let half = history.time_s.len() / 2;
@@ -72,5 +75,6 @@ fn loops(runs: &[Run<'_>]) -> Figure {
         run.series(samples.map(|k| (1e3 * history.hub_rate_rad_s[k], history.control_v[k])).collect())
     };
     let panel = Panel::new(Axis::linear("control", "V"), runs.iter().map(one).collect()).with_height(300.0);
-    Figure::new("Control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
+    let title = format!("Control against {}", controlled.name());
+    Figure::new(&title, Axis::linear(controlled.name(), controlled.milli_unit()), vec![panel])
 }

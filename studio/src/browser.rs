@@ -8,7 +8,8 @@ use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use counterpoise_host::files::PROJECT_FILE;
 
 use crate::command::{BrowsePurpose, Command};
-use crate::jobs::folder_listing::{FolderItem, FolderListing, ItemKind, ListingRequest};
+use crate::jobs::folder_listing::{FolderListing, ListingRequest};
+use counterpoise_host::folders::{FolderItem, ItemKind};
 
 /// A path that is typed or clicked together.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use egui::{Key, RichText, Ui};
 
 use crate::command::{Command, CommandEntry, list_commands};
-use crate::editing::recent_files::RecentList;
 use crate::studio::Studio;
 use crate::theme::space;
+use counterpoise_host::recent_files::RecentList;
 
 /// Returns the commands and recent projects that contain every typed word.
 pub fn matching_entries(typed: &str, recent: &[PathBuf]) -> Vec<CommandEntry> {

@@ -4,6 +4,8 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use counterpoise_host::files::create_log;
+
 use crate::studio::Studio;
 
 /// The time that one redrawn design took, ms.
@@ -21,7 +23,7 @@ pub struct FrameTiming {
 
 /// A log of frames.
 pub struct FrameLog {
-    file: Option<std::fs::File>,
+    file: Option<Box<dyn Write>>,
     drawn: Option<u64>,
     changed: Instant,
 }
@@ -29,7 +31,7 @@ pub struct FrameLog {
 impl FrameLog {
     /// Starts a log in a file; without a path, or if the file cannot be made, nothing is written.
     pub fn new(path: Option<&Path>) -> Self {
-        let mut file = path.and_then(|path| std::fs::File::create(path).ok());
+        let mut file = path.and_then(|path| create_log(path).ok());
         if let Some(file) = &mut file {
             let _ = writeln!(file, "revision,pipeline_ms,change_to_drawn_ms,frame_ms");
         }

@@ -130,7 +130,8 @@ fn prepare(studio: &mut Studio, options: &Options) {
 
 fn read_script(path: &Path) -> Result<Vec<Command>, Error> {
     let error = |why: String| Error::Script { path: path.to_owned(), why };
-    let text = std::fs::read_to_string(path).map_err(|e| error(e.to_string()))?;
+    let bytes = files::read_file(path).map_err(|e| error(e.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|e| error(e.to_string()))?;
     let line = |(k, line): (usize, &str)| {
         serde_json::from_str(line).map_err(|e| error(format!("line {}: {e}", k + 1)))
     };

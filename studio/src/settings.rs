@@ -177,7 +177,7 @@ fn project_path(state: &Path, project: &Path) -> PathBuf {
 }
 
 fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
+    counterpoise_host::files::read_file(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
 }
 
 #[cfg(test)]

@@ -166,7 +166,7 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
     assert!(says(&bench, "plot: Share of mechanisms below a value"));
     let of = bench.state().results.measurements.campaign.as_ref().unwrap().value.as_ref().unwrap();
     let row = &of.rows[bench.state().view.requirement];
-    assert!(row.requirement.figure.name().contains("phase margin") && row.values.len() == 30);
+    assert!(row.requirement.figure.name(row.controlled).contains("phase margin") && row.values.len() == 30);
     assert!(row.values.is_sorted());
     let path = "synth.feedback.error.gain".to_owned();
     bench.state_mut().run(&Command::Set { path, value: 28.0, gesture: None });

@@ -41,7 +41,7 @@ fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
     let controller = controller.as_ref();
     let files = projects::read_recordings(&paths).unwrap();
     let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
-    let expected = replay(&project, &read, &loop_of(controller), ReplayLength::Automatic).unwrap();
+    let expected = replay(&project, &read, &loop_of(&project, controller), ReplayLength::Automatic).unwrap();
     let expected: Vec<_> = expected.iter().map(describe_replay).collect();
     let project = Arc::new(project);
     let ask = ReplayRequest { project, folder: folder.to_owned(), paths, improved: None };

@@ -175,3 +175,9 @@ pub(crate) const LEAST_RESPONSE: f64 = 1e-12;
 
 /// Step in the logarithms of the parameters by which the slopes of poles, and of designed feedbacks, are taken.
 pub(crate) const POLE_STEP: f64 = 1e-5;
+
+/// A limit that is exceeded by less than this share on the fine grid counts as kept.
+pub(crate) const BEST_LOOP_LIMIT_KEPT: f64 = 2e-3;
+
+/// Rounds in which the frequencies that the last answer violates join the program.
+pub(crate) const BEST_LOOP_ROUNDS: usize = 6;

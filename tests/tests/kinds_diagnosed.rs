@@ -15,7 +15,7 @@ use counterpoise_models::{AmplifierDynamics, Parameters, Plant, Ripple};
 use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::RecordedController;
+use counterpoise_simulate::replay::{Loop, RecordedController};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 
@@ -31,7 +31,7 @@ struct Kind {
     names: &'static [(C, E)],
 }
 
-const KINDS: [Kind; 12] = [
+const KINDS: [Kind; 14] = [
     Kind {
         name: "direct torque drive, gyroscope",
         file: "format = 2
@@ -194,6 +194,31 @@ const KINDS: [Kind; 12] = [
         conceals: |p| p.pivot_friction.law.set_or_add_coulomb_nm(0.5),
         names: &[(C::Pivot, E::Coulomb)],
     },
+    Kind {
+        name: "current loop on a voltage drive, a weaker motor",
+        file: "format = 2
+            plant.inertia = 1.42e-5
+            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
+            plant.drive = { kind = \"voltage\", limit = 24.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
+            plant.sensors.current = { noise = 1e-3 }
+            plant.interface = { sample_period = 2e-4, output_bits = 16 }",
+        // the back-EMF constant stays: the current alone shows what the rate makes of it
+        conceals: |p| p.motor.torque_constant_nm_a *= 0.8,
+        names: &[(C::Motor, E::TorqueConstant), (C::Motor, E::BackEmf), (C::Structure, E::Inertia), (C::Motor, E::Inertia)],
+    },
+    Kind {
+        name: "current loop on a voltage drive, friction at half",
+        file: "format = 2
+            plant.inertia = 1.42e-5
+            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
+            plant.drive = { kind = \"voltage\", limit = 24.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
+            plant.sensors.current = { noise = 1e-3 }
+            plant.interface = { sample_period = 2e-4, output_bits = 16 }",
+        conceals: |p| p.pivot_friction.law.scale_coulomb(0.5),
+        names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
+    },
 ];
 
 /// Kinds that run by default.
@@ -270,7 +295,7 @@ impl Machine {
     }
 
     fn diagnosed(&self, recordings: &[Recording]) -> Diagnosis {
-        let control = RecordedController::from(self.controller.clone());
+        let control = Loop::under(&self.base, RecordedController::from(self.controller.clone()));
         counterpoise_diagnose::diagnose(&self.base, control, recordings, &Serial).unwrap()
     }
 }

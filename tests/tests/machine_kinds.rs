@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use counterpoise_controller::Controller;
-use counterpoise_models::Plant;
+use counterpoise_models::{ControlledQuantity, Plant};
+use counterpoise_pipeline::exchange::verified_loop;
+use counterpoise_pipeline::results::{SynthResult, VerifyResult};
 use counterpoise_pipeline::{
     PipelineError, Synthesised, World, export, model, reduce, synthesise, verify, with_chosen_weights,
 };
@@ -13,6 +15,7 @@ use counterpoise_project::resolve::design::Language;
 use counterpoise_project::starters::Kind;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
+use counterpoise_report::{Context, html_page, of_verification};
 use counterpoise_simulate::replay::{ChannelFit, Loop, RecordedController, Replayer};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
@@ -342,23 +345,19 @@ fn record(project: &Project, plant: &Plant, controller: &Controller) -> Recordin
 /// Ratio of residual to noise floor up to which a replay is that of the machine itself.
 const REPLAYED: f64 = 1.5;
 
-/// Loops whose sensor shows no motion: the start of a recording is not found well enough from torque or current alone, and the replay leaves 16 and
-/// 2.3 noise floors. `docs/how-to/replay.md` says so.
-const START_NOT_SEEN: [&str; 2] =
-    ["series elastic joint with a torque sensor against a spring", "current loop of a motor on a voltage"];
-
 #[test]
-fn every_kind_that_measures_motion_replays_what_it_recorded_under_its_own_controller() {
+fn every_kind_replays_what_it_recorded_under_its_own_controller() {
     let mut wrong = Vec::new();
-    let replayed = |machine: &Machine| !START_NOT_SEEN.contains(&machine.name.as_str());
-    for machine in kinds().into_iter().filter(replayed) {
+    for machine in kinds() {
         let (project, made) = designed(&machine.project()).unwrap();
         let plant = recorded_plant(&project);
         let controller = made.sampled.controller;
         let recording = record(&project, &plant, &controller);
-        let control = Loop::from(RecordedController::from(controller));
-        let replay =
-            Replayer::new(plant.parameters(), &recording).and_then(|r| r.replay_plant(&plant, &control));
+        let control = Loop::under(plant.parameters(), RecordedController::from(controller));
+        let replay = Replayer::new(plant.parameters(), &recording).and_then(|r| match &control {
+            Loop::Open => r.replay_open(plant.parameters()),
+            Loop::Closed(_) => r.replay_plant(&plant, &control),
+        });
         let Ok(replay) = replay else {
             wrong.push(format!("{}: {:?}", machine.name, replay.err()));
             continue;
@@ -399,4 +398,43 @@ fn every_kind_is_exported_in_every_language() {
             assert!(is_rate || !named, "{}: {} has hub_rate_rad_s", machine.name, file.name);
         }
     }
+}
+
+/// What a loop of a rate in rad/s calls its figures and signals.
+const OF_A_RATE: [&str; 6] =
+    ["hub rate", "hub_rate_rad_s", "hub_rms_rad_s", "hub_peak_rad_s", "demand_rad_s", "[rad/s]</th>"];
+
+#[test]
+fn results_and_report_name_what_the_loop_controls() {
+    let mut wrong = Vec::new();
+    for machine in kinds() {
+        let (project, made) = designed(&machine.project()).unwrap();
+        let controlled = project.plant.controlled_quantity();
+        let modelled = model(&project).unwrap();
+        let verified = verify(&project, &modelled, &made, &Nowhere).unwrap();
+        let found = verified.verification();
+        let measured_on =
+            verified_loop(&modelled.plant, verified.controller(), &found.evidence.procedure).unwrap();
+        let results = [
+            serde_json::to_string(&VerifyResult::new(found, measured_on)).unwrap(),
+            serde_json::to_string(&SynthResult::from(&made)).unwrap(),
+            html_page(&of_verification(found, &[], Context::default())),
+        ];
+        let is_rate = controlled == ControlledQuantity::RATE;
+        for (kind, text) in ["verify", "synth", "report"].into_iter().zip(&results) {
+            assert!(text.len() > 10_000, "{}: {kind}", machine.name);
+            let named = OF_A_RATE.iter().filter(|word| text.contains(*word));
+            // rates of hub and tip are outputs of the plant in every loop that does not hold a position
+            let own = named.filter(|word| kind != "synth" || !word.starts_with("hub_rate"));
+            let own: Vec<_> = own.collect();
+            if !is_rate && !own.is_empty() {
+                wrong.push(format!("{}: {kind} has {own:?}", machine.name));
+            }
+            let name = if kind == "report" { controlled.name().to_owned() } else { controlled.signal() };
+            if !text.contains(&name) && kind != "synth" {
+                wrong.push(format!("{}: {kind} has no {name}", machine.name));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

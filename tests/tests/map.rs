@@ -75,6 +75,23 @@ fn nothing_below_host_touches_the_operating_system() {
     }
 }
 
+#[test]
+fn front_ends_reach_files_threads_and_programs_through_host() {
+    let forbidden = ["std::fs", "std::thread", "process::Command"];
+    for front_end in ["app", "studio"] {
+        let own = sources(front_end).into_iter();
+        // the page of the commands is written by a test
+        for (file, code) in own.filter(|(file, _)| !file.ends_with("commands_page.rs")) {
+            let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+            for line in lines {
+                for word in forbidden {
+                    assert!(!line.contains(word), "{}: {word} in: {line}", file.display());
+                }
+            }
+        }
+    }
+}
+
 /// Crates that compute. What a report imports from them must be a type or a constant, never a function or a module of functions.
 const COMPUTING: [&str; 12] = [
     "linalg",

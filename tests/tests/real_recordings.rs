@@ -38,7 +38,7 @@ fn relative_error(project: &Project, table: &Table, window_s: [f64; 2], channel:
     project.recording.windows_s = vec![window_s];
     let controller = recording_controller(&project).unwrap();
     let read = read_table(&project, controller.as_ref(), table).unwrap();
-    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let control = control_for(&project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let recording = &read[0].recording;
     let replayed = replay(&project.plant, recording, &control).unwrap();
     let fit = replayed.channels.iter().find(|c| c.channel.name() == channel).unwrap();

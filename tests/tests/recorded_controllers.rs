@@ -208,7 +208,7 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     let files = [RecordingFile { name: "triangle.parquet".to_owned(), bytes }];
     let controller = recording_controller(&project).unwrap();
     let read = recordings::read(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
-    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let control = control_for(&project, controller.as_ref(), read.iter().map(|item| &item.recording));
     assert!(matches!(control, Loop::Closed(_)));
     let replayed = recordings::replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
     let fits = &replayed[0].followed.replay.channels;

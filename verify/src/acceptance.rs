@@ -4,6 +4,8 @@
 //! platform, the same statistics. What a loop's margins are worth is measured with a network or frequency response analyser, as
 //! Skogestad and Postlethwaite (Multivariable Feedback Control, section 2.4) define them.
 
+use counterpoise_models::ControlledQuantity;
+
 use crate::signals::rms;
 use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, SightFigure, Source};
 
@@ -20,25 +22,43 @@ pub struct Acceptance {
 
 impl Acceptance {
     /// Returns how a figure of the procedure is judged.
-    pub fn of(figure: &Figure, procedure: &Procedure) -> Self {
+    pub fn of(figure: &Figure, procedure: &Procedure, controlled: ControlledQuantity) -> Self {
+        let of = Judged { procedure, controlled };
         Self {
-            basis: basis(figure, procedure),
-            judged_by: judged_by(figure, procedure),
-            test: acceptance_test(figure, procedure),
+            basis: basis(figure, &of),
+            judged_by: judged_by(figure, &of),
+            test: acceptance_test(figure, &of),
         }
     }
 }
 
+/// A procedure on a loop.
+struct Judged<'a> {
+    procedure: &'a Procedure,
+    controlled: ControlledQuantity,
+}
+
+impl Judged<'_> {
+    /// Returns the sensor of the loop.
+    fn sensor(&self) -> String {
+        if self.controlled == ControlledQuantity::RATE {
+            return "the hub gyroscope".to_owned();
+        }
+        format!("the sensor of the {}", self.controlled.name())
+    }
+}
+
 /// Returns whether a figure is linear, which holds at any amplitude, or at which amplitude it is nonlinear.
-fn basis(figure: &Figure, procedure: &Procedure) -> String {
+fn basis(figure: &Figure, of: &Judged<'_>) -> String {
+    let (procedure, unit) = (of.procedure, of.controlled.unit());
     let at = match figure {
         Figure::Loop(_) | Figure::Rejection { .. } => return "linear".to_owned(),
         Figure::Step(Model::Linear, _)
         | Figure::Triangle(Model::Linear, _)
         | Figure::Disturbance(Model::Linear, ..) => return "linear".to_owned(),
-        Figure::Step(..) => format!("at a step of {} rad/s", procedure.step.rate_rad_s),
+        Figure::Step(..) => format!("at a step of {} {unit}", procedure.step.rate_rad_s),
         Figure::Triangle(..) => match procedure.triangle {
-            Some(triangle) => format!("at a triangle of {} rad/s", triangle.rate_rad_s),
+            Some(triangle) => format!("at a triangle of {} {unit}", triangle.rate_rad_s),
             None => "at a triangle".to_owned(),
         },
         Figure::Disturbance(_, source, ..) => format!("at {}", size(*source, procedure)),
@@ -67,7 +87,8 @@ fn size(source: Source, procedure: &Procedure) -> String {
 }
 
 /// Returns the run of the verification that gives a figure, in words.
-fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
+fn judged_by(figure: &Figure, of: &Judged<'_>) -> String {
+    let procedure = of.procedure;
     let on = |model: &Model| match model {
         Model::Linear => "linear plant",
         Model::Nonlinear => "nonlinear simulation",
@@ -75,8 +96,8 @@ fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
     match figure {
         Figure::Loop(LoopFigure::PoleRadius) => "poles of the sampled linear loop".to_owned(),
         Figure::Loop(_) => "frequency response of the sampled linear loop, broken at the control".to_owned(),
-        Figure::Step(model, _) => format!("{}, {}", on(model), step(procedure)),
-        Figure::Triangle(model, _) => format!("{}, {}", on(model), triangle(procedure)),
+        Figure::Step(model, _) => format!("{}, {}", on(model), step(of)),
+        Figure::Triangle(model, _) => format!("{}, {}", on(model), triangle(of)),
         Figure::Disturbance(model, source, arrangement, _) => {
             format!("{}, {}, {}", on(model), motion(*source, procedure), acting(*arrangement))
         }
@@ -89,34 +110,36 @@ fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
 }
 
 /// Returns the test on the machine that would show whether a requirement on the figure holds, in words.
-fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
+fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
+    let (procedure, name) = (of.procedure, of.controlled.name());
     match figure {
         Figure::Loop(figure) => of_loop(*figure).to_owned(),
         Figure::Step(..) => format!(
-            "with the platform still, demand a {}; record demand, hub rate and control at every sample",
-            step(procedure)
+            "with the platform still, demand a {}; record demand, {name} and control at every sample",
+            step(of)
         ),
         Figure::Triangle(..) => format!(
-            "with the platform still, demand a {}; record demand, hub rate and control at every sample",
-            triangle(procedure)
+            "with the platform still, demand a {}; record demand, {name} and control at every sample",
+            triangle(of)
         ),
         Figure::Disturbance(_, source, arrangement, quantity) => {
             let run = format!("{}, {}", motion(*source, procedure), acting(*arrangement));
             let settled = format!("from {} s on", procedure.settle_s);
-            format!("move the platform: {run}; record {} {settled}", recorded(*quantity))
+            format!("move the platform: {run}; record {} {settled}", recorded(*quantity, of))
         }
         Figure::Rejection { source, arrangement, frequency_hz } => {
             let moved = if *source == Source::Heave { "heave" } else { "pitch" };
             format!(
-                "move the platform in {moved} as a sine of {frequency_hz} Hz at a large and at a small amplitude, {}; compare hub gyroscope \
+                "move the platform in {moved} as a sine of {frequency_hz} Hz at a large and at a small amplitude, {}; compare {} \
                  and platform sensor at that frequency (`counterpoise fra` does it)",
-                acting(*arrangement)
+                acting(*arrangement),
+                of.sensor().trim_start_matches("the ")
             )
         }
         Figure::Rest(figure) => {
             let what = match figure {
-                RestFigure::HubRms => "the hub gyroscope",
-                RestFigure::Drift => "the hub's position",
+                RestFigure::HubRms => of.sensor(),
+                RestFigure::Drift => "the hub's position".to_owned(),
             };
             format!(
                 "with platform and demand at rest, record {what} for {} s; use the second half",
@@ -189,14 +212,16 @@ fn of_loop(figure: LoopFigure) -> &'static str {
     }
 }
 
-fn step(procedure: &Procedure) -> String {
-    format!("step of {} rad/s, {} s", procedure.step.rate_rad_s, procedure.step.duration_s)
+fn step(of: &Judged<'_>) -> String {
+    let step = &of.procedure.step;
+    format!("step of {} {}, {} s", step.rate_rad_s, of.controlled.unit(), step.duration_s)
 }
 
-fn triangle(procedure: &Procedure) -> String {
-    match procedure.triangle {
+fn triangle(of: &Judged<'_>) -> String {
+    match of.procedure.triangle {
         Some(triangle) => {
-            format!("triangle of {} rad/s, period {} s", triangle.rate_rad_s, triangle.period_s)
+            let unit = of.controlled.unit();
+            format!("triangle of {} {unit}, period {} s", triangle.rate_rad_s, triangle.period_s)
         }
         None => "triangle that the project does not have".to_owned(),
     }
@@ -224,9 +249,10 @@ fn acting(arrangement: Arrangement) -> &'static str {
     }
 }
 
-fn recorded(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::HubRms | Quantity::HubPeak => "the hub gyroscope",
+fn recorded(quantity: Quantity, of: &Judged<'_>) -> String {
+    let fixed = match quantity {
+        Quantity::HubRms | Quantity::HubPeak => return of.sensor(),
+        Quantity::Rejection => return format!("{} and the platform's sensors", of.sensor()),
         Quantity::TipRms | Quantity::TipPeak => "a gyroscope at the tip",
         Quantity::ControlRms | Quantity::ControlPeak => "the control",
         Quantity::CurrentPeak => "the motor current",
@@ -234,8 +260,8 @@ fn recorded(quantity: Quantity) -> &'static str {
         Quantity::GearOpen => {
             "motor and hub position, whose difference beyond the gear's wind-up shows open teeth,"
         }
-        Quantity::Rejection => "the hub gyroscope and the platform's sensors",
-    }
+    };
+    fixed.to_owned()
 }
 
 #[cfg(test)]
@@ -244,7 +270,8 @@ mod tests {
 
     #[test]
     fn every_figure_has_a_run_and_a_test_of_its_own_motion() {
-        let procedure = Procedure::default();
+        let procedure = &Procedure::default();
+        let procedure = Judged { procedure, controlled: ControlledQuantity::RATE };
         for figure in Figure::all() {
             assert!(!judged_by(&figure, &procedure).is_empty(), "{figure}");
             let basis = basis(&figure, &procedure);

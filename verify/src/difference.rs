@@ -1,5 +1,7 @@
 //! What changed from one verification to another.
 
+use counterpoise_models::ControlledQuantity;
+
 use crate::{Figure, Verdict, Verification};
 
 /// A figure before and after.
@@ -7,6 +9,8 @@ use crate::{Figure, Verdict, Verification};
 pub struct Change {
     /// Which figure.
     pub figure: Figure,
+    /// What the loop controls, whose name and unit the figure has.
+    pub controlled: ControlledQuantity,
     /// Its value before; `None` if it was not measured.
     pub before: Option<f64>,
     /// Its value after; `None` if it was not measured.
@@ -18,6 +22,16 @@ pub struct Change {
 }
 
 impl Change {
+    /// Returns the figure in words.
+    pub fn name(&self) -> String {
+        self.figure.name(self.controlled)
+    }
+
+    /// Returns the figure's unit.
+    pub fn unit(&self) -> &'static str {
+        self.figure.unit(self.controlled)
+    }
+
     /// (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
     pub fn relative(&self) -> Option<f64> {
         let (before, after) = (self.before?, self.after?);
@@ -37,6 +51,7 @@ pub fn changes(before: &Verification, after: &Verification) -> Vec<Change> {
     figures.extend(gone.filter(|figure| after.figures.iter().all(|m| m.figure != *figure)));
     let change = |figure: Figure| Change {
         figure,
+        controlled: after.controlled(),
         before: before.value(figure),
         after: after.value(figure),
         held: held(before, figure),

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use counterpoise_models::ControlledQuantity;
+
 use crate::Error;
 use crate::spelling::nearest_key;
 
@@ -151,6 +153,19 @@ pub enum SightFigure {
     HubTransferLoss,
     /// Share of an image's modulation that motion of the tip takes.
     TipTransferLoss,
+}
+
+impl Quantity {
+    /// The quantity in words a person reads.
+    fn name(self, controlled: ControlledQuantity) -> String {
+        match self {
+            Quantity::HubRms => format!("RMS {}", controlled.name()),
+            Quantity::HubPeak => format!("peak {}", controlled.name()),
+            Quantity::TipRms => format!("RMS {}", controlled.tip_name()),
+            Quantity::TipPeak => format!("peak {}", controlled.tip_name()),
+            other => words(&QUANTITIES, &other).1.to_owned(),
+        }
+    }
 }
 
 impl SightFigure {
@@ -317,6 +332,21 @@ impl Figure {
         }
     }
 
+    /// The figure's name in the project file and in the results of a loop: [`Figure::key`] with the quantity that the loop controls and its unit,
+    /// for example `nonlinear_road_feedback_torque_rms_nm`.
+    pub fn key_in(&self, controlled: ControlledQuantity) -> String {
+        controlled.named_figure(&self.key())
+    }
+
+    /// The figure with the given key in a loop: its own, or that of a loop of rate, which older files have.
+    ///
+    /// # Errors
+    /// As [`Figure::from_key`].
+    pub fn from_key_in(controlled: ControlledQuantity, key: &str) -> Result<Self, Error> {
+        let own = Self::all().into_iter().find(|figure| figure.key_in(controlled) == key);
+        own.map_or_else(|| Self::from_key(key), Ok)
+    }
+
     /// The figure with the given key.
     ///
     /// # Errors
@@ -369,7 +399,7 @@ impl Figure {
     }
 
     /// The figure in words a person reads, for example `peak hub rate, pitch, feedback, linear plant`.
-    pub fn name(&self) -> String {
+    pub fn name(&self, controlled: ControlledQuantity) -> String {
         match self {
             Figure::Loop(figure) => words(&LOOP, figure).1.to_owned(),
             Figure::Step(model, figure) => {
@@ -380,7 +410,7 @@ impl Figure {
             }
             Figure::Disturbance(model, source, arrangement, quantity) => format!(
                 "{}, {}, {}, {}",
-                words(&QUANTITIES, quantity).1,
+                quantity.name(controlled),
                 key_of(&SOURCES, source).1,
                 key_of(&ARRANGEMENT_NAMES, arrangement).1,
                 key_of(&MODELS, model).1
@@ -392,25 +422,32 @@ impl Figure {
                     key_of(&ARRANGEMENT_NAMES, arrangement).1
                 )
             }
+            Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
             Figure::Rest(figure) => words(&REST, figure).1.to_owned(),
             Figure::Sight(figure) => words(&SIGHT, figure).1.to_owned(),
         }
     }
 
-    /// The unit; empty for a pure number.
-    pub fn unit(&self) -> &'static str {
+    /// The unit in a loop; empty for a pure number.
+    pub fn unit(&self, controlled: ControlledQuantity) -> &'static str {
         match self {
             Figure::Loop(figure) => words(&LOOP, figure).2,
             Figure::Step(_, figure) => words(&STEP, figure).2,
+            Figure::Triangle(_, TriangleFigure::ErrorRms | TriangleFigure::ErrorPeak)
+            | Figure::Disturbance(_, _, _, Quantity::HubRms | Quantity::HubPeak)
+            | Figure::Rest(RestFigure::HubRms) => controlled.unit(),
+            Figure::Disturbance(_, _, _, Quantity::TipRms | Quantity::TipPeak) => controlled.tip_unit(),
+            Figure::Disturbance(_, _, _, Quantity::TravelPeak) | Figure::Rest(RestFigure::Drift) => {
+                controlled.travel_unit()
+            }
             Figure::Triangle(_, figure) => words(&TRIANGLE, figure).2,
             Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).2,
             Figure::Rejection { .. } => "dB",
-            Figure::Rest(figure) => words(&REST, figure).2,
             Figure::Sight(figure) => words(&SIGHT, figure).2,
         }
     }
 
-    /// What the figure tells, in one sentence.
+    /// What the figure tells in a loop of rate, in one sentence.
     pub fn meaning(&self) -> &'static str {
         match self {
             Figure::Loop(_) => "how far the sampled loop, broken at the plant's input, is from instability",
@@ -459,6 +496,7 @@ fn rejections(frequency_hz: f64) -> Vec<Figure> {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
+    use counterpoise_models::{Axis, QuantityKind};
 
     #[test]
     fn every_key_finds_its_figure_and_no_two_are_alike() {
@@ -466,7 +504,7 @@ mod tests {
         let mut keys: Vec<String> = all.iter().map(Figure::key).collect();
         for figure in &all {
             assert_eq!(Figure::from_key(&figure.key()).unwrap(), *figure);
-            assert!(!figure.name().is_empty() && !figure.meaning().is_empty());
+            assert!(!figure.name(ControlledQuantity::RATE).is_empty() && !figure.meaning().is_empty());
         }
         keys.sort();
         keys.dedup();
@@ -483,6 +521,32 @@ mod tests {
         };
         assert_eq!(figure, expected);
         assert!(matches!(Figure::from_key("pitch_compensated_drr_db at -1 Hz"), Err(Error::Range { .. })));
+    }
+
+    #[test]
+    fn a_figure_has_the_name_and_the_unit_of_what_its_loop_controls() {
+        let of = |kind, axis| ControlledQuantity { kind, axis };
+        let torque = of(QuantityKind::Effort, Axis::Rotary);
+        let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
+        assert_eq!(rms.name(torque), "RMS transmitted torque, pitch, feedback, linear plant");
+        assert_eq!(
+            (rms.unit(torque), rms.key_in(torque).as_str()),
+            ("N m", "linear_pitch_feedback_torque_rms_nm")
+        );
+        for quantity in
+            [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current]
+        {
+            for controlled in [of(quantity, Axis::Rotary), of(quantity, Axis::Linear)] {
+                let mut keys: Vec<String> = Figure::all().iter().map(|f| f.key_in(controlled)).collect();
+                for (figure, key) in Figure::all().iter().zip(&keys) {
+                    assert_eq!(Figure::from_key_in(controlled, key).unwrap(), *figure);
+                    assert_eq!(Figure::from_key_in(controlled, &figure.key()).unwrap(), *figure);
+                }
+                keys.sort();
+                keys.dedup();
+                assert_eq!(keys.len(), Figure::all().len());
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! nobody told the loop where to point. The RMS is therefore about the mean. Jitter is what blurs one exposure of a sensor: the RMS of
 //! the angle about its mean within each exposure.
 
-use counterpoise_models::Plant;
+use counterpoise_models::{Plant, QuantityKind};
 
 use crate::coincidence::shots;
 use crate::history::{Experiment, History, integrated};
@@ -117,10 +117,9 @@ pub(crate) fn figures(history: &History, procedure: &Procedure, loop_holds: Loop
         return Vec::new();
     };
     let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
-    if loop_holds == LoopHolds::Position {
-        let why = "the loop holds a position on the platform: its line of sight moves with it".to_owned();
+    if let Some(why) = loop_holds.unlike_sight() {
         let absent =
-            |figure| Measured { figure: Figure::Sight(figure), value: Value::Absent { why: why.clone() } };
+            |figure| Measured { figure: Figure::Sight(figure), value: Value::Absent { why: why.to_owned() } };
         return asked.map(absent).collect();
     }
     let values = values(history, procedure.sight_settle_s(), sight);
@@ -168,11 +167,32 @@ pub(crate) enum LoopHolds {
     InertialRate,
     /// A position on the platform: the columns are positions.
     Position,
+    /// A torque, a force or a current: the hub's column is that.
+    Effort,
+}
+
+impl LoopHolds {
+    /// Returns why a loop holds no line of sight; `None` if it does.
+    fn unlike_sight(self) -> Option<&'static str> {
+        match self {
+            Self::InertialRate => None,
+            Self::Position => {
+                Some("the loop holds a position on the platform: its line of sight moves with it")
+            }
+            Self::Effort => {
+                Some("the loop holds a torque, a force or a current: nothing holds a line of sight")
+            }
+        }
+    }
 }
 
 impl From<&Plant> for LoopHolds {
     fn from(plant: &Plant) -> Self {
-        if plant.parameters().sensors.measured.is_position() { Self::Position } else { Self::InertialRate }
+        match plant.parameters().sensors.measured.kind() {
+            QuantityKind::Rate => Self::InertialRate,
+            QuantityKind::Position => Self::Position,
+            QuantityKind::Effort | QuantityKind::Current => Self::Effort,
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_linalg::C64;
 use counterpoise_lti::{Margins, StateSpace, margins};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
@@ -50,6 +51,8 @@ pub struct Evidence {
     pub histories: Vec<History>,
     /// What was done to the mechanism.
     pub procedure: Procedure,
+    /// What the loop controls, whose names and unit figures and histories have.
+    pub controlled: ControlledQuantity,
 }
 
 /// A controller that has been verified: the only thing that can be exported. It is made by [`verify`] alone, whatever the verdicts,
@@ -80,7 +83,12 @@ impl VerifiedController {
 impl Verification {
     /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
     pub fn acceptance(&self, figure: &Figure) -> Acceptance {
-        Acceptance::of(figure, &self.evidence.procedure)
+        Acceptance::of(figure, &self.evidence.procedure, self.controlled())
+    }
+
+    /// What the loop controls.
+    pub fn controlled(&self) -> ControlledQuantity {
+        self.evidence.controlled
     }
 
     /// The value of a figure, where it was measured.
@@ -380,6 +388,7 @@ fn linear_part(
         curves,
         histories,
         procedure: procedure.clone(),
+        controlled: plant.parameters().controlled_quantity(),
     };
     Ok(Verification { figures, verdicts: Vec::new(), evidence, error_budget: None })
 }

@@ -81,7 +81,7 @@ fn confirm(
     let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let read = read(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
-    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let control = control_for(&loaded.project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let improved = in_configuration(&loaded.project, &found.improved).map_err(refused)?;
     let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);
     read.iter().map(|item| Ok(describe_replay(&one(item)?))).collect()
@@ -140,7 +140,7 @@ fn print_consequence(found: &Consequence) {
     say!("the project's design on the improved model:");
     for change in found.changes.iter().filter(|change| change.turned()) {
         let (_, word) = difference::classify_change(change);
-        say!("  {word}: {} ({})", change.figure.name(), difference::describe_size(change));
+        say!("  {word}: {} ({})", change.name(), difference::describe_size(change));
     }
     let line = |name: &str, v: &Verification| {
         let (hold, fail, _) = v.counts();

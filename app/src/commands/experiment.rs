@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Error};
 use clap::Args;
 use counterpoise_diagnose::experiment::Limits;
-use counterpoise_host::projects;
 use counterpoise_host::workers::Workers;
+use counterpoise_host::{files, projects};
 use counterpoise_pipeline::recordings::experiment::{Findings, plan_experiment};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::experiment::{ExperimentPlanText, describe_plan};
@@ -67,7 +67,7 @@ pub fn run(options: &ExperimentOptions) -> Done {
     let loaded = projects::load_project(&options.project, Purpose::Replay)?;
     output::print_warnings(&loaded, options.results.progress());
     let findings = options.findings.as_ref().map(|path| -> anyhow::Result<Findings> {
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes = files::read_file(path).with_context(|| format!("cannot read {}", path.display()))?;
         serde_json::from_slice(&bytes).with_context(|| {
             format!("{} is not the JSON result of a diagnosis: write it with `counterpoise diagnose PROJECT RECORDINGS --json=FILE`", path.display())
         })

@@ -55,7 +55,7 @@ pub fn run(options: &ExportOptions) -> Done {
 
 /// What became of a file that was checked.
 #[derive(Serialize)]
-struct Outcome {
+struct CheckedCode {
     file: String,
     same: bool,
     unread: bool,
@@ -63,7 +63,7 @@ struct Outcome {
 }
 
 fn checked(options: &ExportOptions, code: &[File]) -> Done {
-    let outcomes: Vec<Outcome> = options.check.iter().map(|path| outcome(path, code)).collect();
+    let outcomes: Vec<CheckedCode> = options.check.iter().map(|path| outcome(path, code)).collect();
     if !output::json_list(&options.results, "files", &outcomes)? {
         outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));
     }
@@ -73,12 +73,12 @@ fn checked(options: &ExportOptions, code: &[File]) -> Done {
 }
 
 /// Returns what became of one file; a file that cannot be read does not keep the others from being checked.
-fn outcome(path: &Path, code: &[File]) -> Outcome {
+fn outcome(path: &Path, code: &[File]) -> CheckedCode {
     let file = path.display().to_string();
     let bytes = match files::read_file(path) {
         Ok(bytes) => bytes,
         Err(why) => {
-            return Outcome { file, same: false, unread: true, says: format!("cannot be read: {why}") };
+            return CheckedCode { file, same: false, unread: true, says: format!("cannot be read: {why}") };
         }
     };
     let (same, says) = if path.extension().is_some_and(|ending| ending == "fmu") {
@@ -89,7 +89,7 @@ fn outcome(path: &Path, code: &[File]) -> Outcome {
             Err(_) => (false, "is no text, so no generated file".to_owned()),
         }
     };
-    Outcome { file, same, unread: false, says }
+    CheckedCode { file, same, unread: false, says }
 }
 
 /// Returns whether a packed unit contains the files of `code` unchanged, with a sentence that says so. The library that was

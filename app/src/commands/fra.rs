@@ -95,7 +95,11 @@ const MOST_FREQUENCIES: usize = 10_000;
 
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
-    let loaded = projects::load_project(&options.project, Purpose::Model)?;
+    let mut loaded = projects::load_project(&options.project, Purpose::Model)?;
+    let has_controller = matches!(options.around, LoopName::Closed | LoopName::Disturbance);
+    if has_controller && options.recording.is_empty() && loaded.project.synth.is_none() {
+        loaded = projects::load_project(&options.project, Purpose::Synth)?;
+    }
     output::print_warnings(&loaded, options.outputs.results.progress());
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {

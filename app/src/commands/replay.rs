@@ -73,7 +73,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     if !options.open_loop {
         tell_missing_demand(&loaded.project, &read);
     }
-    let control = loop_of(controller.filter(|_| !options.open_loop));
+    let control = loop_of(&loaded.project, controller.filter(|_| !options.open_loop));
     let replayed = replay(&loaded.project, &read, &control, options.windows).map_err(refused)?;
     let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
     for path in &in_parts {
@@ -113,7 +113,7 @@ fn replay_in_parts(
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
         let read = read_table(project, controller, &table).map_err(refused)?;
         drop(table);
-        let control = loop_of(controller.filter(|_| !options.open_loop));
+        let control = loop_of(project, controller.filter(|_| !options.open_loop));
         let replayed = replay(project, &read, &control, options.windows).map_err(refused)?;
         Ok(replayed.iter().map(describe_replay).collect())
     };

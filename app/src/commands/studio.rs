@@ -1,10 +1,11 @@
 //! `counterpoise studio`: starts the desktop window, which is a program of its own.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, bail};
 use clap::Args;
+
+use counterpoise_host::programs::run_program;
 
 use crate::exit::{Done, Exit};
 
@@ -23,11 +24,9 @@ const PROGRAM: &str = "counterpoise-studio";
 /// Runs the command: starts the studio with the same arguments and returns its exit code.
 pub fn run(options: &StudioOptions) -> Done {
     let program = beside_this_program()?;
-    let status = Command::new(&program)
-        .args(&options.arguments)
-        .status()
+    let code = run_program(&program, &options.arguments)
         .with_context(|| format!("cannot start {}", program.display()))?;
-    Ok(Exit(u8::try_from(status.code().unwrap_or(1)).unwrap_or(1)))
+    Ok(Exit(u8::try_from(code).unwrap_or(1)))
 }
 
 /// Returns the path of the studio's program.

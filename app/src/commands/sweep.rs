@@ -271,7 +271,9 @@ fn one_sample(named: &Named, (index, changed): (usize, &[String]), results: &Res
     }
     let sample = named.campaign.run_with(index, factors)?;
     let keys = named.campaign.variations().iter().map(|variation| variation.parameter.key());
-    let figures = named.campaign.requirements().iter().map(|requirement| requirement.figure.key());
+    let controlled = named.campaign.controlled();
+    let figures =
+        named.campaign.requirements().iter().map(|requirement| requirement.figure.key_in(controlled));
     let one = One {
         sample: index,
         factors: keys.zip(sample.factors.iter().copied()).collect(),

@@ -293,7 +293,7 @@ fn verified_point(point: &Judged) -> VerifiedPoint {
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, limit, .. } => Some(format!(
             "{}: {} against {}",
-            requirement.figure.name(),
+            requirement.figure.name(found.controlled()),
             output::format_figure(*value),
             limit.value()
         )),

@@ -311,8 +311,8 @@ struct Row {
 
 fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
     let row = |change: &Change| Row {
-        figure: change.figure.key(),
-        unit: change.figure.unit(),
+        figure: change.figure.key_in(change.controlled),
+        unit: change.unit(),
         before: change.before,
         after: change.after,
         held: change.held,
@@ -329,10 +329,10 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
         say!(
             "  {:15} {}: {} -> {} {} ({})",
             difference::classify_change(change).1,
-            change.figure.name(),
+            change.name(),
             text(change.before),
             text(change.after),
-            change.figure.unit(),
+            change.unit(),
             difference::describe_size(change)
         );
     }

@@ -6,6 +6,7 @@
 //! Effects that a plain machine does not have (cogging, springs, mesh ripple, sensor faults) are present as fields
 //! whose default value means "absent".
 
+mod controlled;
 mod drive;
 mod drive_limits;
 mod friction;
@@ -15,6 +16,7 @@ mod structure;
 
 use crate::loads::Loads;
 
+pub use controlled::{ControlledQuantity, QuantityKind};
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use drive_limits::{
     COPPER_PER_K, DriveHeat, DriveLimits, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K, hot,

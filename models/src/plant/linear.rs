@@ -74,6 +74,8 @@ pub struct LinearPlant {
     pub current: OutputRow,
     /// Which output the loop's sensor measures.
     pub measured: usize,
+    /// What each output is, with its unit.
+    pub output_names: Vec<String>,
     /// What torques beside those of the system do to the states' rates, n x 2: on the motor shaft, on the hub.
     pub torque_columns: Mat,
 }
@@ -90,7 +92,7 @@ pub struct OutputRow {
 impl LinearPlant {
     /// The inputs, in order.
     pub const INPUTS: [&str; 3] = ["control_v", "heave_m_s2", "pitch_rate_rad_s"];
-    /// The outputs, in order.
+    /// The outputs of a loop of rate, in order; what those of any machine are called is in [`LinearPlant::output_names`].
     pub const OUTPUTS: [&str; 3] = ["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s"];
     /// Column of the control.
     pub const CONTROL: usize = 0;
@@ -184,6 +186,7 @@ impl Plant {
             equilibrium: equilibrium.clone(),
             current,
             measured,
+            output_names: self.output_names(angles),
             torque_columns,
         })
     }
@@ -323,20 +326,22 @@ impl Plant {
 
     /// Returns the names of the core's states and of the relative angle behind them.
     fn core_state_names(&self) -> Vec<String> {
-        let fixed = [
-            "amplifier_voltage_v",
-            "current_a",
-            "motor_rate_rad_s",
-            "wind_up_rad",
-            "angle_rad",
-            "rate_rad_s",
-        ];
-        let mut names: Vec<String> = fixed.iter().map(|name| (*name).to_owned()).collect();
+        let (angle, rate) = match self.parameters.axis {
+            Axis::Rotary => ("angle_rad", "rate_rad_s"),
+            Axis::Linear => ("position_m", "speed_m_s"),
+        };
+        let travel = angle.rsplit_once('_').map_or("rad", |(_, unit)| unit);
+        let mut names: Vec<String> =
+            ["amplifier_voltage_v", "current_a", "motor_rate_rad_s"].map(str::to_owned).to_vec();
+        names.extend([format!("wind_up_{travel}"), angle.to_owned(), rate.to_owned()]);
         for k in 1..=self.body.modes.len() {
-            names.push(format!("mode_{k}_rad"));
-            names.push(format!("mode_{k}_rate_rad_s"));
+            names.push(format!("mode_{k}_{travel}"));
+            names.push(format!("mode_{k}_{rate}"));
         }
-        names.push("relative_hub_angle_rad".to_owned());
+        names.push(match self.parameters.axis {
+            Axis::Rotary => "relative_hub_angle_rad".to_owned(),
+            Axis::Linear => "relative_position_m".to_owned(),
+        });
         names
     }
 }

@@ -3,7 +3,7 @@
 use super::Plant;
 use super::core::{input, state};
 use super::linear::{Angles, LinearPlant, OutputRow, unit};
-use crate::parameters::Measured;
+use crate::parameters::{ControlledQuantity, Measured, QuantityKind};
 
 impl Plant {
     /// Returns the outputs over the states of the core and the relative angle behind them.
@@ -20,6 +20,21 @@ impl Plant {
         rows.push(motor);
         rows.extend(self.measured_row(angles));
         rows
+    }
+
+    /// Returns what the outputs are, each with its unit.
+    pub(super) fn output_names(&self, angles: Angles) -> Vec<String> {
+        let controlled = self.parameters.controlled_quantity();
+        let motion = match angles {
+            Angles::Position => ControlledQuantity { kind: QuantityKind::Position, ..controlled },
+            Angles::Drop | Angles::Keep | Angles::Relative => controlled.rate(),
+        };
+        let mut names = vec![motion.signal(), motion.tip_signal(), "motor_rate_rad_s".to_owned()];
+        names.extend(self.measured_row(angles).map(|_| match self.parameters.sensors.measured {
+            Measured::HubRate => controlled.signal(),
+            _ => controlled.key_of(&format!("measured_{}", controlled.short_name())),
+        }));
+        names
     }
 
     /// Returns what the loop's sensor measures, if that is neither the hub's inertial rate nor its angle.

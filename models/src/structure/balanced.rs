@@ -14,16 +14,9 @@ use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
 use super::fe::Truncation;
 use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
 use crate::Error;
-use crate::tolerance::{LEAST_RATIO, MODE_RESIDUAL, RAYLEIGH_SPAN, SPARE_MODES};
-
-/// A step of the iteration for the Gramians that contributes less than this share is idle: shapes need fewer digits than Hankel values.
-const CONTRIBUTION: f64 = 1e-4;
-
-/// A direction that differs from others by less than this share adds noise, whose frequencies would be taken for modes.
-const NOISE: f64 = 10.0 * CONTRIBUTION;
-
-/// Factorisations at most; each finds about one motion that matters.
-const STEPS: usize = 80;
+use crate::tolerance::{
+    GRAMIAN_CONTRIBUTION, GRAMIAN_STEPS, LEAST_RATIO, MODE_RESIDUAL, RAYLEIGH_SPAN, SHAPE_NOISE, SPARE_MODES,
+};
 
 /// The shapes of a structure that is clamped at its hub, zero there, and what they leave out.
 pub(super) struct BalancedShapes {
@@ -52,7 +45,7 @@ impl BalancedShapes {
         let pencil = QuadraticPencil::of(&M, &D, &K)?;
         let F = loads(structure, clamped)?;
         let ports = Ports { F: &F, P: &F.t(), V: &Mat::zeros(F.ncols(), F.nrows()) };
-        let accuracy = Accuracy { contribution: CONTRIBUTION, steps: STEPS };
+        let accuracy = Accuracy { contribution: GRAMIAN_CONTRIBUTION, steps: GRAMIAN_STEPS };
         let gramians = low_rank_gramians(&pencil, &ports, accuracy, watch).map_err(|error| match error {
             linalg::Error::NotStable { eigenvalue, .. } => Error::Parameter {
                 parameter: "the damping of a mode of the clamped structure, 1/s,".to_owned(),
@@ -75,7 +68,7 @@ impl BalancedShapes {
                 2 * kept,
                 |i, j| if j % 2 == 0 { positions[(i, j / 2)] } else { forces[(i, j / 2)] },
             );
-        let shapes = orthonormal(&M, &both, NOISE)?;
+        let shapes = orthonormal(&M, &both, SHAPE_NOISE)?;
         Ok(Self {
             shapes: clamped.extended(&shapes),
             truncation: Truncation {

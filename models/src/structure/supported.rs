@@ -12,13 +12,7 @@ use counterpoise_linalg::{
 use super::modes::Support;
 use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
 use crate::Error;
-use crate::tolerance::{DEPENDENT_SHAPE, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES};
-
-/// Searches for modes that the iteration missed. Each finds up to four copies of one that is repeated.
-const SEARCHES: usize = 12;
-
-/// Places between two modes at which they are counted: the second and third if the stiffness is nearly singular there by chance.
-const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];
+use crate::tolerance::{CUT_SHARES, DEPENDENT_SHAPE, MODE_RESIDUAL, MODE_SEARCHES, RIGID_MODE, SPARE_MODES};
 
 /// The supports whose modes are counted together: those of which equally many modes are sought.
 const COUNTED_TOGETHER: [&[usize]; 2] = [&[0], &[1, 2]];
@@ -108,7 +102,7 @@ impl<'a> SupportedModes<'a> {
         together: &[usize],
         watch: &mut Watch,
     ) -> Result<(), Error> {
-        for _ in 0..SEARCHES {
+        for _ in 0..MODE_SEARCHES {
             let sets: Vec<&LowestModes> = together.iter().map(|&k| &found[k]).collect();
             let Some(cut) = highest_cut(&sets) else { return Ok(()) };
             let mut is_complete = true;
@@ -127,7 +121,7 @@ impl<'a> SupportedModes<'a> {
                 return Ok(());
             }
         }
-        Err(linalg::Error::NoConvergence { what: "the search for missed modes", limit: SEARCHES }.into())
+        Err(linalg::Error::NoConvergence { what: "the search for missed modes", limit: MODE_SEARCHES }.into())
     }
 
     /// The number of flexible modes below a limit within a gap.

@@ -7,6 +7,7 @@ use counterpoise_controller::{
     COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, Projection,
     READING_NAMES, Scaling, Signal,
 };
+use counterpoise_models::ControlledQuantity;
 use serde::Serialize;
 
 use super::SCHEMA;
@@ -117,5 +118,10 @@ impl PathResult {
         let inputs: Vec<&str> = path.inputs.iter().map(|signal: &Signal| signal.name()).collect();
         let system = SystemResult::new(&path.name, &path.system, &inputs, &["control_v"]);
         Self { system, anti_windup: path.anti_windup.clone(), scaling: path.scaling }
+    }
+
+    /// Returns the same path with its signals under their names in the loop of a quantity.
+    pub fn of_loop(self, controlled: ControlledQuantity) -> Self {
+        Self { system: self.system.of_loop(controlled), ..self }
     }
 }

@@ -47,7 +47,10 @@ impl From<&PulledLoop> for PulledLoopResult {
                 system("mechanism", &pulled.mechanism, &added, &seen),
                 system("sampled_mechanism", &pulled.sampled, &control, &readings),
                 system("controller", &pulled.controller, &readings, &control),
-            ],
+            ]
+            .into_iter()
+            .map(|system| system.of_loop(pulled.controlled))
+            .collect(),
             blocks: pulled
                 .structure
                 .blocks

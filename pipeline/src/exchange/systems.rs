@@ -2,6 +2,7 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Response, StateSpace, Timebase};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_synth::{Channel, Design, Weight};
 use serde::Serialize;
 
@@ -69,7 +70,7 @@ pub struct ResponseResult {
 }
 
 /// Endings of names that carry a unit, longest first.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 11] = [
     ("_nm_s_rad", "N m s/rad"),
     ("_m_s2", "m/s^2"),
     ("_rad_s", "rad/s"),
@@ -79,6 +80,7 @@ const UNITS: [(&str, &str); 10] = [
     ("_nm", "N m"),
     ("_v", "V"),
     ("_a", "A"),
+    ("_n", "N"),
     ("_m", "m"),
 ];
 
@@ -129,6 +131,18 @@ impl SystemResult {
 
     fn unnamed(number: usize) -> SignalResult {
         SignalResult { name: format!("y{number}"), unit: "" }
+    }
+
+    /// Returns the same system with the signals of a loop of rate under their names in the loop of another quantity.
+    pub fn of_loop(mut self, controlled: ControlledQuantity) -> Self {
+        for signal in self.inputs.iter_mut().chain(&mut self.outputs) {
+            let (reading, name) = match signal.name.strip_prefix("reading_of_") {
+                Some(name) => ("reading_of_", name),
+                None => ("", signal.name.as_str()),
+            };
+            *signal = SignalResult::of(&format!("{reading}{}", controlled.named_signal(name)));
+        }
+        self
     }
 
     /// Returns the same system with states by name.
@@ -207,7 +221,10 @@ pub fn stored_frequencies_hz() -> Vec<f64> {
 }
 
 /// Returns the controllers of a design in continuous time, with their systems.
-pub(crate) fn controllers_of_design(design: &Design) -> Vec<(SystemResult, StateSpace)> {
+pub(crate) fn controllers_of_design(
+    design: &Design,
+    controlled: ControlledQuantity,
+) -> Vec<(SystemResult, StateSpace)> {
     let feedback = design.feedback_controller();
     let inputs: &[&str] =
         if feedback.inputs() == 2 { &["demand_rad_s", "hub_rate_rad_s"] } else { &["rate_error_rad_s"] };
@@ -221,7 +238,7 @@ pub(crate) fn controllers_of_design(design: &Design) -> Vec<(SystemResult, State
                 .map(|system| (SystemResult::new(name, &system, &[input], &["control_v"]), system)),
         );
     }
-    all
+    all.into_iter().map(|(result, system)| (result.of_loop(controlled), system)).collect()
 }
 
 #[cfg(test)]

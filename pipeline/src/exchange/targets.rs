@@ -2,7 +2,9 @@
 
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{Numbers, TargetFigures};
-use serde::Serialize;
+use counterpoise_models::ControlledQuantity;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::SystemResult;
 use super::verified::history_name;
@@ -53,9 +55,12 @@ pub struct NumbersResult {
     pub experiments: Vec<TargetRunResult>,
 }
 
-/// The closed loop with some numbers in one experiment.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The closed loop with some numbers in one experiment. Errors have the unit of what the loop controls in their names: `error_rms_nm` for
+/// `error_rms_rad_s` in a loop of torque.
+#[derive(Debug, Clone, PartialEq)]
 pub struct TargetRunResult {
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
     /// The experiment, by the name of its time history.
     pub experiment: String,
     /// RMS of demand less hub rate, rad/s.
@@ -63,8 +68,20 @@ pub struct TargetRunResult {
     /// That against double, dB; `None` if the loop in double has no error.
     pub cost_db: Option<f64>,
     /// Demand less hub rate, rad/s, at the controller's sample time; absent unless time histories were asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub errors_rad_s: Vec<f64>,
+}
+
+impl Serialize for TargetRunResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("experiment", &self.experiment)?;
+        map.serialize_entry(&self.controlled.key_of("error_rms"), &self.error_rms_rad_s)?;
+        map.serialize_entry("cost_db", &self.cost_db)?;
+        if !self.errors_rad_s.is_empty() {
+            map.serialize_entry(&self.controlled.key_of("errors"), &self.errors_rad_s)?;
+        }
+        map.end()
+    }
 }
 
 /// A path of the controller in one form.
@@ -167,6 +184,13 @@ impl TargetsResult {
         Self { compiled, cores: costs.counted.iter().map(CoreResult::from).collect(), ..self }
     }
 
+    /// Returns the same results with the names of what a loop controls.
+    pub fn of_loop(mut self, controlled: ControlledQuantity) -> Self {
+        let experiments = self.numbers.iter_mut().flat_map(|numbers| &mut numbers.experiments);
+        experiments.for_each(|run| run.controlled = controlled);
+        self
+    }
+
     /// Leaves out the time histories.
     pub fn leave_histories_out(&mut self) {
         let experiments = self.numbers.iter_mut().flat_map(|numbers| &mut numbers.experiments);
@@ -177,6 +201,7 @@ impl TargetsResult {
 impl From<&TargetFigures> for NumbersResult {
     fn from(figures: &TargetFigures) -> Self {
         let experiments = figures.experiments.iter().map(|each| TargetRunResult {
+            controlled: ControlledQuantity::RATE,
             experiment: history_name(Model::Nonlinear, each.experiment),
             error_rms_rad_s: each.error_rms_rad_s,
             cost_db: each.cost_db,

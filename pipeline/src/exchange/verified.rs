@@ -1,6 +1,7 @@
 //! What a verification measured its figures on: the sampled plant, the controller, the loop, and the time histories.
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
@@ -9,7 +10,8 @@ use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
     Verification, linear_plant,
 };
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::BalanceResult;
 use super::systems::{ResponseResult, SystemResult};
@@ -35,9 +37,12 @@ pub struct VerifiedLoop {
     pub settle_s: f64,
 }
 
-/// A time history of an experiment; columns that were not computed are absent.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A time history of an experiment; columns that were not computed are absent. Demand, hub and tip have the names and units of what the loop
+/// controls: `transmitted_torque_nm` for `hub_rate_rad_s` in a loop of torque.
+#[derive(Debug, Clone, PartialEq)]
 pub struct HistoryResult {
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
     /// The experiment: the beginning of the keys of its figures, for example `nonlinear_road_compensated`.
     pub name: String,
     /// Time of the first sample, s.
@@ -61,8 +66,29 @@ pub struct HistoryResult {
     /// Hub angle relative to the platform from its start, rad.
     pub travel_rad: Vec<f64>,
     /// Whether the gear teeth touch: 1 or 0.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contact: Vec<f64>,
+}
+
+impl Serialize for HistoryResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let controlled = self.controlled;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("name", &self.name)?;
+        map.serialize_entry("start_s", &self.start_s)?;
+        map.serialize_entry("sample_time_s", &self.sample_time_s)?;
+        map.serialize_entry(&controlled.named_signal("demand_rad_s"), &self.demand_rad_s)?;
+        map.serialize_entry("heave_m_s2", &self.heave_m_s2)?;
+        map.serialize_entry("pitch_rate_rad_s", &self.pitch_rate_rad_s)?;
+        map.serialize_entry(&controlled.signal(), &self.hub_rate_rad_s)?;
+        map.serialize_entry(&controlled.tip_signal(), &self.tip_rate_rad_s)?;
+        map.serialize_entry("control_v", &self.control_v)?;
+        map.serialize_entry("current_a", &self.current_a)?;
+        map.serialize_entry(&format!("travel_{}", controlled.travel_unit()), &self.travel_rad)?;
+        if !self.contact.is_empty() {
+            map.serialize_entry("contact", &self.contact)?;
+        }
+        map.end()
+    }
 }
 
 /// Returns what the linear figures of a controller on a plant are measured on.
@@ -106,7 +132,9 @@ pub fn controllers_of(
 ) -> Result<Vec<SystemResult>, PipelineError> {
     let linear = linear_plant(plant, procedure)?;
     let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
-    controllers(plant, &sampled, controller)
+    let controlled = plant.parameters().controlled_quantity();
+    let found = controllers(plant, &sampled, controller)?;
+    Ok(found.into_iter().map(|system| system.of_loop(controlled)).collect())
 }
 
 fn verified_on(
@@ -115,8 +143,9 @@ fn verified_on(
     procedure: &Procedure,
     systems: Vec<SystemResult>,
 ) -> VerifiedLoop {
+    let controlled = plant.parameters().controlled_quantity();
     VerifiedLoop {
-        systems,
+        systems: systems.into_iter().map(|system| system.of_loop(controlled)).collect(),
         control_delay_samples: plant.parameters().interface.output_delay_samples,
         reading_delays_samples: delays(plant.parameters()),
         holding_v: linear.equilibrium.control_v,
@@ -197,13 +226,15 @@ fn delays(parameters: &Parameters) -> Vec<usize> {
 /// Returns the time histories of a verification.
 pub fn history_results(found: &Verification) -> Vec<HistoryResult> {
     let sample_time_s = found.evidence.sample_period_s;
-    found.evidence.histories.iter().map(|history| HistoryResult::new(history, sample_time_s)).collect()
+    let result = |history| HistoryResult::new(history, sample_time_s, found.controlled());
+    found.evidence.histories.iter().map(result).collect()
 }
 
 impl HistoryResult {
     /// Returns a time history as plain data.
-    pub fn new(history: &History, sample_time_s: f64) -> Self {
+    pub fn new(history: &History, sample_time_s: f64, controlled: ControlledQuantity) -> Self {
         Self {
+            controlled,
             name: history_name(history.model, history.experiment),
             start_s: history.time_s.first().copied().unwrap_or(0.0),
             sample_time_s,
@@ -246,7 +277,7 @@ pub fn response_results(found: &Verification) -> Vec<ResponseResult> {
             Figure::Rejection { source: one.source, arrangement: one.arrangement, frequency_hz: 1.0 };
         let key = figure.key();
         let stem = key.split("_drr_db").next().unwrap_or_default();
-        (format!("hub rate over platform, {stem}"), &one.response)
+        (format!("{} over platform, {stem}", found.controlled().name()), &one.response)
     });
     let all = plant.chain(controller).chain(broken).chain(sensitivities).chain(rejection);
     all.map(|(name, values)| ResponseResult::new(&name, hz, values)).collect()

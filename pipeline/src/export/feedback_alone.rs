@@ -37,16 +37,17 @@ fn lines(found: &Verification) -> Vec<String> {
     let stable = found.evidence.margins.closed_loop_stable;
     let mut lines =
         vec![if stable { "the linear loop is stable" } else { "the linear loop is UNSTABLE" }.to_owned()];
+    let of = found.controlled();
     let loops = found.figures.iter().map(|measured| measured.figure);
     let loops = loops.filter(|figure| matches!(figure, Figure::Loop(_)));
     let said = loops.filter_map(|figure| Some((figure, found.value(figure)?)));
-    lines.extend(said.map(|(figure, value)| format!("{}: {value:.4} {}", figure.name(), figure.unit())));
+    lines.extend(said.map(|(figure, value)| format!("{}: {value:.4} {}", figure.name(of), figure.unit(of))));
     lines.extend(found.verdicts.iter().filter_map(|(requirement, verdict)| {
         let asked = |limit: &Limit| match limit {
             Limit::AtLeast(value) => format!("at least {value}"),
             Limit::AtMost(value) => format!("at most {value}"),
         };
-        let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
+        let (figure, unit) = (requirement.figure.name(of), requirement.figure.unit(of));
         let said = |value: f64, limit: &Limit, word: &str| {
             format!("requirement {figure}: {value:.4} {unit} ({}): {word}", asked(limit))
         };

@@ -6,7 +6,7 @@ pub mod target_proofs;
 use counterpoise_controller::realise::count_coefficients;
 use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::signal_names::ControlledQuantity;
+use counterpoise_export::signal_names;
 use counterpoise_export::{
     Converters, File, Numbers, Options, Provenance, Targets, c99, compare_targets, fixed_c99, fixed_form,
     rust_crate,
@@ -105,9 +105,7 @@ pub fn export_by(
             Language::Fmi => units(&mut made, &modelled.plant, verified, &origin, options),
         }
     }
-    if let Some(quantity) = controlled_quantity(&project.plant) {
-        made.files = quantity.named(made.files);
-    }
+    made.files = signal_names::named(project.plant.controlled_quantity(), made.files);
     Ok(made)
 }
 
@@ -251,7 +249,8 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
 fn provenance(project: &Project, verified: &VerifiedController, world: &dyn World) -> Provenance {
     let verification = verified.verification();
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
-        let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
+        let controlled = verification.controlled();
+        let (figure, unit) = (requirement.figure.name(controlled), requirement.figure.unit(controlled));
         let asked = |limit: &Limit| match limit {
             Limit::AtLeast(value) => format!("at least {value}"),
             Limit::AtMost(value) => format!("at most {value}"),
@@ -274,19 +273,6 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
         verdicts: verdicts.collect(),
         feedback_alone: Vec::new(),
         converters: Converters::of(&project.plant),
-    }
-}
-
-/// Returns the quantity that a loop controls; `None` for a loop of rate.
-fn controlled_quantity(plant: &Parameters) -> Option<ControlledQuantity> {
-    let measured = plant.sensors.measured;
-    match (measured, plant.axis) {
-        (Measured::HubRate | Measured::RelativeRate | Measured::MotorRate, _) => None,
-        (Measured::HubPosition | Measured::MotorPosition, Axis::Rotary) => Some(ControlledQuantity::Angle),
-        (Measured::HubPosition | Measured::MotorPosition, Axis::Linear) => Some(ControlledQuantity::Place),
-        (Measured::Torque, Axis::Rotary) => Some(ControlledQuantity::Torque),
-        (Measured::Torque, Axis::Linear) => Some(ControlledQuantity::Force),
-        (Measured::Current, _) => Some(ControlledQuantity::Current),
     }
 }
 

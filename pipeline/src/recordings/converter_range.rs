@@ -5,12 +5,7 @@ use counterpoise_recordings::{Channel, Recording};
 
 use super::column_remarks::BeyondRange;
 use crate::model::CONVERTER_RANGE_V;
-
-/// A reading may exceed the range by this fraction: decimals of the file, and an offset that was removed.
-const MARGIN: f64 = 1e-2;
-/// Beyond this many times the range, a reading is no reading but a mark or an error of transmission. The guard of exported code draws the
-/// same line.
-const IMPOSSIBLE: f64 = 2.0;
+use crate::tolerance::{CONVERTER_RANGE_MARGIN, IMPOSSIBLE_READING};
 
 /// Makes impossible readings of a recording missing ones, and returns what was found, by channel.
 pub(super) fn remove_impossible(
@@ -26,12 +21,12 @@ pub(super) fn remove_impossible(
 }
 
 fn beyond(values: &mut [f64], limit: f64) -> Option<BeyondRange> {
-    let is_beyond = |value: &f64| value.abs() > (1.0 + MARGIN) * limit;
+    let is_beyond = |value: &f64| value.abs() > (1.0 + CONVERTER_RANGE_MARGIN) * limit;
     let first = values.iter().position(is_beyond)?;
     let samples = values.iter().filter(|value| is_beyond(value)).count();
     let value = values[first];
     let mut missing = 0;
-    for value in values.iter_mut().filter(|value| value.abs() > IMPOSSIBLE * limit) {
+    for value in values.iter_mut().filter(|value| value.abs() > IMPOSSIBLE_READING * limit) {
         *value = f64::NAN;
         missing += 1;
     }

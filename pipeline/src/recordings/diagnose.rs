@@ -50,7 +50,7 @@ pub fn diagnose(
 ) -> Result<DiagnosedRecordings, PipelineError> {
     let controller = recording_controller(project)?;
     let read = read(project, controller.as_ref(), files, Gaps::AsWritten)?;
-    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let contradiction = if read.iter().all(|item| item.keeps_samples) {
         Contradiction::PlayBack
     } else {

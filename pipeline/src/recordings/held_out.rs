@@ -59,7 +59,7 @@ pub fn replay_held_out(
     let improved = in_configuration(project, improved)?;
     let controller = recording_controller(project)?;
     let read = read(project, controller.as_ref(), files, Gaps::Repaired)?;
-    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let one = |item| {
         let after = replay_one(&improved, item, &control, ReplayLength::Automatic)?;
         // both over the same length, so that the figures can be compared

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, replay};
@@ -23,6 +24,13 @@ pub struct Track {
     pub before: Vec<f64>,
     /// As simulated by the improved model; empty if there is none.
     pub after: Vec<f64>,
+}
+
+impl Track {
+    /// Returns the quantity that the loop controls, if this is the track of its reading.
+    pub fn controlled(&self) -> ControlledQuantity {
+        ControlledQuantity::of_unit(self.unit)
+    }
 }
 
 /// Channels that are compared with the simulation.

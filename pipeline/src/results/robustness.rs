@@ -248,6 +248,9 @@ fn closed(found: &ClosedWith) -> Vec<SystemResult> {
         SystemResult::new("sampled_plant", &found.plant, &inputs, &outputs),
         SystemResult::new("controller", &found.controller, readings, &["control_v"]),
     ]
+    .into_iter()
+    .map(|system| system.of_loop(found.controlled))
+    .collect()
 }
 
 impl From<&TriedDesign> for TriedResult {
@@ -273,7 +276,7 @@ impl From<&Advice> for AdviceResult {
             tried: (&one.tried).into(),
         };
         Self {
-            figure: advice.requirement.figure.key(),
+            figure: advice.requirement.figure.key_in(advice.controlled),
             value: advice.value,
             limit: advice.requirement.limit.value(),
             sensitivities: advice.sensitivities.iter().map(sensitivity).collect(),

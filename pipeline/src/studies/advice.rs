@@ -5,6 +5,7 @@
 //! has been tried.
 
 use counterpoise_controller::Controller;
+use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_synth::{Specification, Weight};
 use counterpoise_verify::robust::{figures_of, history_of};
@@ -18,12 +19,26 @@ use crate::{Modelled, PipelineError, Reduced, synthesise};
 pub struct Advice {
     /// The requirement that fails.
     pub requirement: Requirement,
+    /// What the loop controls, whose name and unit the figure has.
+    pub controlled: ControlledQuantity,
     /// Its figure as it is.
     pub value: f64,
     /// The sensitivity to each weight.
     pub sensitivities: Vec<Sensitivity>,
     /// The best change that was tried; `None` if no weight moves the figure.
     pub change: Option<Change>,
+}
+
+impl Advice {
+    /// Returns the figure of the requirement in words.
+    pub fn name(&self) -> String {
+        self.requirement.figure.name(self.controlled)
+    }
+
+    /// Returns the figure's unit.
+    pub fn unit(&self) -> &'static str {
+        self.requirement.figure.unit(self.controlled)
+    }
 }
 
 /// The sensitivity of a figure to a weight.
@@ -156,6 +171,7 @@ impl Bench<'_> {
         let Some(before) = before.flatten() else {
             return Ok(Advice {
                 requirement: requirement.clone(),
+                controlled: self.project.plant.controlled_quantity(),
                 value,
                 sensitivities: Vec::new(),
                 change: None,
@@ -186,7 +202,8 @@ impl Bench<'_> {
                 best = Some(change);
             }
         }
-        Ok(Advice { requirement: requirement.clone(), value, sensitivities, change: best })
+        let controlled = self.project.plant.controlled_quantity();
+        Ok(Advice { requirement: requirement.clone(), controlled, value, sensitivities, change: best })
     }
 
     /// Returns the controller of the design with a weight changed; `None` if there is none.
@@ -223,7 +240,13 @@ impl Bench<'_> {
             factor: parameter.1,
             value: values[0],
             systems: controllers_of(plant, &controller, procedure)?,
-            history: history.map(|found| HistoryResult::new(&found, controller.sample_period_s())),
+            history: history.map(|found| {
+                HistoryResult::new(
+                    &found,
+                    controller.sample_period_s(),
+                    plant.parameters().controlled_quantity(),
+                )
+            }),
         };
         Ok(Some((values, tried)))
     }

@@ -3,6 +3,7 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, feedback, poles, series};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised;
 use counterpoise_synth::{
@@ -208,20 +209,26 @@ pub fn compare_designs(
         lowered: lowered(made)?,
         motions: motions(&made.design)?,
         balance: balance_rows(&made.balance),
-        balance_basis: balance_basis(&made.balance)?,
+        balance_basis: balance_basis(&made.balance, made.controlled)?,
         spillover: spillover(project, (asked, modelled), made)?,
         total_cost: cost_of(made)?,
     })
 }
 
-fn balance_basis(entries: &[Entry]) -> Result<Vec<BalanceBasis>, PipelineError> {
+fn balance_basis(
+    entries: &[Entry],
+    controlled: ControlledQuantity,
+) -> Result<Vec<BalanceBasis>, PipelineError> {
     let Some(base) = entries.first().map(|entry| &entry.design) else { return Ok(Vec::new()) };
     let basis = |entry: &Entry| {
         let design = &entry.design;
         Ok(BalanceBasis {
-            controllers: controllers_of_design(design).into_iter().map(|(result, _)| result).collect(),
-            nominal: cost_basis(&Design { plant: design.plant.clone(), ..base.clone() })?,
-            redesign: cost_basis(design)?,
+            controllers: controllers_of_design(design, controlled)
+                .into_iter()
+                .map(|(result, _)| result)
+                .collect(),
+            nominal: cost_basis(&Design { plant: design.plant.clone(), ..base.clone() }, controlled)?,
+            redesign: cost_basis(design, controlled)?,
         })
     };
     entries.iter().map(basis).collect()
@@ -242,7 +249,7 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
         best_gain: source.best_gain,
         gained_percent: source.gained.map(|share| 100.0 * share),
     };
-    let basis = Some(cost_basis(&made.design)?);
+    let basis = Some(cost_basis(&made.design, made.controlled)?);
     Ok(Some(TotalCostResult { total: found.total, parts: found.sources.iter().map(row).collect(), basis }))
 }
 
@@ -285,6 +292,7 @@ fn measured_loop(made: &Synthesised, sampled: &Sampled) -> Result<MeasuredLoop, 
             &["control_v"],
         ),
     ];
+    let systems = systems.into_iter().map(|system| system.of_loop(made.controlled)).collect();
     Ok(MeasuredLoop { figures: loop_figures(made, sampled)?, systems })
 }
 
@@ -438,12 +446,13 @@ fn three_part(
             &feedback.select(&[0], &[0, 1]),
             &["demand_rad_s", "measured_rate_rad_s"],
             &["control_v"],
-        ),
+        )
+        .of_loop(made.controlled),
         error_weight: TransferFunctionResult::of("feedback.error", &weights.error),
         control_weight: TransferFunctionResult::of("feedback.control", &weights.control),
         generalised: None,
         on_generalised: None,
-        basis: Some(feedback_basis(&design, feedback)?),
+        basis: Some(feedback_basis(&design, feedback, made.controlled)?),
     })
 }
 

@@ -2,6 +2,7 @@
 //! program computes the cost and its slopes again.
 
 use counterpoise_lti::StateSpace;
+use counterpoise_models::ControlledQuantity;
 use counterpoise_synth::{Assembly, Channel, Design, FeedforwardWeights, Knowledge};
 use serde::Serialize;
 
@@ -74,23 +75,28 @@ pub struct ChannelBasis {
 ///
 /// # Errors
 /// Those of the plant with its delay.
-pub fn cost_basis(design: &Design) -> Result<CostBasis, PipelineError> {
+pub fn cost_basis(design: &Design, controlled: ControlledQuantity) -> Result<CostBasis, PipelineError> {
     let channels = [Channel::Heave, Channel::Pitch].into_iter();
-    let channels = channels.filter_map(|channel| channel_basis(design, channel)).collect();
-    basis(design, &design.feedback_controller(), channels)
+    let channels = channels.filter_map(|channel| channel_basis(design, channel, controlled)).collect();
+    basis(design, &design.feedback_controller(), controlled, channels)
 }
 
 /// Returns what the cost of a feedback alone is computed from, under the weights and on the plant of a design.
 ///
 /// # Errors
 /// Those of the plant with its delay.
-pub fn feedback_basis(design: &Design, feedback: &StateSpace) -> Result<CostBasis, PipelineError> {
-    basis(design, feedback, Vec::new())
+pub fn feedback_basis(
+    design: &Design,
+    feedback: &StateSpace,
+    controlled: ControlledQuantity,
+) -> Result<CostBasis, PipelineError> {
+    basis(design, feedback, controlled, Vec::new())
 }
 
 fn basis(
     design: &Design,
     feedback: &StateSpace,
+    controlled: ControlledQuantity,
     channels: Vec<ChannelBasis>,
 ) -> Result<CostBasis, PipelineError> {
     let (plant, asked) = (&design.plant, &design.specification);
@@ -111,7 +117,8 @@ fn basis(
             &feedback.select(&[0], &[1]),
             &["measured_rate_rad_s"],
             &["control_v"],
-        ),
+        )
+        .of_loop(controlled),
         control_input: plant.control,
         rate_output: plant.rate,
         measurement_noise: weights.measurement_noise,
@@ -122,7 +129,7 @@ fn basis(
     })
 }
 
-fn channel_basis(design: &Design, channel: Channel) -> Option<ChannelBasis> {
+fn channel_basis(design: &Design, channel: Channel, controlled: ControlledQuantity) -> Option<ChannelBasis> {
     let (part, weights) = (design.part(channel)?, design.specification.feedforward(channel)?);
     let asked: &FeedforwardWeights = weights;
     let sensor = design.plant.sensor(channel).map(|system| SystemResult::new("sensor", system, &[], &[]));
@@ -136,7 +143,8 @@ fn channel_basis(design: &Design, channel: Channel) -> Option<ChannelBasis> {
             Channel::Pitch => "pitch",
         },
         inputs: design.plant.columns(channel).to_vec(),
-        module: SystemResult::new("feedforward", &part.module, &[], &["control_v", "expected_rate_rad_s"]),
+        module: SystemResult::new("feedforward", &part.module, &[], &["control_v", "expected_rate_rad_s"])
+            .of_loop(controlled),
         true_sensor: sensor.clone().filter(|_| part.module.inputs() == 1),
         sensor: sensor.filter(|_| noise.is_some()),
         noise,

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
-use crate::tolerance::LEAST_SWING_RAD;
+use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
 use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -406,12 +406,12 @@ impl Analyser {
         }
         let swing = |found: &Expected| (found.relative.norm() * amplitude / rate).max(LEAST_SWING_RAD);
         let mut hub_amplitude_rad = swing(linear);
-        for _ in 0..MOST_TRIALS {
+        for _ in 0..MOST_SWING_TRIALS {
             let friction =
                 FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s: rate };
             let found = self.expected(friction, rate)?;
             let next = swing(&found);
-            if (next / hub_amplitude_rad - 1.0).abs() < SELF_CONSISTENT {
+            if (next / hub_amplitude_rad - 1.0).abs() < SELF_CONSISTENT_SWING {
                 return Ok(Some(found));
             }
             hub_amplitude_rad = (next * hub_amplitude_rad).sqrt();
@@ -492,19 +492,12 @@ const HUB: usize = 0;
 const FIRST_READING: usize = 5;
 const HUB_GYRO: usize = FIRST_READING + 1;
 const PLATFORM_GYRO: usize = FIRST_READING + 2;
-/// Relative change of the swing at which the describing function agrees with itself.
-const SELF_CONSISTENT: f64 = 5e-3;
-/// Trials to find that swing.
-const MOST_TRIALS: usize = 30;
-
-/// A line of a recording's input counts as excitation when it stands this many times above what noise leaves of it.
-const ABOVE_NOISE: f64 = 5.0;
 
 /// Returns whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of
 /// their RMS.
 fn excited(found: &Response, period_s: f64) -> bool {
     let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
-    found.input.harmonics[0].norm() > ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
+    found.input.harmonics[0].norm() > EXCITED_ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
 }
 
 fn column(all: &counterpoise_linalg::CMat, input: usize) -> Vec<C64> {

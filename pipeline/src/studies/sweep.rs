@@ -2,6 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::simulator_access::{Pool, map};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::robust::{
     Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
     one_at_a_time, ranking, summary, worst_case,
@@ -19,6 +20,8 @@ use counterpoise_project::Project;
 pub struct CampaignResult {
     /// The requirements that were judged.
     pub requirements: Vec<Requirement>,
+    /// What the loop controls, whose names and unit the figures have.
+    pub controlled: ControlledQuantity,
     /// What varied.
     pub variations: Vec<Variation>,
     /// Factors: one row a mechanism, one column a variation.
@@ -57,6 +60,7 @@ impl CampaignResult {
         let each = 0..requirements.len();
         Self {
             requirements: requirements.to_vec(),
+            controlled: campaign.controlled(),
             variations: variations.to_vec(),
             factors: Array2::from_shape_fn((samples.len(), variations.len()), |(i, k)| samples[i].factors[k]),
             values: Array2::from_shape_fn((samples.len(), requirements.len()), |(i, k)| samples[i].values[k]),
@@ -78,14 +82,12 @@ impl CampaignResult {
 /// Checks that a project says what a campaign varies and judges: asked before the design, which takes longer.
 ///
 /// # Errors
-/// The first section that is missing.
+/// [`PipelineError::NothingVaries`].
 pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
-    let missing = |section| Err(PipelineError::Missing { section, needed_by: "the campaign" });
-    let Some(asked) = project.campaign() else { return missing("sweep") };
-    if asked.variations.is_empty() {
-        return missing("[sweep.variation]");
+    match project.campaign() {
+        Some(asked) if !asked.variations.is_empty() => Ok(()),
+        _ => Err(PipelineError::NothingVaries),
     }
-    Ok(())
 }
 
 /// Returns the requirements that a campaign judges: those of the project, or [`usual_requirements`] if it
@@ -121,8 +123,7 @@ pub fn prepare_campaign(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Campaign, PipelineError> {
-    let asked =
-        project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the campaign" })?;
+    let asked = project.campaign().ok_or(PipelineError::NothingVaries)?;
     campaign_is_stated(project)?;
     Ok(Campaign::new(
         modelled.parameters.clone(),
@@ -203,6 +204,8 @@ pub fn worst_cases(
 pub struct RequirementSpread {
     /// The requirement.
     pub requirement: Requirement,
+    /// What the loop controls, whose name and unit the figure has.
+    pub controlled: ControlledQuantity,
     /// Share that meets it, quantiles and the worst value.
     pub summary: Summary,
     /// The parameter that moves the figure most; `None` if no parameter correlates with it.
@@ -234,6 +237,7 @@ pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<Requi
             sense: r.sense,
         });
         RequirementSpread {
+            controlled: campaign.controlled(),
             requirement: requirement.clone(),
             summary: summary(campaign, samples, k),
             strongest,

@@ -6,14 +6,13 @@ use counterpoise_models::friction::bristle::MEAN_DEFLECTION;
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 use counterpoise_synth::{Identified, Side};
 
+use crate::tolerance::SAME_FRICTION_LEVEL;
 use counterpoise_project::resolve::synthesis_options::FrictionModel;
 
 /// Stiffness at rest; a law without one breaks away within this angle in the observer, rad.
 const BREAKAWAY_RAD: f64 = 5e-4;
 /// Rates over the Stribeck rate at which the observer has points of the level's curve.
 const LEVEL_AT: [f64; 14] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0];
-/// A level nearer than this to the one of the point before is left out.
-const SAME_LEVEL: f64 = 1e-4;
 
 /// Returns the friction as an observer follows it: its law with the Stribeck curve of its level; what the level does
 /// with angle, load, warmth and direction is left out. `None` if there is no dry friction.
@@ -88,7 +87,7 @@ fn level(friction: &Friction, curve: StribeckCurve) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = Vec::new();
     for at in LEVEL_AT {
         let point = [at * rate, level.at(at * rate) / coulomb_nm];
-        if points.last().is_none_or(|before| (before[1] - point[1]).abs() > SAME_LEVEL) {
+        if points.last().is_none_or(|before| (before[1] - point[1]).abs() > SAME_FRICTION_LEVEL) {
             points.push(point);
         }
     }

@@ -8,6 +8,7 @@ pub mod schedule;
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, d2c_tustin, series};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
     Alternative, Channel, Design, Entry, Finding, Method, Reference, Sampled, Sampling, alternative, design,
@@ -44,6 +45,10 @@ pub struct Synthesised {
     pub balance: Vec<Entry>,
     /// The largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.
     pub demanded_rate: Option<DemandedRate>,
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
+    /// What the outputs of the plant are.
+    pub output_names: Vec<String>,
 }
 
 impl Synthesised {
@@ -94,7 +99,18 @@ pub fn synthesise(
     let demanded_rate = demanded_rate(asked, modelled, &design, &sampled, &sampling)?;
     let sampled = with_demand_limit(sampled, asked, demanded_rate)?;
     let warnings = design.warnings.clone();
-    Ok(Synthesised { design, sampled, warnings, sampling, other, lowered, balance, demanded_rate })
+    Ok(Synthesised {
+        design,
+        sampled,
+        warnings,
+        sampling,
+        other,
+        lowered,
+        balance,
+        demanded_rate,
+        controlled: modelled.parameters.controlled_quantity(),
+        output_names: modelled.linear.output_names.clone(),
+    })
 }
 
 /// Puts the feedback of another method in place of the three-part one, where the project names one.

@@ -133,20 +133,6 @@ fn measures(plant: &mut Parameters, measured: Measured, found: usize) -> usize {
     1
 }
 
-/// Returns the unit of what the loop controls.
-pub(super) fn controlled_unit(plant: &Parameters) -> &'static str {
-    let [rate, position, torque] = match plant.axis {
-        Axis::Rotary => ["rad/s", "rad", "N m"],
-        Axis::Linear => ["m/s", "m", "N"],
-    };
-    match plant.sensors.measured {
-        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => rate,
-        Measured::HubPosition | Measured::MotorPosition => position,
-        Measured::Torque => torque,
-        Measured::Current => "A",
-    }
-}
-
 /// Reads or lists the step of an encoder: by the counts a turn of what it sits on, or as a length of a linear scale.
 fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
     let scale_of_a_slide = place == Place::Load && plant.axis == Axis::Linear;

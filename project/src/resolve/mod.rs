@@ -290,7 +290,7 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
         design::synth(v, synth, measured, axis);
     });
     let section = TableField::optional("verify", "tests of the loop, and requirements");
-    let controlled = loop_sensor::controlled_unit(&project.plant);
+    let controlled = project.plant.controlled_quantity();
     let period_s = project.plant.interface.sample_period_s;
     optional(v, &section, &mut project.verify, verify::blank(period_s), |v, verification| {
         verify::verify(v, verification, controlled, period_s);

@@ -1,5 +1,6 @@
 //! The `[verify]` section: what is done to the loop, and the limits that its figures must keep.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::{
     Coincidence, Figure, Limit as Bound, LineOfSight, Optics, Procedure, Requirement, Sine, Step, Triangle,
 };
@@ -54,11 +55,11 @@ pub(crate) fn usual(model: &Modelling, sample_period_s: f64) -> Verification {
     verification
 }
 
-/// Reads or lists the verification of a loop whose controlled quantity has the unit `controlled`.
+/// Reads or lists the verification of a loop.
 pub(crate) fn verify(
     v: &mut dyn Visit,
     verification: &mut Verification,
-    controlled: &'static str,
+    controlled: ControlledQuantity,
     sample_period_s: f64,
 ) {
     let usual = usual_procedure(sample_period_s);
@@ -76,14 +77,14 @@ pub(crate) fn verify(
     seed(v, "seed of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
     table(v, &TableField::optional("step", "a step of the demand"), &mut procedure.step, |v, s| {
-        step(v, s, controlled, usual.step.duration_s)
+        step(v, s, controlled.unit(), usual.step.duration_s)
     });
     optional(
         v,
         &TableField::optional("triangle", "a triangle of the demand, which shows friction at its reversals"),
         &mut procedure.triangle,
         TRIANGLE,
-        |v, t| triangle(v, t, controlled),
+        |v, t| triangle(v, t, controlled.unit()),
     );
     table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
         sine(v, s, usual.heave, "m/s^2")
@@ -108,7 +109,7 @@ pub(crate) fn verify(
         LineOfSight::default(),
         line_of_sight,
     );
-    requirements(v, &mut verification.requirements);
+    requirements(v, &mut verification.requirements, controlled);
 }
 
 fn line_of_sight(v: &mut dyn Visit, sight: &mut LineOfSight) {
@@ -220,39 +221,42 @@ struct Asked {
     source: String,
 }
 
-fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>) {
-    let mut asked: Vec<Asked> = requirements.iter().map(asked).collect();
+fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>, controlled: ControlledQuantity) {
+    let mut asked: Vec<Asked> = requirements.iter().map(|one| asked_of(one, controlled)).collect();
     let blank = Asked { figure: String::new(), at_least: None, at_most: None, source: String::new() };
-    list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, requirement);
-    *requirements = asked.iter().flat_map(resolved).collect();
+    list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, |v, asked| {
+        requirement(v, asked, controlled)
+    });
+    *requirements = asked.iter().flat_map(|one| resolved(one, controlled)).collect();
 }
 
-fn asked(requirement: &Requirement) -> Asked {
+fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked {
     let (at_least, at_most) = match requirement.limit {
         Bound::AtLeast(value) => (Some(value), None),
         Bound::AtMost(value) => (None, Some(value)),
     };
-    Asked { figure: requirement.figure.key(), at_least, at_most, source: requirement.source.clone() }
+    let figure = requirement.figure.key_in(controlled);
+    Asked { figure, at_least, at_most, source: requirement.source.clone() }
 }
 
-fn resolved(asked: &Asked) -> Vec<Requirement> {
-    let Ok(figure) = Figure::from_key(&asked.figure) else { return Vec::new() };
+fn resolved(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
+    let Ok(figure) = Figure::from_key_in(controlled, &asked.figure) else { return Vec::new() };
     let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
     let requirement =
         |limit| Requirement::new(figure, limit).ok().map(|found| found.with_source(&asked.source));
     limits.into_iter().flatten().filter_map(requirement).collect()
 }
 
-fn requirement(v: &mut dyn Visit, asked: &mut Asked) {
+fn requirement(v: &mut dyn Visit, asked: &mut Asked, controlled: ControlledQuantity) {
     v.text(&Field::new("figure", "name of the figure that is limited"), &mut asked.figure);
-    let known = Figure::from_key(&asked.figure);
+    let known = Figure::from_key_in(controlled, &asked.figure);
     if known.is_err() && !asked.figure.is_empty() {
-        let keys: Vec<String> = Figure::all().iter().map(Figure::key).collect();
+        let keys: Vec<String> = Figure::all().iter().map(|figure| figure.key_in(controlled)).collect();
         let hint = nearest(&asked.figure, keys.iter().map(String::as_str))
             .map(|name| format!("did you mean \"{name}\"?"));
         v.complain("figure", "there is no such figure", hint);
     }
-    let unit = known.map_or("", |figure| figure.unit());
+    let unit = known.map_or("", |figure| figure.unit(controlled));
     maybe_number(v, &Field::new("at_least", "lower limit").unit(unit), &mut asked.at_least);
     maybe_number(v, &Field::new("at_most", "upper limit").unit(unit), &mut asked.at_most);
     let source = "where the requirement comes from, for example the clause of a specification";

@@ -242,11 +242,15 @@ fn mismatch(text: &str, wanted: &str, found: &str, dimension: Dimension) -> Quan
         (Dimension([1, 0, 0, 0, 0, 0, 0, 0, 0, 0]), Dimension([2, 0, 0, 0, 0, 0, 0, 0, 0, 0]));
     let (speed_constant, back_emf) =
         (Dimension([-2, -1, 2, 1, 0, 1, 0, 0, 0, 0]), Dimension([2, 1, -2, -1, 0, -1, 0, 0, 0, 0]));
+    let (per_turn, turns) =
+        (Dimension([1, 0, 0, 0, 0, 0, -1, 0, 0, 0]), Dimension([-1, 0, 0, 0, 0, 0, 1, 0, 0, 0]));
     let decibel = Dimension([0, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
     let meant = if is_per_minute(text) {
         Some("write rpm for revolutions a minute, or rad/min for radians".to_owned())
     } else if dimension == speed_constant && target == back_emf {
         Some("that is the speed constant, the inverse: \"380 rpm/V\" are \"2.6316 mV/rpm\"".to_owned())
+    } else if dimension == per_turn && target == turns {
+        Some("that is the travel per turn, the inverse: \"200 mm/rev\" are \"31.416 rad/m\"".to_owned())
     } else if dimension == frequency && target == time {
         Some("give the period, the inverse of the frequency".to_owned())
     } else if dimension == area && target == length && text.ends_with("m m") {

@@ -60,6 +60,18 @@ pub enum Loop {
     Open,
 }
 
+impl Loop {
+    /// Returns how a recording of a mechanism under a controller is replayed: in closed loop, or with the recorded control if the loop controls
+    /// a torque or a current.
+    ///
+    /// Such a loop holds neither rate nor angle. The motion that the noise of its sensor and the rounding of its control once caused goes on
+    /// as an undamped oscillation or a slow decay; a run with other noise has another, and differs from the recording by many noise floors
+    /// although nothing is wrong. Under the recorded control the mechanism repeats its motion.
+    pub fn under(parameters: &Parameters, controller: RecordedController) -> Self {
+        if parameters.sensors.measured.is_effort() { Self::Open } else { Self::Closed(controller) }
+    }
+}
+
 impl From<&ProportionalIntegral> for Loop {
     fn from(controller: &ProportionalIntegral) -> Self {
         Self::Closed(controller.clone().into())

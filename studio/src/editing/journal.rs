@@ -2,20 +2,19 @@
 //!
 //! A journal is a file of lines. The first line holds the project's path and its text as it was opened; then there is one command on
 //! each line. When the project is saved, its path and text stand on a line again. One thread begins, writes and removes the file, and
-//! another waits for the disk ([`super::journal_writer`]): neither the window nor the next edit does.
+//! another waits for the disk ([`counterpoise_host::journal_writer`]): neither the window nor the next edit does.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 
 use counterpoise_host::files::Disk;
+use counterpoise_host::journal_writer::{JournalEnding, JournalMessage, JournalThread, spawn_journal_writer};
+use counterpoise_host::journals::journal_lines;
+use counterpoise_host::project_lock::ProjectLock;
 use counterpoise_host::worker::Wake;
 use serde::{Deserialize, Serialize};
 
-use super::journal_writer::{JournalEnding, JournalMessage, Writer};
-use super::project_lock::ProjectLock;
 use crate::command::Command;
 
 /// The first line of a journal.
@@ -40,7 +39,7 @@ pub struct RecoveredJournal {
 pub struct Journal {
     inbox: Sender<JournalMessage>,
     error: Arc<Mutex<Option<String>>>,
-    thread: Option<std::thread::JoinHandle<()>>,
+    thread: Option<JournalThread>,
 }
 
 /// Waits on another thread until everything that was appended so far is on disk.
@@ -63,8 +62,7 @@ impl Journal {
     pub fn new(disk: Arc<dyn Disk>, wake: Wake) -> Self {
         let (inbox, messages) = channel();
         let error = Arc::new(Mutex::new(None));
-        let shared_error = Arc::clone(&error);
-        let thread = std::thread::spawn(move || Writer::new(disk, wake).run(&messages, &shared_error));
+        let thread = spawn_journal_writer(disk, wake, messages, Arc::clone(&error));
         Self { inbox, error, thread: Some(thread) }
     }
 
@@ -111,7 +109,7 @@ impl Drop for Journal {
 
 /// Reads a journal; a last line that is cut off is left out. Returns `None` if there is no journal or it holds no edits.
 pub fn recover_journal(path: &Path) -> Option<RecoveredJournal> {
-    let mut lines = BufReader::new(File::open(path).ok()?).lines().map_while(Result::ok);
+    let mut lines = journal_lines(path)?;
     let mut header: JournalHeader = serde_json::from_str(&lines.next()?).ok()?;
     let mut commands: Vec<Command> = Vec::new();
     for line in lines {

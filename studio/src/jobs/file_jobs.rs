@@ -9,12 +9,12 @@ use counterpoise_host::files::{self, Disk, PROJECT_FILE};
 use counterpoise_project::starters::Kind;
 use counterpoise_project::{Attachments, Document, STARTER};
 
-use super::file_check::{modification_time, recordings_beside};
 use crate::command::Command;
 use crate::editing::journal::{self, Flush};
-use crate::editing::project_lock::ProjectLock;
 use crate::editing::session::{Session, file_name};
 use crate::settings::ProjectSettings;
+use counterpoise_host::file_check::{modification_time, recordings_beside};
+use counterpoise_host::project_lock::ProjectLock;
 
 /// Work on a project's files.
 #[derive(Debug, Clone)]

@@ -2,15 +2,12 @@
 //!
 //! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
 //! [`report_job`], [`kept_designs`], [`plant_pictures`], [`assumption_ranking`],
-//! [`plot_copy`], [`recording_views`], [`diagnosis`], [`folder_listing`], [`file_check`], [`file_jobs`],
-//! [`change_watcher`].
+//! [`plot_copy`], [`recording_views`], [`diagnosis`], [`folder_listing`], [`file_jobs`].
 
 pub mod assumption_ranking;
-pub mod change_watcher;
 pub mod code_export;
 pub mod diagnosis;
 pub mod error_lines;
-pub mod file_check;
 pub mod file_jobs;
 pub mod folder_listing;
 pub mod kept_designs;
@@ -25,6 +22,8 @@ pub mod verification;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use counterpoise_host::change_watcher::ChangeWatcher;
+use counterpoise_host::file_check::{FileCheck, FileCheckResult, check_file};
 use counterpoise_host::progress::{Progress, Watch};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_models::Parameters;
@@ -38,11 +37,9 @@ use crate::editing::session::Session;
 use crate::settings::{SettingsFile, write_settings};
 use crate::versioned::Versioned;
 use assumption_ranking::{RankingRequest, answer_ranking};
-use change_watcher::ChangeWatcher;
 use code_export::{ExportRequest, WrittenCode, export_code};
 use diagnosis::{DiagnosisWorker, diagnosis_worker};
 use error_lines::ErrorLines;
-use file_check::{FileCheck, FileCheckResult, check_file};
 use file_jobs::{FileJob, FileJobResult, ProjectStore};
 use folder_listing::{FolderListing, ListingRequest, list_folder};
 use kept_designs::{KeptRequest, RestoredDesign, restore_kept_designs};

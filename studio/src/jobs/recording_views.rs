@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoise_host::files::{Folder, recording_files};
+use counterpoise_host::files::{self, Folder, recording_files};
 use counterpoise_host::worker::Token;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::PipelineError;
@@ -134,7 +134,7 @@ pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFi
 
 fn read_table(request: &ReplayRequest, path: &Path) -> Result<(Table, Vec<Recording>), String> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| format!("cannot read {name}: {error}"))?;
+    let bytes = files::read_file(path).map_err(|error| format!("cannot read {name}: {error}"))?;
     read_table_and_recordings(&request.project, &RecordingFile { name, bytes })
         .map_err(|error| error.to_string())
 }
@@ -150,7 +150,7 @@ fn column_names(table: &Table) -> Vec<ColumnName> {
 /// Returns a view of a file that cannot be read as it is mapped. It shows the columns if there are any, so that the mapping can be
 /// corrected.
 fn unreadable_view(path: &Path, why: String) -> RecordingView {
-    let table = std::fs::read(path).ok().and_then(|bytes| Table::read(&bytes, &file_name(path)).ok());
+    let table = files::read_file(path).ok().and_then(|bytes| Table::read(&bytes, &file_name(path)).ok());
     RecordingView {
         path: path.to_owned(),
         name: file_name(path),
@@ -207,7 +207,7 @@ fn replayed_view(
     blank: RecordingView,
 ) -> RecordingView {
     let mut errors = Vec::new();
-    let control = loop_of(controller);
+    let control = loop_of(&request.project, controller);
     let mut kept = |made: Result<ReplayedRecording, PipelineError>| {
         made.map_err(|error| errors.push(describe_recordings_error(&error))).ok()
     };

@@ -46,21 +46,23 @@ pub fn sensitivity_chart(view: &View, design: &DesignPreview) -> Chart {
     chart
 }
 
-/// Returns a history of rates in the chosen unit.
-fn rate_points(view: &View, time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
-    let factor = view.units.angle_factor();
+/// Returns a history of what a design controls in the chosen unit.
+fn controlled_points(view: &View, of: &DesignPreview, time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
+    let factor = view.units.display_unit(of.synthesised.controlled.unit()).factor;
     time_s.iter().zip(values).map(|(t, v)| [*t, factor * v]).collect()
 }
 
-fn hub_rate_chart(view: &View, title: &str) -> Chart {
-    Chart::new(title, "time, s", &format!("hub rate, {}", view.units.angular_rate_unit())).in_group("design")
+fn controlled_chart(view: &View, of: &DesignPreview, title: &str) -> Chart {
+    let controlled = of.synthesised.controlled;
+    let unit = view.units.display_unit(controlled.unit()).name;
+    Chart::new(title, "time, s", &format!("{}, {unit}", controlled.name())).in_group("design")
 }
 
 /// Returns the response to a step of the demand.
 pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
-    let of = |d: &DesignPreview| rate_points(view, &d.step.time_s, &d.step.hub_rate_rad_s);
-    let mut chart = with_kept_designs(view, hub_rate_chart(view, "Step of the demand"), of);
-    let demand = rate_points(view, &design.step.time_s, &design.step.demand_rad_s);
+    let of = |d: &DesignPreview| controlled_points(view, d, &d.step.time_s, &d.step.hub_rate_rad_s);
+    let mut chart = with_kept_designs(view, controlled_chart(view, design, "Step of the demand"), of);
+    let demand = controlled_points(view, design, &design.step.time_s, &design.step.demand_rad_s);
     chart = chart.with_curve("demand", view.theme.weak, Dash::Dashed, demand);
     chart.group = None;
     chart.with_curve("hub", view.theme.curves[0], Dash::Solid, of(design))
@@ -109,10 +111,10 @@ pub fn motion_chart(view: &View, design: &DesignPreview, source: Source) -> Char
     let of = |arrangement| {
         move |d: &DesignPreview| {
             let history = d.motion(source, arrangement);
-            history.map_or(Vec::new(), |h| rate_points(view, &h.time_s, &h.hub_rate_rad_s))
+            history.map_or(Vec::new(), |h| controlled_points(view, d, &h.time_s, &h.hub_rate_rad_s))
         }
     };
-    let chart = with_kept_designs(view, hub_rate_chart(view, title), of(Arrangement::Compensated));
+    let chart = with_kept_designs(view, controlled_chart(view, design, title), of(Arrangement::Compensated));
     let c = &view.theme.curves;
     chart.with_curve("feedback alone", c[1], Dash::Dashed, of(Arrangement::Feedback)(design)).with_curve(
         "with feedforward",

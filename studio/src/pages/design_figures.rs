@@ -15,8 +15,8 @@ use crate::view::View;
 enum FigureUnit {
     /// A unit that is always the same; empty for a pure number.
     Fixed(&'static str),
-    /// A rate in rad/s, shown in the chosen unit.
-    AngularRate,
+    /// That of what the loop controls, shown in the chosen unit.
+    Controlled,
 }
 
 struct FigureRow {
@@ -38,8 +38,8 @@ const ROWS: [FigureRow; 9] = [
     row("delay margin", FigureUnit::Fixed("ms"), |d| 1e3 * d.margins.delay_s),
     row("crossover", FigureUnit::Fixed("Hz"), DesignPreview::crossover_hz),
     row("overshoot", FigureUnit::Fixed("%"), DesignPreview::overshoot_percent),
-    row("heave resid.", FigureUnit::AngularRate, |d| d.residual_hub_rate_rad_s(Source::Heave)),
-    row("pitch resid.", FigureUnit::AngularRate, |d| d.residual_hub_rate_rad_s(Source::Pitch)),
+    row("heave resid.", FigureUnit::Controlled, |d| d.residual_hub_rate_rad_s(Source::Heave)),
+    row("pitch resid.", FigureUnit::Controlled, |d| d.residual_hub_rate_rad_s(Source::Pitch)),
     row("step control", FigureUnit::Fixed("V"), DesignPreview::step_control_v),
 ];
 
@@ -65,9 +65,10 @@ pub fn show(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &Des
 
 fn show_row(ui: &mut Ui, view: &View, design: &DesignPreview, row: &FigureRow) {
     let theme: &Theme = &view.theme;
+    let controlled = view.units.display_unit(design.synthesised.controlled.unit());
     let (unit, factor) = match row.unit {
         FigureUnit::Fixed(unit) => (unit, 1.0),
-        FigureUnit::AngularRate => (view.units.angular_rate_unit(), view.units.angle_factor()),
+        FigureUnit::Controlled => (controlled.name.as_str(), controlled.factor),
     };
     let text = |design: &DesignPreview| format_short(factor * (row.value)(design));
     let label = if unit.is_empty() { row.name.to_owned() } else { format!("{}, {unit}", row.name) };

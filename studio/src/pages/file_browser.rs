@@ -9,9 +9,9 @@ use egui::{Key, Modifiers, RichText, Ui};
 use super::recent_places::{self, RecentPlace, list_recent_places, show_recent_places};
 use crate::browser::{Browser, BrowserAction};
 use crate::command::{BrowsePurpose, Command};
-use crate::jobs::folder_listing::{FolderItem, ItemKind};
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
+use counterpoise_host::folders::{FolderItem, ItemKind};
 
 /// Width and height of the list, points.
 const LIST: [f32; 2] = [530.0, 300.0];

@@ -41,14 +41,16 @@ pub fn mark_history_limit(
     match (requirement.figure, signal) {
         (Figure::Disturbance(_, _, _, Quantity::HubPeak), HistorySignal::Hub)
         | (Figure::Disturbance(_, _, _, Quantity::TipPeak), HistorySignal::Tip) => {
-            both(view.units.angle_factor() * limit)
+            both(view.units.display_unit(requirement.figure.unit(found.controlled())).factor * limit)
         }
         (Figure::Disturbance(_, _, _, Quantity::CurrentPeak), HistorySignal::Current)
         | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistorySignal::Control)
         | (Figure::Step(_, StepFigure::ControlPeak), HistorySignal::Control) => both(limit),
         (Figure::Step(model, StepFigure::Overshoot), HistorySignal::Hub) => {
             let demand = found.history(model, experiment).and_then(final_demand).unwrap_or_default();
-            chart.levels.push(view.units.angle_factor() * demand * (1.0 + 0.01 * limit));
+            chart.levels.push(
+                view.units.display_unit(found.controlled().unit()).factor * demand * (1.0 + 0.01 * limit),
+            );
         }
         (
             Figure::Step(_, StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::SettlingTime),

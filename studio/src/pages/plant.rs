@@ -1,7 +1,7 @@
 //! The page Plant: the mechanism drawn to scale, its parameters, its modes and its friction.
 
 use counterpoise_diagnose::learning::reading::read_elements;
-use counterpoise_models::Parameters;
+use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::reduction_views::{FrictionPlace, ReductionComparison, steady_friction_at_hub};
@@ -77,7 +77,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let mut charts = vec![friction_chart(view, &project.plant)];
     charts.extend(match (&design, comparison) {
         (Some(design), _) => Some(sampled_response_chart(view, design)),
-        (None, Some(comparison)) => Some(response_chart(view, comparison)),
+        (None, Some(comparison)) => Some(response_chart(view, &project.plant, comparison)),
         (None, None) => None,
     });
     charts.extend(
@@ -211,14 +211,17 @@ fn show_mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, modes: Optio
     });
 }
 
-const RESPONSE_TITLE: &str = "Plant: hub rate";
 const RESPONSE_NAMES: [&str; 3] = ["per V", "per m/s\u{b2} of heave", "per rad/s of pitch"];
 const RESPONSE_DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
+
+fn response_title(hub: ControlledQuantity) -> String {
+    format!("Plant: {}", hub.name())
+}
 
 /// Returns the responses of the sampled plant as the controller sees it.
 fn sampled_response_chart(view: &View, design: &DesignPreview) -> Chart {
     let curves = &design.curves;
-    let mut chart = frequency_chart(view, RESPONSE_TITLE, "modulus");
+    let mut chart = frequency_chart(view, &response_title(design.synthesised.controlled), "modulus");
     for (k, (curve, name)) in curves.plant.iter().zip(RESPONSE_NAMES).enumerate() {
         let points = magnitude_points(view, &curves.frequency_hz, curve);
         chart = chart.with_curve(name, view.theme.curves[k], RESPONSE_DASHES[k], points);
@@ -227,8 +230,8 @@ fn sampled_response_chart(view: &View, design: &DesignPreview) -> Chart {
 }
 
 /// Returns the responses of the full plant of a project without a controller.
-fn response_chart(view: &View, comparison: &ReductionComparison) -> Chart {
-    let mut chart = frequency_chart(view, RESPONSE_TITLE, "modulus");
+fn response_chart(view: &View, plant: &Parameters, comparison: &ReductionComparison) -> Chart {
+    let mut chart = frequency_chart(view, &response_title(plant.controlled_quantity().motion()), "modulus");
     let moduli = [&comparison.control_moduli, &comparison.heave_moduli, &comparison.pitch_moduli];
     for (k, (full, name)) in moduli.iter().zip(RESPONSE_NAMES).enumerate() {
         let point = |(w, v): (&f64, &f64)| [view.units.display_frequency(*w), view.units.display_gain(*v)];
@@ -264,8 +267,11 @@ fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
 
 /// Returns steady friction over the hub rate, of the pivot and of the motor through the gear.
 fn friction_chart(view: &View, plant: &Parameters) -> Chart {
-    let label = format!("hub rate, {}", view.units.angular_rate_unit());
-    let mut chart = Chart::new("Friction at the hub", &label, "torque, N m");
+    let rate = plant.controlled_quantity().rate();
+    let unit = view.units.display_unit(rate.unit());
+    let label = format!("{}, {}", rate.name(), unit.name);
+    let torque = format!("torque, {}", plant.axis.unit("N m"));
+    let mut chart = Chart::new("Friction at the hub", &label, &torque);
     let places = [
         ("pivot", FrictionPlace::Pivot, Dash::Solid),
         ("motor, through the gear", FrictionPlace::Motor, Dash::Dashed),
@@ -273,7 +279,7 @@ fn friction_chart(view: &View, plant: &Parameters) -> Chart {
     for (k, (name, place, dash)) in places.into_iter().enumerate() {
         let rates = (-200..=200).map(|j| f64::from(j) * 1e-3);
         let Some(points) = steady_friction_at_hub(plant, place, rates) else { continue };
-        let points = points.into_iter().map(|[rate, torque]| [view.units.angle_factor() * rate, torque]);
+        let points = points.into_iter().map(|[rate, torque]| [unit.factor * rate, torque]);
         chart = chart.with_curve(name, view.theme.curves[k], dash, points.collect());
     }
     chart

@@ -7,9 +7,9 @@ use egui::{RichText, Ui};
 
 use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Command};
-use crate::editing::recent_files::RecentList;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
+use counterpoise_host::recent_files::RecentList;
 
 /// Width of the list of recent places, points.
 pub(super) const WIDTH: f32 = 190.0;

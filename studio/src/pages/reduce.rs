@@ -85,10 +85,11 @@ fn show_charts(
         let most = (shown.plant.reduced.order_before() - 1).max(1) as f64;
         choose_order(queue, shown.method, state.clamp(1.0, most) as usize);
     }
+    let hub = hub_motion(shown.plant);
     let charts = [
-        response_chart(view, comparison, &comparison.control_moduli, "Control to hub rate"),
+        response_chart(view, comparison, &comparison.control_moduli, &format!("Control to {hub}")),
         error_chart(view, shown.plant, comparison),
-        response_chart(view, comparison, &comparison.heave_moduli, "Heave to hub rate"),
+        response_chart(view, comparison, &comparison.heave_moduli, &format!("Heave to {hub}")),
     ];
     for (cell, chart) in cells[1..].iter().zip(&charts) {
         widgets::show_chart(ui, view, queue, *cell, chart);
@@ -230,8 +231,13 @@ fn response_chart(
         .in_group("reduction")
 }
 
+/// Returns what hub and tip of a plant move by, for example "hub rate".
+fn hub_motion(plant: &PlantPreview) -> &'static str {
+    plant.modelled.parameters.controlled_quantity().motion().name()
+}
+
 fn error_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
-    let mut chart = frequency_chart(view, "Error, control to hub rate", "modulus");
+    let mut chart = frequency_chart(view, &format!("Error, control to {}", hub_motion(plant)), "modulus");
     if let Some(bound) = plant.reduced.bound.filter(|bound| *bound > 0.0) {
         chart.levels.push(view.units.display_gain(bound));
     }

@@ -1,5 +1,6 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
+use counterpoise_report::wording::capitalise_first;
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Source, Verification};
 use egui::Ui;
 
@@ -27,7 +28,8 @@ struct HistoryColumn<'a> {
 pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let experiment = limit_marks::selected_requirement(view, found)
         .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
-    let (rate_unit, rate_factor) = (view.units.angular_rate_unit(), view.units.angle_factor());
+    let tip = view.units.display_unit(found.controlled().tip_unit());
+    let tip_name = capitalise_first(&found.controlled().tip_name());
     let column = |name, unit, factor, values| HistoryColumn { name, unit, factor, values };
     let mut charts = [
         hub_chart(view, found, experiment),
@@ -37,7 +39,7 @@ pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
             view,
             found,
             experiment,
-            &column("Tip rate", rate_unit, rate_factor, |h| &h.tip_rate_rad_s),
+            &column(&tip_name, &tip.name, tip.factor, |h| &h.tip_rate_rad_s),
         ),
     ];
     let signals = [HistorySignal::Hub, HistorySignal::Control, HistorySignal::Current, HistorySignal::Tip];
@@ -116,10 +118,12 @@ fn history_points(history: &History, values: fn(&History) -> &Vec<f64>, factor: 
 }
 
 fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
-    let title = format!("{}: hub rate", experiment_name(experiment));
-    let label = format!("hub rate, {}", view.units.angular_rate_unit());
+    let controlled = found.controlled();
+    let unit = view.units.display_unit(controlled.unit());
+    let title = format!("{}: {}", experiment_name(experiment), controlled.name());
+    let label = format!("{}, {}", controlled.name(), unit.name);
     let mut chart = Chart::new(&title, "time, s", &label).in_group(TIME_GROUP);
-    let factor = view.units.angle_factor();
+    let factor = unit.factor;
     if let Experiment::Disturbance(source, _) = experiment
         && let Some(h) =
             found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
@@ -153,13 +157,14 @@ fn history_chart(view: &View, found: &Verification, experiment: Experiment, colu
 
 /// Returns the disturbance rejection over frequency, for each arrangement of the controller.
 fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
+    let unit = found.controlled().unit();
     let (title, label) = if source == Source::Heave {
-        ("Rejection of heave", "rad/s per m/s\u{b2}")
+        ("Rejection of heave", format!("{unit} per m/s\u{b2}"))
     } else {
-        ("Rejection of pitch", "rad/s per rad/s")
+        ("Rejection of pitch", format!("{unit} per rad/s"))
     };
     let curves = &found.evidence.curves;
-    let mut chart = frequency_chart(view, title, label);
+    let mut chart = frequency_chart(view, title, &label);
     for one in curves.rejection.iter().filter(|r| r.source == source) {
         let (name, k, dash) = match one.arrangement {
             Arrangement::Uncontrolled => ("none", 3, Dash::Dotted),

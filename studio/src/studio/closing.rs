@@ -2,12 +2,10 @@
 
 use super::Studio;
 use crate::command::Command;
-use crate::editing::journal_writer::JournalEnding;
 use crate::results::Results;
 use crate::view::CloseTarget;
-
-/// Time between two looks at a worker while the studio ends.
-const WAIT: std::time::Duration = std::time::Duration::from_millis(2);
+use counterpoise_host::journal_writer::JournalEnding;
+use counterpoise_host::worker::wait_between_looks;
 
 impl Studio {
     /// Closes the project, and asks first if it has unsaved edits.
@@ -38,12 +36,12 @@ impl Studio {
     pub fn close(&mut self) {
         self.stop_opening();
         while self.file_queue.is_saving() {
-            std::thread::sleep(WAIT);
+            wait_between_looks();
             self.take_file_result();
         }
         self.leave(None);
         while self.jobs.settings.is_busy() {
-            std::thread::sleep(WAIT);
+            wait_between_looks();
         }
     }
 }

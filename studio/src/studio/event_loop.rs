@@ -10,8 +10,8 @@ use super::Studio;
 use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Page};
 use crate::jobs::assumption_ranking::RankingRequest;
-use crate::jobs::file_check::FileCheck;
 use crate::jobs::file_jobs::DiskText;
+use counterpoise_host::file_check::FileCheck;
 
 /// Shortest time between two frames that the studio asks for itself.
 const SHORTEST_WAIT: Duration = Duration::from_millis(5);

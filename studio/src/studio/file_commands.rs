@@ -15,9 +15,6 @@ use crate::command::{BrowsePurpose, Command};
 use counterpoise_host::journals::journal_path;
 
 use crate::editing::journal::JournalHeader;
-use crate::editing::journal_writer::JournalEnding;
-use crate::editing::project_lock::ProjectLock;
-use crate::editing::recent_files::RecentList;
 use crate::editing::session::file_name;
 use crate::file_queue::{QueuedCommand, is_save};
 use crate::jobs::file_jobs::{
@@ -25,6 +22,9 @@ use crate::jobs::file_jobs::{
 };
 use crate::jobs::kept_designs::KeptRequest;
 use crate::settings::ProjectSettings;
+use counterpoise_host::journal_writer::JournalEnding;
+use counterpoise_host::project_lock::ProjectLock;
+use counterpoise_host::recent_files::RecentList;
 
 /// What to do if nothing can be written.
 const SAVE_FAILURE_ADVICE: &str =

@@ -21,8 +21,6 @@ use counterpoise_host::worker::Wake;
 
 use crate::command::Command;
 use crate::editing::journal::Journal;
-use crate::editing::project_lock::ProjectLock;
-use crate::editing::recent_files::RecentFiles;
 use crate::editing::session::Session;
 use crate::file_queue::FileQueue;
 use crate::jobs::Jobs;
@@ -31,6 +29,8 @@ use crate::jobs::plot_copy::{ClipboardContent, CopyFormat};
 use crate::results::Results;
 use crate::settings::{ProjectSettings, UserSettings};
 use crate::view::{View, ViewCommand};
+use counterpoise_host::project_lock::ProjectLock;
+use counterpoise_host::recent_files::RecentFiles;
 
 /// An open project.
 pub struct OpenProject {

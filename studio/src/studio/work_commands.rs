@@ -9,7 +9,6 @@ use counterpoise_verify::VerifiedController;
 
 use super::Studio;
 use crate::command::{Command, DesignSlot};
-use crate::editing::recent_files::RecentList;
 use crate::jobs::code_export::ExportRequest;
 use crate::jobs::diagnosis::DiagnosisRequest;
 use crate::jobs::measurements::MeasurementRequest;
@@ -18,6 +17,7 @@ use crate::jobs::recording_views::ReplayRequest;
 use crate::jobs::report_job::ReportRequest;
 use crate::jobs::verification::VerificationRequest;
 use crate::versioned::Versioned;
+use counterpoise_host::recent_files::RecentList;
 
 /// A design with its verification, both of the project as it stands.
 struct VerifiedNow {

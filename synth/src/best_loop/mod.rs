@@ -18,6 +18,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, is_stable};
 
 use crate::sampling::sampled_plant;
+use crate::tolerance::{BEST_LOOP_LIMIT_KEPT, BEST_LOOP_ROUNDS};
 use crate::tuning::{Clock, Density, Disturbance, LoopGrid, LoopLimits, bilinear_factor};
 use crate::{DesignPlant, Error, Sampling};
 use basis::Basis;
@@ -61,10 +62,6 @@ pub struct BestLoop {
     pub frequencies: usize,
 }
 
-/// Rounds in which the frequencies that the last answer violates join the program.
-const ROUNDS: usize = 6;
-/// A limit that is exceeded by less than this share on the fine grid counts as kept.
-const KEPT: f64 = 2e-3;
 /// The fine grid: the longest delay of the basis makes |Q| ripple with a period of a 160th of the sample rate, which eight frequencies
 /// a period resolve. With a coarser grid the answer puts peaks between its frequencies, and the value is too low.
 const DENSITY: Density = Density { per_decade: 100.0, linear: 640 };
@@ -126,7 +123,7 @@ impl Ground {
         let count = self.grid.rates.len();
         let mut used: Vec<usize> = (0..count).step_by(COARSE).collect();
         let mut last: Option<(BestLoop, f64)> = None;
-        for _ in 0..ROUNDS {
+        for _ in 0..BEST_LOOP_ROUNDS {
             let solved = Program { ground: self, basis, limits: &task.limits }.solve(&used)?;
             let found = self.measured(&solved, basis);
             let beyond = self.violated(&solved, &task.limits);
@@ -144,7 +141,7 @@ impl Ground {
 
     /// The frequencies at which a limit is exceeded.
     fn violated(&self, solved: &Solved, limits: &LoopLimits) -> Vec<usize> {
-        let over = |value: f64, limit: f64| value > limit * (1.0 + KEPT);
+        let over = |value: f64, limit: f64| value > limit * (1.0 + BEST_LOOP_LIMIT_KEPT);
         let is_over = |&k: &usize| {
             let T = self.P[k] * solved.Q[k];
             over((C64::ONE - T).norm(), limits.max_sensitivity)

@@ -24,7 +24,7 @@ fn no_tuned_controller_is_better_than_the_best_feedback_and_its_dual_closes_the_
     };
     let task = BestLoopTask { plant: &plant, sampling: &sampling, disturbance: &disturbance, limits };
     let best = best_loop(&task).unwrap();
-    let slack = 1.0 + KEPT;
+    let slack = 1.0 + BEST_LOOP_LIMIT_KEPT;
     assert!(best.max_sensitivity <= 1.4 * slack && best.max_complementary <= 1.2 * slack);
     assert!(best.noise_gain <= 4.0 * slack && best.control_peak <= 15.0 * slack);
     assert!(best.lower_bound_rad_s <= best.residual_rad_s * (1.0 + 1e-6), "{best:?}");

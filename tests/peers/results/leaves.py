@@ -16,6 +16,7 @@ import json
 import re
 import sys
 
+import controlled
 import recompute
 
 SYSTEM = r"[ABCD]\.\d+\.\d+|sample_time_s"
@@ -175,7 +176,7 @@ def proofs(result, kinds):
 
 def main(path, *options):
     with open(path, encoding="utf-8") as file:
-        result = json.load(file)
+        result = controlled.as_rate_loop(json.load(file))
     kinds = classified(result)
     counts, listed, wrong = {}, {}, []
     for kind, (found, paths) in kinds.items():

@@ -17,6 +17,7 @@ import control
 import numpy as np
 
 import certificates
+import controlled
 import sight
 import stages
 import targets
@@ -469,7 +470,7 @@ def difference_of(value, mine, allowed):
 
 def main(path):
     with open(path, encoding="utf-8") as file:
-        result = json.load(file)
+        result = controlled.as_rate_loop(json.load(file))
     assert result["schema"] == "counterpoise.results/2", result["schema"]
     count, worst, wrong, cannot = 0, 0.0, [], []
     for name, value, mine, *allowed in rows_of(result):

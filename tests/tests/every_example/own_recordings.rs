@@ -102,7 +102,7 @@ fn replaying(path: &Path, designed: &Designed, plant: &Plant) -> Project {
 fn replayed(project: &Project, recording: Recording) -> ReplayedRecording {
     let controller = recording_controller(project).unwrap();
     let read = read_recording(project, controller.as_ref(), recording, Gaps::Repaired).unwrap();
-    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
+    let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     assert!(read.iter().all(|item| !item.has_other_controller()), "{:?}", read[0].remarks);
     replay(project, &read, &control, ReplayLength::Automatic).unwrap().remove(0)
 }

@@ -26,6 +26,7 @@ pub mod runs;
 pub mod sector;
 
 use counterpoise_controller::Controller;
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::Plant;
 
 pub use cycle::Cycle;
@@ -73,6 +74,8 @@ pub enum Stability {
 pub struct CaseCertificate {
     /// The case's name.
     pub name: String,
+    /// What the hub moves by in the runs: a rate of its axis.
+    pub rate: ControlledQuantity,
     /// The out-of-balance that the controller is told, kg m.
     pub out_of_balance_kg_m: f64,
     /// The verdict.
@@ -188,6 +191,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let motion = runs::in_motion(subject)?;
     let mut found = CaseCertificate {
         name: subject.case.name.clone(),
+        rate: subject.case.plant.parameters().controlled_quantity().rate(),
         out_of_balance_kg_m: subject.case.out_of_balance_kg_m,
         stability: Stability::Stable,
         regimes,

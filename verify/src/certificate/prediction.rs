@@ -18,7 +18,8 @@ pub struct Prediction {
 /// Predicts the limit cycles of a case.
 pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
     let balance = Balance::new(subject)?;
-    let least = LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s();
+    // The floor of a loop of position, torque or current is one of its reading, which may be any number beside a rate.
+    let least = (LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s()).min(0.1 * MOST_AMPLITUDE_RAD_S);
     let decades = (MOST_AMPLITUDE_RAD_S / least).log10();
     let count = (decades * AMPLITUDES_PER_DECADE).ceil() as usize + 1;
     let mut found = Prediction::default();

@@ -2,9 +2,9 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{Discretisation, StateSpace, Timebase, append, c2d, delay_samples, series};
-use counterpoise_models::AccelerometerAxis;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::LinearPlant;
+use counterpoise_models::{AccelerometerAxis, ControlledQuantity};
 
 use crate::Error;
 use crate::tolerance::MOST_DELAY_STATES;
@@ -36,6 +36,8 @@ pub struct SampledPlant {
     pub sample_period_s: f64,
     /// The control that holds the mechanism at its operating point, V.
     pub holding_v: f64,
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
     /// Whether hub and tip are positions and not rates: the loop's sensor measures one.
     pub controls_position: bool,
     /// Whether the loop controls a torque or a current, which is then in the place of the hub's rate.
@@ -129,6 +131,7 @@ impl SampledPlant {
             sampled,
             sample_period_s,
             holding_v: plant.equilibrium.control_v,
+            controlled: parameters.controlled_quantity(),
             controls_position: parameters.sensors.measured.is_position(),
             controls_effort: parameters.sensors.measured.is_effort(),
             hub_angle_rad,

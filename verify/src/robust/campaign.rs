@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use counterpoise_controller::Controller;
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 
@@ -93,6 +94,11 @@ impl Campaign {
     /// The variations.
     pub fn variations(&self) -> &[Variation] {
         &self.variations
+    }
+
+    /// What the loop controls.
+    pub fn controlled(&self) -> ControlledQuantity {
+        self.nominal.controlled_quantity()
     }
 
     /// The requirements, whose figures are measured.

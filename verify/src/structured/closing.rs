@@ -3,6 +3,7 @@
 use counterpoise_controller::{COMMON_READINGS, Controller};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, append, lft, poles, series};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::{
     Angles, FrictionLinearisation, Impedance, LinearPlant, OperatingPoint, Plant,
@@ -46,6 +47,8 @@ pub struct ClosedWith {
     pub plant: StateSpace,
     /// The controller with the gain errors before and behind it.
     pub controller: StateSpace,
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
 }
 
 /// Returns the perturbed mechanism and what closes the loop around it.
@@ -68,7 +71,11 @@ pub fn closed_with(
     let discrete = Timebase::Discrete { period_s };
     let before = append(&StateSpace::gain(Mat::eye(1), discrete)?, &output?)?;
     let readings = append(&before, &StateSpace::gain(Mat::eye(COMMON_READINGS - 2), discrete)?)?;
-    Ok(ClosedWith { controller: series(&series(&readings, &K)?, &input?)?, plant: plant.sampled })
+    Ok(ClosedWith {
+        controller: series(&series(&readings, &K)?, &input?)?,
+        plant: plant.sampled,
+        controlled: parameters.controlled_quantity(),
+    })
 }
 
 /// The closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of presliding,

@@ -16,6 +16,7 @@ use counterpoise_controller::{COMMON_READINGS, Controller};
 use counterpoise_linalg::{C64, CMat, Mat};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{Response, StateSpace, Timebase, feedback};
+use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{LinearPlant, OperatingPoint, Plant};
@@ -64,6 +65,8 @@ pub struct PulledLoop {
     pub reading_delays_samples: Vec<usize>,
     /// Relative errors at the plant's input and of the hub gyroscope's reading.
     pub errors: [f64; 2],
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
 }
 
 /// A loop with its uncertain parts pulled out.
@@ -162,6 +165,7 @@ impl UncertainLoop {
             control_delay_samples: self.plant.delays.control,
             reading_delays_samples: self.plant.delays.readings[..COMMON_READINGS].to_vec(),
             errors: self.errors,
+            controlled: self.plant.controlled,
         }
     }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use counterpoise_host::worker::Wake;
+use crate::worker::Wake;
 
 /// Time between two looks: short enough that a change is shown before a user saves over it, long enough to cost nothing.
 const INTERVAL: Duration = Duration::from_secs(1);

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use counterpoise_host::files::{self, Disk};
+use crate::files::{self, Disk};
 
 /// Returns the time of a file's last change.
-pub(super) fn modification_time(path: &Path) -> Option<SystemTime> {
+pub fn modification_time(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|m| m.modified()).ok()
 }
 
 /// Returns the recordings in the folder of a project file.
-pub(super) fn recordings_beside(path: &Path) -> Vec<PathBuf> {
+pub fn recordings_beside(path: &Path) -> Vec<PathBuf> {
     path.parent().map_or(Vec::new(), |folder| files::recording_files(&[folder.to_owned()]))
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 
-use counterpoise_host::files::{Disk, write_on};
+use crate::files::{Disk, write_on};
 
 /// Length of a list: what fits into the window beside the browser.
 const LONGEST: usize = 8;

@@ -6,12 +6,12 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
-use counterpoise_host::files::{Disk, write_on};
-use counterpoise_host::worker::Wake;
-
-use super::project_lock::ProjectLock;
+use crate::files::{Disk, write_on};
+use crate::project_lock::ProjectLock;
+use crate::worker::Wake;
 
 /// What becomes of a journal that ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub enum JournalEnding {
 }
 
 /// A message to the journal's thread.
-pub(super) enum JournalMessage {
+pub enum JournalMessage {
     /// A journal begins at a path, with this text.
     Begin(PathBuf, String),
     /// A line is appended.
@@ -36,11 +36,25 @@ pub(super) enum JournalMessage {
     Stop,
 }
 
+/// The thread of a journal.
+pub type JournalThread = JoinHandle<()>;
+
+/// Starts the thread that carries out messages until it is told to stop; it leaves in `error` why the journal cannot be written, and calls
+/// `wake` when an error appears or goes.
+pub fn spawn_journal_writer(
+    disk: Arc<dyn Disk>,
+    wake: Wake,
+    messages: Receiver<JournalMessage>,
+    error: Arc<Mutex<Option<String>>>,
+) -> JournalThread {
+    std::thread::spawn(move || Writer::new(disk, wake).run(&messages, &error))
+}
+
 /// Time before a write that failed is tried again: short enough that a user who made room sees the message go.
 const RETRY_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Writes what comes, at once. What could not be written is tried again until it can.
-pub(super) struct Writer {
+struct Writer {
     disk: Arc<dyn Disk>,
     /// The journal's path; `None` before one is begun.
     path: Option<PathBuf>,
@@ -56,7 +70,7 @@ pub(super) struct Writer {
 struct Syncer {
     inbox: Option<Sender<(PathBuf, File)>>,
     error: Arc<Mutex<Option<String>>>,
-    thread: Option<std::thread::JoinHandle<()>>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Syncer {
@@ -96,13 +110,13 @@ impl Drop for Syncer {
 
 impl Writer {
     /// Returns a writer without a journal.
-    pub(super) fn new(disk: Arc<dyn Disk>, wake: Wake) -> Self {
+    fn new(disk: Arc<dyn Disk>, wake: Wake) -> Self {
         let syncer = Syncer::new(Arc::clone(&disk), Arc::clone(&wake));
         Self { disk, path: None, file: None, pending: String::new(), syncer, wake }
     }
 
     /// Carries out messages until it is told to stop; leaves in `error` why the journal cannot be written.
-    pub(super) fn run(&mut self, messages: &Receiver<JournalMessage>, error: &Mutex<Option<String>>) {
+    fn run(&mut self, messages: &Receiver<JournalMessage>, error: &Mutex<Option<String>>) {
         loop {
             let first = if self.pending.is_empty() {
                 messages.recv().map_err(|_| RecvTimeoutError::Disconnected)

@@ -5,7 +5,7 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 
-use counterpoise_host::journals::journal_path;
+use crate::journals::journal_path;
 
 /// A project that this window alone may write.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ mod tests {
 
     #[test]
     fn a_second_lock_is_refused_until_the_first_ends() {
-        let state = counterpoise_host::files::scratch_folder().unwrap();
+        let state = crate::files::scratch_folder().unwrap();
         let first = ProjectLock::acquire(state.path(), Path::new("rig.toml"));
         assert!(first.is_some());
         assert!(ProjectLock::acquire(state.path(), Path::new("rig.toml")).is_none());
