@@ -45,6 +45,33 @@ pub enum PipelineError {
          their values into the file"
     )]
     NotTuned,
+    /// A controller whose file was not handed in.
+    #[error("the file \"{file}\" of [synth.controller] was not read")]
+    ControllerNotRead {
+        /// Name of the file.
+        file: String,
+    },
+    /// A controller that does not hold the loop, every reason.
+    #[error(
+        "the controller in \"{file}\" does not hold the loop:\n{}\n  it acts on the error, demand less reading, in SI units (per rad/s, or per rad in a loop of position): \
+         look at its sign, its units and its sample time",
+        lines(.findings)
+    )]
+    ControllerUnstable {
+        /// Name of the file.
+        file: String,
+        /// What was found.
+        findings: Vec<Finding>,
+    },
+    /// A controller in sampled time that oscillates at half the sample rate.
+    #[error(
+        "\"{file}\": the controller has a pole at z = -1, which no continuous system becomes under the bilinear map; it rings at half the sample \
+         rate (a derivative by the bilinear map does so): give the derivative a lag, or the controller in continuous time"
+    )]
+    ControllerPole {
+        /// Name of the file.
+        file: String,
+    },
     /// A configuration that the project does not have.
     #[error("there is no configuration \"{name}\"; the project has: {known}")]
     Configuration {

@@ -309,7 +309,7 @@ pub fn expected_disturbance(
 ) -> Result<Disturbance, PipelineError> {
     let mut with_h2 = project.clone();
     if let Some(synth) = &mut with_h2.synth {
-        synth.options.structure = FixedStructure::default();
+        synth.options.remove_fixed_feedback();
     }
     let made = synthesise(&with_h2, modelled, reduced)?;
     let asked_procedure = own_procedure(project, world)?;

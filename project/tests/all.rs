@@ -5,6 +5,7 @@
 mod bad_files;
 mod base_motion;
 mod import_cache;
+mod imported_controllers;
 mod omissions;
 mod parts_and_tolerances;
 mod plant_and_platform;

@@ -12,6 +12,7 @@ python-control are functions of this module.
 """
 
 from ._native import SCHEMA, CounterpoiseError, NumericalError, ProjectError, __version__
+from .controllers import write_controller
 from .numerics import (
     Riccati,
     balred,
@@ -55,4 +56,5 @@ __all__ = [
     "margin",
     "margins",
     "riccati",
+    "write_controller",
 ]

@@ -131,6 +131,36 @@ def test_code_is_written(gimbal, tmp_path):
     assert all((tmp_path / name).stat().st_size > 0 for name in ("controller.c", "controller.json"))
 
 
+def test_a_controller_made_elsewhere_runs(tmp_path):
+    control = pytest.importorskip("control")
+    signal = pytest.importorskip("scipy.signal")
+    text = """format = 2
+[plant]
+name = "axis"
+inertia = 0.5
+friction = { pivot = { viscous = 0.8 } }
+drive = { kind = "torque", limit = 10.0 }
+interface = { sample_period = 1e-3 }
+"""
+    made = control.tf([4.0, 12.0], [1.0, 0.0])
+    forms = {
+        "tf": made,
+        "ss": control.ss(made),
+        "sampled": control.c2d(made, 1e-3, "tustin"),
+        "zpk": signal.ZerosPolesGain([-3.0], [0.0], 4.0),
+        "scipy": signal.TransferFunction([4.0, 12.0], [1.0, 0.0]),
+    }
+    wanted = control.evalfr(forms["sampled"], np.exp(1e-3j * 9.0))
+    for name, form in forms.items():
+        cp.write_controller(tmp_path / f"{name}.json", form)
+        (tmp_path / "axis.toml").write_text(text)
+        project = cp.Project.load(tmp_path / "axis.toml").set("synth.controller.file", f"{name}.json")
+        path = project.synth().to_control("feedback")
+        assert abs(control.evalfr(path, np.exp(1e-3j * 9.0)) / wanted - 1) < 1e-9, name
+    with pytest.raises(ValueError, match="sample time"):
+        cp.write_controller(tmp_path / "none.json", control.StateSpace([], [], [], [[1.0]], None))
+
+
 def test_a_project_is_saved_as_it_was_written(gimbal, tmp_path):
     gimbal.save(tmp_path / "project.toml")
     saved = cp.Project.load(tmp_path)

@@ -34,7 +34,7 @@ mod tolerance;
 pub mod unit;
 
 pub use channel::{Channel, ChannelUnits, Controlled, Travel};
-pub use decode::{CsvParts, is_text};
+pub use decode::{CsvParts, NamedArray, is_text, read_arrays};
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;

@@ -12,6 +12,7 @@ mod designs;
 mod every_example;
 mod exported_recordings;
 mod fuzz;
+mod imported_controllers;
 mod kinds_diagnosed;
 mod large_steps;
 mod machine_kinds;

@@ -300,6 +300,13 @@ pub fn describe_weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let blocks = crate::tuning::block_results(&synth.options.structure);
     let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();
+    lines.extend(
+        synth
+            .options
+            .imported
+            .iter()
+            .map(|imported| format!("feedback: the controller in {}", imported.file)),
+    );
     if lines.is_empty() {
         lines.push(format!("feedback: {}", s.feedback.error.meaning("measured error")));
         lines.push(format!("feedback: {}", s.feedback.control.meaning("control")));

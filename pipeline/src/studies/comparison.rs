@@ -2,7 +2,7 @@
 //! balance, and a plant with modes that the design neglects.
 
 use counterpoise_linalg::{C64, Mat};
-use counterpoise_lti::{StateSpace, Timebase, feedback, series};
+use counterpoise_lti::{StateSpace, Timebase, feedback, poles, series};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised;
@@ -18,6 +18,7 @@ use crate::exchange::systems::controllers_of_design;
 use crate::exchange::{SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
+use crate::tolerance::DRIFTING_POLE;
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
@@ -357,10 +358,9 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
         None if made.has_fixed_structure() => None,
         None => made.design.feedback.cost.achieved.map(f64::sqrt),
     };
-    let structure = &asked.options.structure;
     let (method, integral) = if made.has_fixed_structure() {
-        let rational = structure.rational()?;
-        (structure.name(), rational.poles.iter().any(|pole| pole.norm() == 0.0))
+        let name = asked.options.fixed_feedback_name().unwrap_or_default();
+        (name, integrates(&made.design.feedback_controller())?)
     } else {
         let error = &asked.specification.feedback.error;
         (asked.options.method.name().to_owned(), without_integral(error) != *error)
@@ -456,7 +456,13 @@ fn three_part(
     })
 }
 
+/// Returns whether a continuous feedback holds an integral.
+fn integrates(feedback: &StateSpace) -> Result<bool, PipelineError> {
+    Ok(poles(feedback)?.iter().any(|pole| pole.norm() < DRIFTING_POLE))
+}
+
 /// Returns the weight with its poles on the axis moved to the left, its height above them kept.
+
 fn without_integral(weight: &Weight) -> Weight {
     let rational = weight.rational();
     if rational.poles.iter().all(|pole| pole.re != 0.0) {

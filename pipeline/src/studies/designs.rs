@@ -214,8 +214,8 @@ fn three_part(asked: &Synthesis) -> Specification {
 }
 
 fn own_name(asked: &Synthesis) -> String {
-    match (&asked.options.structure, asked.specification.assembly, asked.options.method) {
-        (structure, ..) if !structure.blocks.is_empty() => format!("own: {}", structure.name()),
+    match (asked.options.fixed_feedback_name(), asked.specification.assembly, asked.options.method) {
+        (Some(name), ..) => format!("own: {name}"),
         (_, Assembly::Joint, _) => "own: joint optimum".to_owned(),
         (_, _, Method::ThreePart) => "own: three-part H2".to_owned(),
         (_, _, Method::JointH2) => "own: textbook H2".to_owned(),
@@ -241,11 +241,11 @@ fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
 /// Returns the methods that the project did not choose: the three-part H2 design, and the joint optimum.
 fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
     let mut plain = asked.clone();
-    plain.options.structure = FixedStructure::default();
+    plain.options.remove_fixed_feedback();
     plain.options.tuning = None;
     plain.options.method = Method::ThreePart;
     let mut all = Vec::new();
-    let is_plain = asked.options.structure.blocks.is_empty() && asked.options.method == Method::ThreePart;
+    let is_plain = asked.options.fixed_feedback_name().is_none() && asked.options.method == Method::ThreePart;
     if !is_plain || asked.specification.assembly == Assembly::Joint {
         let mut three_part = plain.clone();
         three_part.specification.assembly = Assembly::SimpleAdd;
@@ -287,7 +287,7 @@ impl Bench<'_> {
         let made = run_observed(self.world, Step::Synthesise, || {
             let (tuned, _) = tune_feedback(subject, self.ground, wanted)?;
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
-            synthesis.options.structure = FixedStructure::default();
+            synthesis.options.remove_fixed_feedback();
             put_in_place(&tuned.feedback, &mut synthesis);
             synthesis.options.method = Method::ThreePart;
             synthesis.options.controller_order = None;

@@ -7,7 +7,7 @@ pub mod friction_observers;
 pub mod schedule;
 
 use counterpoise_linalg::Mat;
-use counterpoise_lti::{StateSpace, Timebase, series};
+use counterpoise_lti::{StateSpace, Timebase, d2c_tustin, series};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
@@ -18,6 +18,7 @@ use counterpoise_synth::{
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
 use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::imported_controller::ImportedController;
 use counterpoise_project::resolve::synthesis::Synthesis;
 
 pub use demanded_rate::DemandedRate;
@@ -91,7 +92,7 @@ pub fn synthesise(
         Some(wanted) if schedule::redesigns(wanted, &balance) && design.part(Channel::Heave).is_some() => {
             discretise_schedule(&design, schedule::interpolated(wanted, &balance), &sampling)?
         }
-        _ => discretise(&design, &sampling)?,
+        _ => discretise(&design, &sampling).map_err(|error| named_controller(asked, error))?,
     };
     let sampled = with_controller_blocks(sampled, asked, modelled, &plant, &sampling)?;
     let sampled = with_reading_limits(sampled, &modelled.parameters.sensors)?;
@@ -124,9 +125,14 @@ fn by_method(asked: &Synthesis, design: &mut Design) -> Result<Option<Alternativ
     Ok(Some(made))
 }
 
-/// Puts the feedback of fixed structure in place of the three-part one, where the project has one.
+/// Puts the feedback of fixed structure, or the one that was made elsewhere, in place of the three-part one, where the project has one.
 fn by_structure(asked: &Synthesis, design: &mut Design) -> Result<(), PipelineError> {
     let structure = &asked.options.structure;
+    if let Some(imported) = &asked.options.imported {
+        sees_the_error_alone(design, "controller")?;
+        design.substitute = Some(imported_feedback(imported)?);
+        return Ok(());
+    }
     if structure.blocks.is_empty() {
         return Ok(());
     }
@@ -136,6 +142,30 @@ fn by_structure(asked: &Synthesis, design: &mut Design) -> Result<(), PipelineEr
     }
     design.substitute = Some(structure.controller()?);
     Ok(())
+}
+
+/// Returns why a sampled loop is refused, which names the file if the feedback was made elsewhere.
+fn named_controller(asked: &Synthesis, error: counterpoise_synth::Error) -> PipelineError {
+    match (PipelineError::from(error), &asked.options.imported) {
+        (PipelineError::NoController(findings), Some(imported)) => {
+            PipelineError::ControllerUnstable { file: imported.file.clone(), findings }
+        }
+        (error, _) => error,
+    }
+}
+
+/// Returns a feedback that was made elsewhere, in continuous time from (demand, reading) to the control. One in sampled time becomes the
+/// system whose Tustin discretisation it is, so that it runs as it was given, up to rounding.
+fn imported_feedback(imported: &ImportedController) -> Result<StateSpace, PipelineError> {
+    let not_read = || PipelineError::ControllerNotRead { file: imported.file.clone() };
+    let system = imported.system.as_ref().ok_or_else(not_read)?;
+    let from_error = match system.timebase {
+        Timebase::Continuous => system.as_ref().clone(),
+        Timebase::Discrete { .. } => d2c_tustin(system, None)
+            .map_err(|_| PipelineError::ControllerPole { file: imported.file.clone() })?,
+    };
+    let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
+    Ok(series(&difference, &from_error)?)
 }
 
 /// Puts a feedback of lower order in place of the design's, by frequency-weighted balancing that keeps the loop.

@@ -44,7 +44,8 @@ impl Attachments {
         String::from_utf8(bytes.to_vec()).map_err(|_| format!("the file \"{name}\" is not UTF-8 text"))
     }
 
-    fn bytes(&self, name: &str) -> Result<&[u8], String> {
+    /// Returns the bytes of a file.
+    pub(crate) fn bytes(&self, name: &str) -> Result<&[u8], String> {
         let missing = || match self.problems.get(name) {
             Some(problem) => format!("the file \"{name}\" cannot be read: {problem}"),
             None => format!("the file \"{name}\" was not found in the folder of the project file"),

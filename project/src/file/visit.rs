@@ -45,6 +45,10 @@ pub(crate) trait Visit {
     fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
         None
     }
+    /// Returns a file that was handed in, or why there is none; `None` if nothing is read.
+    fn attached_bytes(&mut self, _name: &str) -> Option<Result<Vec<u8>, String>> {
+        None
+    }
     /// Reads a text that stands where a table could; returns true if it is there.
     fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
         false

@@ -103,6 +103,10 @@ impl Visit for Words<'_> {
         self.inner.attached(name)
     }
 
+    fn attached_bytes(&mut self, name: &str) -> Option<Result<Vec<u8>, String>> {
+        self.inner.attached_bytes(name)
+    }
+
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
         self.inner.shorthand(key, value)
     }

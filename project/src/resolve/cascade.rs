@@ -120,6 +120,7 @@ pub(super) fn problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
         (!options.alternatives.is_empty(), "`alternatives`"),
         (options.controller_order.is_some(), "`controller_order`"),
         (!options.structure.blocks.is_empty(), "[[synth.block]]"),
+        (options.imported.is_some(), "[synth.controller]"),
         (options.search.is_some(), "[synth.search]"),
         (!is_tustin, "another `discretisation` than \"tustin\" without `prewarp`"),
         (specification.assembly != Assembly::SimpleAdd, "another `assembly` than \"simple-add\""),

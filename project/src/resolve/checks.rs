@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use counterpoise_lti::Timebase;
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
@@ -53,6 +54,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     base_motion_checks::slide(&mut findings, project);
     base_motion_checks::projected(&mut findings, project);
     recorded_period(&mut findings, project);
+    imported_period(&mut findings, project);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);
     units(&mut findings, &project.recording, project.channel_units());
@@ -282,6 +284,22 @@ fn recorded_period(findings: &mut Findings<'_>, project: &Project) {
         );
         let remark = Remark::new(Problem::OutOfRange, "recording_controller.file", allowed);
         findings.add(Severity::Error, remark.found(format!("\"{}\"", source.file)));
+    }
+}
+
+/// A controller in sampled time that was made elsewhere runs at the sample period of the interface.
+fn imported_period(findings: &mut Findings<'_>, project: &Project) {
+    let imported = project.synth.as_ref().and_then(|synth| synth.options.imported.as_ref());
+    let Some(system) = imported.and_then(|imported| imported.system.as_ref()) else { return };
+    let Timebase::Discrete { period_s: own } = system.timebase else { return };
+    let period = project.plant.interface.sample_period_s;
+    if (own - period).abs() > SAME_SAMPLE_PERIOD * period {
+        let allowed = format!(
+            "must be a controller in continuous time (Ts = 0), or one with the sample period of plant.interface, {period} s; this one has {own} s"
+        );
+        let file = imported.map_or("", |imported| &imported.file);
+        let remark = Remark::new(Problem::OutOfRange, "synth.controller.file", allowed);
+        findings.add(Severity::Error, remark.found(format!("\"{file}\"")));
     }
 }
 

@@ -3,7 +3,7 @@
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_controller::words::is_word;
 use counterpoise_export::{Options, Precision};
-use counterpoise_lti::Discretisation;
+use counterpoise_lti::{Discretisation, Timebase};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{Axis, Measured};
 use counterpoise_synth::{
@@ -181,7 +181,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
         joint_problem_exists(v, synth);
     }
     cascade::problem_exists(v, synth);
-    fixed_structure_stands_alone(v, synth);
+    fixed_feedback_stands_alone(v, synth);
 }
 
 /// Reads or lists how the controller is put together, sampled and run.
@@ -271,15 +271,25 @@ fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
     v.complain("tune", problem, Some("add [[synth.block]] tables, or remove [synth.tune]".to_owned()));
 }
 
-/// Complains where a feedback of fixed structure is asked for together with what makes or changes another feedback.
-fn fixed_structure_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
+/// Complains where a feedback of fixed structure, or one that was made elsewhere, is asked for together with what makes or changes
+/// another feedback.
+fn fixed_feedback_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
     let (options, specification) = (&synth.options, &synth.specification);
-    if options.structure.blocks.is_empty() {
-        if let Some(tuning) = &options.tuning {
-            weights_can_be_tuned(v, synth, tuning);
+    let (section, remedy) = match (&options.imported, options.structure.blocks.is_empty()) {
+        (Some(_), true) => ("[synth.controller]", "remove [synth.controller], or change this key"),
+        (None, false) => ("[[synth.block]]", "remove the blocks, or change this key"),
+        (Some(_), false) => {
+            let problem = "must not stand beside [[synth.block]]: both make the feedback";
+            v.complain("controller", problem, Some("remove one of the two".to_owned()));
+            return;
         }
-        return;
-    }
+        (None, true) => {
+            if let Some(tuning) = &options.tuning {
+                weights_can_be_tuned(v, synth, tuning);
+            }
+            return;
+        }
+    };
     let tustin = matches!(synth.discretisation, SamplingMethod::Emulation(Discretisation::Tustin { .. }));
     let on_closed_loop = |part: &FeedforwardWeights| part.basis == Basis::ClosedLoop;
     let feedforwards = [&specification.heave, &specification.pitch];
@@ -290,7 +300,7 @@ fn fixed_structure_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
         (tunes_weights, "tune", "must not have weights = \"tune\""),
         (specification.assembly == Assembly::Joint, "assembly", "must not be \"joint\""),
         (specification.reference != Reference::Error, "reference", "must be \"error\""),
-        (!tustin, "discretisation", "must be \"tustin\", which keeps the parameters' meaning,"),
+        (!tustin, "discretisation", "must be \"tustin\", which keeps the feedback's meaning,"),
         (
             feedforwards.into_iter().flatten().any(on_closed_loop),
             "basis",
@@ -298,8 +308,23 @@ fn fixed_structure_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
         ),
     ];
     for (_, key, allowed) in apart.into_iter().filter(|(is_asked, ..)| *is_asked) {
-        let problem = format!("{allowed} where [[synth.block]] makes the feedback");
-        v.complain(key, &problem, Some("remove the blocks, or change this key".to_owned()));
+        let problem = format!("{allowed} where {section} makes the feedback");
+        v.complain(key, &problem, Some(remedy.to_owned()));
+    }
+    imported_can_run(v, synth);
+}
+
+/// Complains of what a feedback that was made elsewhere cannot be together with.
+fn imported_can_run(v: &mut dyn Visit, synth: &Synthesis) {
+    let Some(imported) = &synth.options.imported else { return };
+    if synth.options.tuning.is_some() {
+        let problem = "must be absent where [synth.controller] makes the feedback: nothing of it is open";
+        v.complain("tune", problem, Some("remove one of the two sections".to_owned()));
+    }
+    let is_sampled = imported.system.as_ref().is_some_and(|system| system.timebase != Timebase::Continuous);
+    if is_sampled && synth.discretisation != SamplingMethod::TUSTIN {
+        let problem = "must be absent where [synth.controller] is in sampled time: it runs as it is";
+        v.complain("prewarp", problem, Some("remove this key".to_owned()));
     }
 }
 

@@ -18,6 +18,7 @@ pub mod fixed_structure;
 mod format;
 mod friction;
 pub mod import;
+pub mod imported_controller;
 mod learned;
 mod loads;
 mod loop_sensor;

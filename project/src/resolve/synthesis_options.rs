@@ -6,6 +6,7 @@ use counterpoise_synth::{Drives, FixedStructure, Method, Requirements, Spectrum,
 
 use super::fixed_structure::{Tuning, blocks, tuning};
 use super::friction::{blank_identified, identified};
+use super::imported_controller::{ImportedController, imported_controller};
 use super::model::count;
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
@@ -36,8 +37,26 @@ pub struct SynthesisOptions {
     pub search: Option<WeightSearch>,
     /// Blocks of the feedback in place of the H2 feedback; none without a fixed structure.
     pub structure: FixedStructure,
+    /// A feedback that was made elsewhere, in place of the H2 feedback.
+    pub imported: Option<ImportedController>,
     /// What the open parameters of the blocks are tuned for.
     pub tuning: Option<Tuning>,
+}
+
+impl SynthesisOptions {
+    /// Leaves the feedback to the method: no blocks, and none that was made elsewhere.
+    pub fn remove_fixed_feedback(&mut self) {
+        self.structure = FixedStructure::default();
+        self.imported = None;
+    }
+
+    /// Returns what the feedback is called that stands in place of the method's; `None` if the method's is taken.
+    pub fn fixed_feedback_name(&self) -> Option<String> {
+        match &self.imported {
+            Some(imported) => Some(format!("controller in {}", imported.file)),
+            None => (!self.structure.blocks.is_empty()).then(|| self.structure.name()),
+        }
+    }
 }
 
 /// The friction law that an observer follows.
@@ -209,6 +228,7 @@ impl Default for SynthesisOptions {
             adaptation: None,
             search: None,
             structure: FixedStructure::default(),
+            imported: None,
             tuning: None,
         }
     }
@@ -245,6 +265,11 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     let section = TableField::optional("search", "requirements from which weights are searched");
     optional(v, &section, &mut options.search, blank_search(), search);
     blocks(v, &mut options.structure.blocks);
+    let section = TableField::optional(
+        "controller",
+        "a feedback that was made elsewhere, which takes the place of the H2 feedback",
+    );
+    optional(v, &section, &mut options.imported, ImportedController::default(), imported_controller);
     let section =
         TableField::optional("tune", "what the open parameters of the blocks, or the weights, are tuned for");
     optional(v, &section, &mut options.tuning, Tuning::default(), tuning);

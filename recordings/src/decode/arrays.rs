@@ -10,19 +10,20 @@ use crate::{Channel, Column, Remark};
 const MOST_COLUMNS: usize = 64;
 
 /// A named array of a file.
-pub(super) struct Array {
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedArray {
     /// Its name; a field of a structure is `structure.field`.
-    pub(super) name: String,
+    pub name: String,
     /// Its unit; `None` if the file gives none.
-    pub(super) unit: Option<String>,
-    /// Its values.
-    pub(super) values: Array2<f64>,
+    pub unit: Option<String>,
+    /// Its values, rows x columns; a vector is a single column.
+    pub values: Array2<f64>,
 }
 
 /// Arrays and what was left out, in the order in which they are found.
 #[derive(Default)]
 pub(super) struct Found {
-    pub(super) arrays: Vec<Array>,
+    pub(super) arrays: Vec<NamedArray>,
     pub(super) remarks: Vec<Remark>,
 }
 
@@ -55,20 +56,20 @@ impl Found {
 }
 
 /// Returns the length of the table.
-fn rows(arrays: &[Array]) -> usize {
-    let candidates: Vec<&Array> =
+fn rows(arrays: &[NamedArray]) -> usize {
+    let candidates: Vec<&NamedArray> =
         arrays.iter().filter(|a| a.extent().0 > 1 && a.extent().1 <= MOST_COLUMNS).collect();
     let frequency = |rows: usize| {
         candidates.iter().map(|a| a.extent()).filter(|e| e.0 == rows).map(|e| e.1).sum::<usize>()
     };
-    let longest = |arrays: &mut dyn Iterator<Item = &&Array>| {
+    let longest = |arrays: &mut dyn Iterator<Item = &&NamedArray>| {
         arrays.map(|a| a.extent().0).max_by_key(|rows| (frequency(*rows), *rows))
     };
     let timed = longest(&mut candidates.iter().filter(|a| a.is_time()));
     timed.or_else(|| longest(&mut candidates.iter())).unwrap_or(0)
 }
 
-impl Array {
+impl NamedArray {
     /// Returns the number of samples and of columns: the longer dimension is time.
     fn extent(&self) -> (usize, usize) {
         let (rows, columns) = self.values.dim();

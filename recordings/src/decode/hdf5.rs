@@ -7,8 +7,7 @@ use std::collections::BTreeSet;
 use hdf5_pure::{DType, Dataset, Error as Hdf5Error, File, FormatError, Group};
 use ndarray::{Array2, ShapeBuilder};
 
-use super::Decoded;
-use super::arrays::{Array, Found};
+use super::arrays::{Found, NamedArray};
 use super::budget::Budget;
 use crate::remark::Unread;
 use crate::table::{TIME_NAMES, name_and_unit};
@@ -55,8 +54,8 @@ impl From<Hdf5Error> for Stop {
     }
 }
 
-/// Returns the columns of an HDF5 file. Should the library panic over a damaged file, that too is an error.
-pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<Decoded, Error> {
+/// Returns the arrays of an HDF5 file. Should the library panic over a damaged file, that too is an error.
+pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<Found, Error> {
     let unreadable = |why: String| Error::Unreadable { file: file.to_owned(), kind: "HDF5", why };
     let read = std::panic::catch_unwind(|| {
         let opened = File::from_bytes(bytes.to_vec())?;
@@ -68,7 +67,7 @@ pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<Decoded, Er
         Ok::<_, Stop>(reader.found)
     });
     match read {
-        Ok(Ok(found)) => Ok(found.columns()),
+        Ok(Ok(found)) => Ok(found),
         Ok(Err(Stop::Ours(error))) => Err(error),
         Ok(Err(Stop::Library(error))) => Err(unreadable(described(&error))),
         Err(_) => Err(unreadable("the file is damaged".to_owned())),
@@ -209,7 +208,7 @@ impl Reader<'_> {
             Order::Matlab => Array2::from_shape_vec((rows, columns).f(), values),
         };
         let values = array.map_err(|error| self.damaged(&name, &error.to_string()))?;
-        self.found.arrays.push(Array { name, unit, values });
+        self.found.arrays.push(NamedArray { name, unit, values });
         Ok(())
     }
 

@@ -7,8 +7,7 @@ use std::io::Read;
 
 use ndarray::{Array2, ShapeBuilder};
 
-use super::Decoded;
-use super::arrays::{Array, Found};
+use super::arrays::{Found, NamedArray};
 use super::budget::Budget;
 use super::elements::{ByteOrder, COMPRESSED, Element, Elements};
 use crate::Error;
@@ -46,8 +45,8 @@ struct Place<'a> {
     depth: usize,
 }
 
-/// Returns the columns of a MATLAB file of version 5.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+/// Returns the arrays of a MATLAB file of version 5.
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<Found, Error> {
     let order = match bytes.get(126..128) {
         Some(b"IM") => ByteOrder::LittleEndian,
         Some(b"MI") => ByteOrder::BigEndian,
@@ -61,7 +60,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     if !elements.bytes.is_empty() {
         return Err(broken(file, "the file is cut off"));
     }
-    Ok(reader.found.columns())
+    Ok(reader.found)
 }
 
 fn broken(file: &str, why: &str) -> Error {
@@ -159,7 +158,7 @@ impl Reader<'_> {
             }
         };
         match Array2::from_shape_vec(shape.f(), values.numbers(self.order)) {
-            Ok(values) => self.found.arrays.push(Array { name, unit: None, values }),
+            Ok(values) => self.found.arrays.push(NamedArray { name, unit: None, values }),
             Err(_) => return Err(self.cut_off()),
         }
         Ok(())

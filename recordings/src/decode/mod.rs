@@ -11,9 +11,11 @@ mod parquet;
 mod physical;
 mod zip;
 
+pub use arrays::NamedArray;
 pub use csv::CsvParts;
 
 use crate::{Column, Error, Remark, Table};
+use arrays::Found;
 
 /// First bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
@@ -52,21 +54,40 @@ pub fn is_text(first: &[u8]) -> bool {
     ![PARQUET, MATLAB, MATLAB_7_3, HDF5, numpy::MAGIC, zip::MAGIC].iter().any(|mark| first.starts_with(mark))
 }
 
+/// Returns the arrays of a MATLAB (version 5 or 7.3), HDF5 or NumPy file as they are: names with those of the structures that hold them
+/// (`structure.field`), and matrices.
+///
+/// # Errors
+/// Returns what is wrong with the file; [`Error::UnknownFormat`] for a file of another format.
+pub fn read_arrays(bytes: &[u8], name: &str) -> Result<Vec<NamedArray>, Error> {
+    let unknown = || Err(Error::UnknownFormat { file: name.to_owned() });
+    found(bytes, name).unwrap_or_else(unknown).map(|found| found.arrays)
+}
+
+/// Returns what a file of arrays holds; `None` for a file of another format.
+fn found(bytes: &[u8], file: &str) -> Option<Result<Found, Error>> {
+    if bytes.starts_with(MATLAB) {
+        Some(matlab::read(bytes, file))
+    } else if bytes.starts_with(MATLAB_7_3) {
+        Some(hdf5::read(bytes, file, hdf5::Order::Matlab))
+    } else if bytes.starts_with(HDF5) {
+        Some(hdf5::read(bytes, file, hdf5::Order::AsWritten))
+    } else if bytes.starts_with(numpy::MAGIC) {
+        Some(numpy::read_array(bytes, file))
+    } else if bytes.starts_with(zip::MAGIC) && numpy::is_archive(bytes) {
+        Some(numpy::read_archive(bytes, file))
+    } else {
+        None
+    }
+}
+
 /// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy,
 /// else CSV.
 pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
-    if bytes.starts_with(PARQUET) {
+    if let Some(found) = found(bytes, file) {
+        Ok(found?.columns())
+    } else if bytes.starts_with(PARQUET) {
         parquet::read(bytes, file)
-    } else if bytes.starts_with(MATLAB) {
-        matlab::read(bytes, file)
-    } else if bytes.starts_with(MATLAB_7_3) {
-        hdf5::read(bytes, file, hdf5::Order::Matlab)
-    } else if bytes.starts_with(HDF5) {
-        hdf5::read(bytes, file, hdf5::Order::AsWritten)
-    } else if bytes.starts_with(numpy::MAGIC) {
-        numpy::read_array(bytes, file)
-    } else if bytes.starts_with(zip::MAGIC) && numpy::is_archive(bytes) {
-        numpy::read_archive(bytes, file)
     } else if UTF_16.iter().any(|mark| bytes.starts_with(mark)) {
         let why = "it is text in UTF-16: save it as UTF-8".to_owned();
         Err(Error::Unreadable { file: file.to_owned(), kind: "CSV", why })

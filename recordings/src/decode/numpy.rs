@@ -7,8 +7,7 @@
 use half::f16;
 use ndarray::{Array2, ShapeBuilder};
 
-use super::Decoded;
-use super::arrays::{Array, Found};
+use super::arrays::{Found, NamedArray};
 use super::budget::Budget;
 use super::zip;
 use crate::Error;
@@ -21,15 +20,15 @@ const ONLY: &str = "column";
 /// Structured arrays with more fields than this are refused.
 const MOST_FIELDS: usize = 4096;
 
-/// Returns the columns of an array.
-pub(super) fn read_array(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+/// Returns the array, or the fields, of an .npy file.
+pub(super) fn read_array(bytes: &[u8], file: &str) -> Result<Found, Error> {
     let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: Found::default() };
     reader.array(bytes, ONLY)?;
-    Ok(reader.found.columns())
+    Ok(reader.found)
 }
 
-/// Returns the columns of an archive of arrays.
-pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+/// Returns the arrays of an archive.
+pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<Found, Error> {
     let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: Found::default() };
     for entry in zip::entries(bytes).ok_or_else(|| broken(file, "the archive is cut off or damaged"))? {
         let Some(name) = entry.name.strip_suffix(".npy") else {
@@ -41,7 +40,7 @@ pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
             zip::unpacked(bytes, &entry).ok_or_else(|| broken(file, "an array is cut off or damaged"))?;
         reader.array(&data, name)?;
     }
-    Ok(reader.found.columns())
+    Ok(reader.found)
 }
 
 /// Returns whether an archive holds an array.
@@ -138,7 +137,7 @@ impl Reader<'_> {
                     Order::Rows => Array2::from_shape_vec((rows, columns), field.with_origin(values)),
                 };
                 let values = shaped.map_err(|_| broken(self.file, "an array is cut off or damaged"))?;
-                self.found.arrays.push(Array { name: full, unit: None, values });
+                self.found.arrays.push(NamedArray { name: full, unit: None, values });
             }
             place += field.size;
         }
@@ -294,7 +293,7 @@ mod tests {
         for (order, data) in [("False", of([1., 2., 3., 4., 5., 6.])), ("True", of([1., 3., 5., 2., 4., 6.]))]
         {
             let header = format!("{{'descr': '<f8', 'fortran_order': {order}, 'shape': (3, 2), }}\n");
-            let read = read_array(&npy(&header, &data), "a.npy").unwrap();
+            let read = read_array(&npy(&header, &data), "a.npy").unwrap().columns();
             let columns: Vec<(String, Vec<f64>)> =
                 read.columns.iter().map(|c| (c.name.clone(), c.values.to_vec())).collect();
             let expected = [("column_1", vec![1., 3., 5.]), ("column_2", vec![2., 4., 6.])];
@@ -306,7 +305,8 @@ mod tests {
     fn fields_have_their_names_and_a_text_is_left_out() {
         let header = "{'descr': [('time', '<M8[ms]'), ('note', '<U1'), ('rate', '>i2')], 'fortran_order': False, 'shape': (2,), }";
         let row = |t: i64, rate: i16| [&t.to_le_bytes()[..], b"x\0\0\0", &rate.to_be_bytes()].concat();
-        let read = read_array(&npy(header, &[row(5000, -3), row(5001, 7)].concat()), "a.npy").unwrap();
+        let read =
+            read_array(&npy(header, &[row(5000, -3), row(5001, 7)].concat()), "a.npy").unwrap().columns();
         let values: Vec<Vec<f64>> = read.columns.iter().map(|c| c.values.to_vec()).collect();
         assert_eq!(read.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["time", "rate"]);
         assert!((values[0][1] - 1e-3).abs() < 1e-9 && values[1] == [-3.0, 7.0], "{values:?}");

@@ -266,6 +266,10 @@ impl<'a> Visit for Reader<'a> {
         if name.is_empty() { None } else { Some(self.attachments.text(name)) }
     }
 
+    fn attached_bytes(&mut self, name: &str) -> Option<Result<Vec<u8>, String>> {
+        if name.is_empty() { None } else { Some(self.attachments.bytes(name).map(<[u8]>::to_vec)) }
+    }
+
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
         let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
             return false;
