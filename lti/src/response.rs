@@ -73,11 +73,11 @@ struct Part {
     B: Mat,
     /// p x n.
     C: Mat,
-    /// How large the numbers are that the entries were computed from.
+    /// Size of the numbers that the entries were computed from.
     size: Size,
 }
 
-/// How large the numbers are that the entries of the matrices of a part were computed from, at least; 0 for entries as they are given.
+/// Lower bounds of the numbers whose rounding errors the entries of H, B and C carry; 0 if the entries are the given ones.
 #[derive(Debug, Clone, Copy, Default)]
 struct Size {
     H: f64,
@@ -171,7 +171,8 @@ impl Response {
         out
     }
 
-    /// Returns how much rounding may change the first entry of the response at a frequency in rad/s; infinite at a pole.
+    /// Returns how much one rounding of each operand may change the first entry of the response at a frequency in rad/s; infinite if it is not known,
+    /// as at a pole.
     ///
     /// |y| (|H| + |s|) |x| + |C| |x| + |y| |B| + |D| times the unit roundoff, with x = inv(s I - H) B and y = C inv(s I - H), in the
     /// coordinates in which the response is computed (N. Higham, Accuracy and Stability of Numerical Algorithms, section 7.2). O(n^2).

@@ -86,7 +86,8 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
 /// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
 /// otherwise the second is, corrected in 32 digits if there are as many inputs as outputs and at most 32 states and inputs
-/// ([`linalg::pencil_roots`]). A zero is at the origin if rounding the data could move it there. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
+/// ([`linalg::pencil_roots`]). A zero that the eliminations place at the origin stays there unless the system matrix is regular
+/// under a hundred roundings of each entry. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
 ///
 /// # Errors
 /// [`Error::Matrix`] where a decomposition fails.
@@ -149,7 +150,11 @@ fn is_certainly_regular(M: &Mat) -> bool {
     let scaled = Mat::from_fn(n, n, |i, j| rows[i] * M[(i, j)]);
     let Ok(inverse) = linalg::inverse(&scaled) else { return false };
     let product = &inverse.map(f64::abs) * &scaled.map(f64::abs);
-    // Largest quotient of a positive vector and its image: an upper bound of the radius, closer after each step (L. Collatz, 1942).
+    if !product.is_finite() {
+        return false;
+    }
+    // Largest ratio of an entry of the image of a positive vector to the entry of the vector: an upper bound of the radius, closer after each
+    // step (L. Collatz, 1942).
     let mut x = Mat::from_fn(n, 1, |_, _| 1.0);
     let mut radius = f64::INFINITY;
     for _ in 0..BAUER_STEPS {

@@ -18,7 +18,8 @@ pub(crate) struct Scan {
     asymptotes: Option<Asymptotes>,
     /// Seconds by which the response is delayed besides.
     delay_s: f64,
-    /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one.
+    /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one from the gain at that end of
+    /// the grid.
     limits: Limits,
     pub points: Vec<Point>,
 }
@@ -106,7 +107,8 @@ impl Scan {
         };
         let asymptotes = Asymptotes::of(g, zeros, (first.rate, last.rate))?;
         let mut rates = asymptotes.beyond(first, last, g.timebase);
-        if first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
+        let goes_below = rates.first().is_some_and(|&rate| rate < first.rate);
+        if goes_below && first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
             // Rounding decides how many poles are at the origin, and with it the slope.
             rates.retain(|&rate| rate > first.rate);
         }
@@ -202,7 +204,8 @@ impl Scan {
     /// Returns how much rounding may change the response at a frequency.
     pub fn rounding_at(&self, point: Point) -> f64 {
         match &self.asymptotes {
-            Some(asymptotes) if asymptotes.is_beyond(point.rate) => {
+            // the state space gives the response at rest
+            Some(asymptotes) if point.rate > 0.0 && asymptotes.is_beyond(point.rate) => {
                 asymptotes.rounding() * point.value.norm()
             }
             _ => self.response.rounding_at(point.rate),
@@ -222,10 +225,13 @@ impl Scan {
         if runs.len() < 2 {
             return Vec::new();
         }
-        let is_certain = |run: &[Point]| {
-            candidates(run).any(|point| point.value.im.abs() > CERTAIN_SIGN * self.rounding_at(point))
+        let is_certain = |point: Point| {
+            let im = point.value.im.abs();
+            // no rounding is smaller than that of the value, which costs nothing to know
+            im > CERTAIN_SIGN * 0.5 * f64::EPSILON * point.value.norm()
+                && im > CERTAIN_SIGN * self.rounding_at(point)
         };
-        runs.retain(|(_, run)| is_certain(run));
+        runs.retain(|(_, run)| candidates(run).into_iter().any(is_certain));
         let mut found = Vec::new();
         for pair in runs.windows(2) {
             let ((start, left), (next, right)) = (pair[0], pair[1]);
@@ -312,16 +318,20 @@ impl Scan {
     }
 }
 
-/// Returns points of a run at which the sign of the imaginary part may be the most certain: where it is largest, alone and beside the value,
+/// Returns points of a run at which the sign of the imaginary part may be the most certain: where it is largest beside the value, and alone,
 /// and at evenly spread logarithms of the frequency, because points crowd where rounding makes the response rough.
-fn candidates(run: &[Point]) -> impl Iterator<Item = Point> {
+fn candidates(run: &[Point]) -> Vec<Point> {
     let share = |point: &Point| point.value.im.abs() / point.value.norm().max(f64::MIN_POSITIVE);
     let largest = run.iter().max_by(|a, b| a.value.im.abs().total_cmp(&b.value.im.abs()));
     let steepest = run.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
     let (low, high) = (run.first().map_or(0.0, |p| p.rate), run.last().map_or(0.0, |p| p.rate));
-    let rate = move |k: usize| low * (high / low).powf(k as f64 / SIGN_SAMPLES as f64);
-    let spread = (0..=SIGN_SAMPLES).filter_map(move |k| run.get(run.partition_point(|p| p.rate < rate(k))));
-    largest.into_iter().chain(steepest).chain(spread).copied()
+    let spread = (0..=SIGN_SAMPLES).filter_map(|k| {
+        let rate = low * (high / low).powf(k as f64 / SIGN_SAMPLES as f64);
+        run.get(run.partition_point(|point| point.rate < rate))
+    });
+    let mut found: Vec<Point> = steepest.into_iter().chain(largest).chain(spread).copied().collect();
+    found.dedup_by(|b, a| b.rate == a.rate);
+    found
 }
 
 /// Seven frequencies inside an interval.
@@ -366,7 +376,7 @@ fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     }
     let sizes = roots.iter().map(|root| root.norm()).filter(|size| size.is_normal());
     let high = sizes.clone().fold(0.0_f64, f64::max);
-    // A pole or zero at the origin is computed as a rounding error of the others.
+    // so small a root is one at the origin, moved by rounding
     let low = sizes.filter(|size| *size > AT_ORIGIN * high).fold(f64::INFINITY, f64::min);
     let (low, high) = if high > 0.0 { (low, high) } else { (1.0_f64.min(highest), 1.0) };
     // Where rounding leaves only the traces of roots at the origin, the couplings of the states tell the scale.

@@ -48,7 +48,7 @@ pub fn impulse(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, E
 /// rest; one row a sample. A continuous system goes through [`c2d`] first, with the hold that fits the input.
 ///
 /// # Errors
-/// [`Error::Timebase`] for a continuous system, [`Error::Shape`]; [`Error::NotFinite`] where the response grows beyond the range of doubles.
+/// [`Error::Timebase`] for a continuous system, [`Error::Shape`]; [`Error::NotFinite`] if an output is no number because the states have left the range of doubles.
 pub fn lsim(g: &StateSpace, u: &Mat, x0: Option<&[f64]>) -> Result<Mat, Error> {
     if g.timebase == Timebase::Continuous {
         let expected = "a discrete timebase (c2d first)".to_string();

@@ -140,7 +140,7 @@ pub const PRECISE_SIZE: usize = 32;
 /// A system matrix is singular, and has a zero at the origin, unless rounding each entry by this many units leaves it regular.
 pub const SINGULAR_ROUNDINGS: f64 = 100.0;
 
-/// Steps of the power iteration for the componentwise condition of a system matrix: its logarithm is known to a tenth then.
+/// Steps of the power iteration for the componentwise condition of a system matrix. Any number of steps gives an upper bound; more steps make it closer.
 pub const BAUER_STEPS: usize = 8;
 
 /// Zeros that are not at the origin but were computed there start at this share of the smallest other one: closer to the origin than to it.
@@ -194,11 +194,11 @@ pub const CERTAIN_GAIN: f64 = 10.0;
 /// The gain of zeros and poles is read off where rounding changes the response by less than this share: three of sixteen digits are lost.
 pub const KNOWN_GAIN: f64 = 1e-13;
 
-/// Points at which it is looked for otherwise, each at a quarter of the one before: 24 decades.
+/// Points at which the gain of zeros and poles is looked for otherwise, each at a quarter of the one before: 24 decades.
 pub const GAIN_POINTS: i32 = 40;
 
-/// A root below this share of the largest one is at the origin: the rounding of a double, squared, as a double root has it. Time constants
-/// of one machine are at most 24 decades apart.
+/// A root below this share of the largest one is a trace of one at the origin and does not set the start of the grid. Time constants
+/// of one machine are at most 24 decades apart, so no root of a model is this small.
 pub const AT_ORIGIN: f64 = 1e-30;
 
 /// Points of a run of one sign at which the sign is compared with rounding: the certain part of a run may be a tenth of it.

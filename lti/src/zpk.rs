@@ -80,7 +80,17 @@ impl Zpk {
         }
         let is_apart = |s: &C64| roots().all(|root| (s - root).norm() > 0.1 * s.norm());
         let points = (0..GAIN_POINTS).map(|k| C64::new(away * 0.25_f64.powi(k), 0.0)).filter(is_apart);
-        points.map(|s| (error(s), s)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(first, |best| best.1)
+        let mut best = (f64::INFINITY, first);
+        for s in points {
+            let error = error(s);
+            if error < best.0 {
+                best = (error, s);
+            }
+            if error <= KNOWN_GAIN {
+                break;
+            }
+        }
+        best.1
     }
 
     /// Returns the system as a cascade of sections of first and second order; nothing is expanded.

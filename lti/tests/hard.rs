@@ -235,3 +235,24 @@ fn a_small_zero_beside_large_ones_keeps_its_digits() {
     let nearest = found.iter().map(|z| (z - 1e-5).norm()).fold(f64::INFINITY, f64::min);
     assert!(nearest < 1e-7, "{found:?}");
 }
+
+#[test]
+fn a_loop_that_is_zero_at_rest_has_no_margin_there() {
+    // 1e6 s/((s + 1)(s + 2)), whose phase never reaches -180 degrees, in rotated coordinates: the response at rest is rounding.
+    let plain = zpk(&[0.0], &[-1.0, -2.0], 1e6);
+    for turn in 1..60 {
+        let (sin, cos) = (f64::from(turn) * 0.1).sin_cos();
+        let T = Mat::from_rows(&[&[cos, -sin], &[sin, cos]]);
+        let turned = StateSpace::new(
+            &(&T.t() * &plain.A) * &T,
+            &T.t() * &plain.B,
+            &plain.C * &T,
+            plain.D.clone(),
+            Timebase::Continuous,
+        );
+        let turned = turned.unwrap();
+        assert!(margins(&turned).unwrap().gain.is_empty(), "{turn}");
+        let delayed = margins_with_delay(&turned, 1e-4).unwrap().margins;
+        assert!(delayed.gain.iter().all(|margin| margin.rate_rad_s > 1.0), "{turn}: {:?}", delayed.gain);
+    }
+}

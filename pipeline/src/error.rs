@@ -53,8 +53,8 @@ pub enum PipelineError {
     },
     /// A controller that does not hold the loop, every reason.
     #[error(
-        "the controller in \"{file}\" does not hold the loop:\n{}\n  it acts on the error, demand less reading, in SI units (per rad/s, or per rad in a loop of position): \
-         look at its sign, its units and its sample time",
+        "the controller in \"{file}\" does not hold the loop:\n{}\n  its input is the error, demand less reading, in the unit of what the loop controls (rad/s, rad, m/s, m, N m, N or A); its \
+         output is in V, of which 10 command the drive's limit: look at its sign, its units and its sample time",
         lines(.findings)
     )]
     ControllerUnstable {

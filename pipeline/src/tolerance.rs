@@ -4,6 +4,10 @@
 /// at 1e-8 the gain loses digits that a controller's coefficients would show.
 pub(crate) const SOLVED_RESIDUAL: f64 = 1e-8;
 
+/// Relative difference up to which a sampled controller has kept its response through the bilinear map and back: rounding, amplified by a
+/// pole near z = -1, stays below the step of any converter.
+pub(crate) const SAME_CONTROLLER: f64 = 1e-7;
+
 /// Relative difference up to which a predicted cost agrees with the cost of the assembled loop.
 pub(crate) const SAME_COST: f64 = 1e-6;
 

@@ -51,6 +51,8 @@ fn each_form_of_json_gives_the_response() {
 
 #[test]
 fn one_of_several_is_chosen_by_its_name() {
+    let outermost = r#"{"D": 1.5, "Ts": 0, "K": {"D": 2, "Ts": 0.001}}"#;
+    assert_eq!(parse_controller(outermost.as_bytes(), "c.json", ".").unwrap().D[(0, 0)], 1.5);
     let both =
         format!(r#"{{"old": {{"k": 2, "p": [-1], "Ts": 0}}, "design": {{"new": {}}}}}"#, state_space_json());
     let said = read(&both).unwrap_err();
@@ -108,12 +110,24 @@ fn matlab_files_hold_state_space_and_transfer_functions() {
     ]);
     is_the_controller(&parse_controller(&space, "c.mat", "").unwrap());
     assert!(parse_controller(&space[..space.len() - 9], "c.mat", "").is_err());
+    // a variable that holds complex numbers is not left out silently
+    let complex = matlab(&[
+        element(
+            14,
+            &[element(6, &[6, 8, 0, 0, 0, 0, 0, 0]), element(5, &[1, 0, 0, 0, 1, 0, 0, 0]), element(1, b"p")]
+                .concat(),
+        ),
+        matrix("k", [1, 1], &[2.0]),
+        matrix("Ts", [1, 1], &[1e-3]),
+    ]);
+    let said = parse_controller(&complex, "c.mat", "").unwrap_err();
+    assert!(said.contains("p: it holds complex numbers"), "{said}");
 }
 
 #[test]
 fn what_is_wrong_is_said() {
     let cases = [
-        ("{", "no JSON"),
+        ("{", "not valid JSON"),
         (r#"{"a": 1}"#, "holds no controller"),
         ("1,2\n3,4\n", "JSON, MATLAB (.mat)"),
         (r#"{"num": [1], "den": [1, 2]}"#, "sample time is missing"),
@@ -130,6 +144,14 @@ fn what_is_wrong_is_said() {
         ),
         (r#"{"A": [[1]], "B": [[1, 1]], "C": [1], "D": [[0, 0]], "Ts": 0}"#, "B has 2 numbers"),
         (r#"{"D": 0, "Ts": 0}"#, "the controller is zero"),
+        (
+            r#"{"z": [[-1, 2], [-1, -2], -3], "p": [-1, -2, -3], "k": 1, "Ts": 0}"#,
+            "z: it is not a number, a list",
+        ),
+        (r#"{"z": ["-1+2j"], "p": [-1], "k": 1, "Ts": 0}"#, "z: it is not a number, a list"),
+        (r#"{"k": 2, "p": [-1], "Ts": null}"#, "Ts: it is not a number"),
+        (r#"{"num": [1], "den": [1, 2], "k": 3, "Ts": 0}"#, "it states several of"),
+        (r#"{"k": 1, "Ts": 0.001, "K": {"D": 2, "Ts": 0.001}}"#, "one of \".\", \"K\""),
     ];
     for (text, expected) in cases {
         let said = read(text).unwrap_err();

@@ -139,7 +139,7 @@ def test_a_controller_made_elsewhere_runs(tmp_path):
 name = "axis"
 inertia = 0.5
 friction = { pivot = { viscous = 0.8 } }
-drive = { kind = "torque", limit = 10.0 }
+drive = { kind = "torque", limit = 25.0 }
 interface = { sample_period = 1e-3 }
 """
     made = control.tf([4.0, 12.0], [1.0, 0.0])

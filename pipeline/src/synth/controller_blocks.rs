@@ -245,12 +245,13 @@ pub(crate) fn dead_band_m_s2(
     observer: Option<&ObserverOptions>,
 ) -> f64 {
     let p = &modelled.parameters;
-    let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
+    let moment = modelled.plant.body().out_of_balance_kg_m.abs();
     let [with_gravity, without] = LEAST_UNOBSERVED;
     let (hidden, least) =
         if p.gravity_m_s2 == 0.0 { (HIDDEN_WITHOUT_GRAVITY, without) } else { (HIDDEN, with_gravity) };
     let share = hidden * observer.map_or(1.0, |observer| (1.0 - observer.share).max(least));
-    adaptation.dead_band_m_s2.unwrap_or_else(|| (share * dry_nm(p) / moment).max(LEAST_DEAD_BAND_M_S2))
+    let hidden = if moment > 0.0 { share * dry_nm(p) / moment } else { 0.0 };
+    adaptation.dead_band_m_s2.unwrap_or(hidden.max(LEAST_DEAD_BAND_M_S2))
 }
 
 /// Returns volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of

@@ -6,8 +6,8 @@ mod design_plant;
 pub mod friction_observers;
 pub mod schedule;
 
-use counterpoise_linalg::Mat;
-use counterpoise_lti::{StateSpace, Timebase, d2c_tustin, series};
+use counterpoise_linalg::{CMat, Mat};
+use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, frequency_response, series};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
@@ -16,6 +16,7 @@ use counterpoise_synth::{
 };
 
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
+use crate::tolerance::SAME_CONTROLLER;
 use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::imported_controller::ImportedController;
@@ -90,10 +91,11 @@ pub fn synthesise(
     };
     let sampled = match &asked.options.schedule {
         Some(wanted) if schedule::redesigns(wanted, &balance) && design.part(Channel::Heave).is_some() => {
-            discretise_schedule(&design, schedule::interpolated(wanted, &balance), &sampling)?
+            discretise_schedule(&design, schedule::interpolated(wanted, &balance), &sampling)
         }
-        _ => discretise(&design, &sampling).map_err(|error| named_controller(asked, error))?,
+        _ => discretise(&design, &sampling),
     };
+    let sampled = sampled.map_err(|error| named_controller(asked, error))?;
     let sampled = with_controller_blocks(sampled, asked, modelled, &plant, &sampling)?;
     let sampled = with_reading_limits(sampled, &modelled.parameters.sensors)?;
     let demanded_rate = demanded_rate(asked, modelled, &design, &sampled, &sampling)?;
@@ -161,11 +163,28 @@ fn imported_feedback(imported: &ImportedController) -> Result<StateSpace, Pipeli
     let system = imported.system.as_ref().ok_or_else(not_read)?;
     let from_error = match system.timebase {
         Timebase::Continuous => system.as_ref().clone(),
-        Timebase::Discrete { .. } => d2c_tustin(system, None)
-            .map_err(|_| PipelineError::ControllerPole { file: imported.file.clone() })?,
+        Timebase::Discrete { period_s } => {
+            let has_pole = || PipelineError::ControllerPole { file: imported.file.clone() };
+            let continuous = d2c_tustin(system, None).map_err(|_| has_pole())?;
+            let again = c2d(&continuous, period_s, Discretisation::Tustin { prewarp_rad_s: None })?;
+            if !has_same_response(system, &again, period_s)? {
+                return Err(has_pole());
+            }
+            continuous
+        }
     };
     let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
     Ok(series(&difference, &from_error)?)
+}
+
+/// Returns whether two sampled systems with one input and one output have the same response, up to rounding.
+fn has_same_response(one: &StateSpace, other: &StateSpace, period_s: f64) -> Result<bool, PipelineError> {
+    let shares = [1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.7];
+    let rates = shares.map(|share| share * std::f64::consts::PI / period_s);
+    let [one, other] = [frequency_response(one, &rates)?, frequency_response(other, &rates)?];
+    let is_same =
+        |(a, b): (&CMat, &CMat)| (a[(0, 0)] - b[(0, 0)]).norm() <= SAME_CONTROLLER * a[(0, 0)].norm();
+    Ok(one.iter().zip(&other).all(is_same))
 }
 
 /// Puts a feedback of lower order in place of the design's, by frequency-weighted balancing that keeps the loop.

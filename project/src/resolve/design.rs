@@ -322,7 +322,11 @@ fn imported_can_run(v: &mut dyn Visit, synth: &Synthesis) {
         v.complain("tune", problem, Some("remove one of the two sections".to_owned()));
     }
     let is_sampled = imported.system.as_ref().is_some_and(|system| system.timebase != Timebase::Continuous);
-    if is_sampled && synth.discretisation != SamplingMethod::TUSTIN {
+    let is_prewarped = matches!(
+        synth.discretisation,
+        SamplingMethod::Emulation(Discretisation::Tustin { prewarp_rad_s: Some(_) })
+    );
+    if is_sampled && is_prewarped {
         let problem = "must be absent where [synth.controller] is in sampled time: it runs as it is";
         v.complain("prewarp", problem, Some("remove this key".to_owned()));
     }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, TransferFunction, Zpk};
-use counterpoise_recordings::read_arrays;
+use counterpoise_recordings::{Remark, read_arrays};
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -52,49 +52,65 @@ pub(crate) fn imported_controller(v: &mut dyn Visit, controller: &mut ImportedCo
 /// # Errors
 /// What is wrong with the file, in words.
 pub fn parse_controller(bytes: &[u8], file: &str, name: &str) -> Result<StateSpace, String> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let is_json = bytes.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| *byte == b'{');
-    let arrays = if is_json { json_arrays(bytes)? } else { file_arrays(bytes, file)? };
-    holder(&arrays, name)?.system()
+    let content = if is_json { json_content(bytes)? } else { array_content(bytes, file)? };
+    find_candidate(&content, name)?.system()
 }
 
-/// Arrays by their whole names.
-type Arrays = BTreeMap<String, Array2<f64>>;
+/// What a file holds, by whole names.
+#[derive(Default)]
+struct Content {
+    arrays: BTreeMap<String, Array2<f64>>,
+    /// Why something that has a name is not read.
+    unread: BTreeMap<String, String>,
+}
 
-fn file_arrays(bytes: &[u8], file: &str) -> Result<Arrays, String> {
-    let arrays = read_arrays(bytes, file).map_err(|why| {
+fn array_content(bytes: &[u8], file: &str) -> Result<Content, String> {
+    let (arrays, remarks) = read_arrays(bytes, file).map_err(|why| {
         format!("{why}; a controller is read from JSON, MATLAB (.mat), HDF5 and NumPy (.npz) files")
     })?;
     // a row is a vector, as MATLAB writes one: [-1 -2] is two real roots
-    let upright = |values: Array2<f64>| if values.nrows() == 1 { values.reversed_axes() } else { values };
-    Ok(arrays.into_iter().map(|array| (array.name, upright(array.values))).collect())
+    let as_column = |values: Array2<f64>| if values.nrows() == 1 { values.reversed_axes() } else { values };
+    let unread = remarks.into_iter().filter_map(|remark| match remark {
+        Remark::Unread { column, why } => Some((column, why.to_string())),
+        _ => None,
+    });
+    Ok(Content {
+        arrays: arrays.into_iter().map(|array| (array.name, as_column(array.values))).collect(),
+        unread: unread.collect(),
+    })
 }
 
-fn json_arrays(bytes: &[u8]) -> Result<Arrays, String> {
-    let root: Value = serde_json::from_slice(bytes).map_err(|why| format!("it is no JSON: {why}"))?;
-    let mut arrays = Arrays::new();
-    collect_arrays(&root, "", &mut arrays);
-    Ok(arrays)
+fn json_content(bytes: &[u8]) -> Result<Content, String> {
+    let root: Value = serde_json::from_slice(bytes).map_err(|why| format!("it is not valid JSON: {why}"))?;
+    let mut content = Content::default();
+    collect_content(&root, "", &mut content);
+    Ok(content)
 }
 
 /// Collects the numbers, vectors and matrices of a JSON value. The items of a list of objects are named by their `name`, else by their
 /// places, counted from 1.
-fn collect_arrays(value: &Value, path: &str, arrays: &mut Arrays) {
+fn collect_content(value: &Value, path: &str, content: &mut Content) {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     if let Some(array) = array_of(value) {
-        arrays.insert(path.to_owned(), array);
+        content.arrays.insert(path.to_owned(), array);
         return;
     }
     match value {
         Value::Object(inside) => {
-            inside.iter().for_each(|(key, value)| collect_arrays(value, &below(key), arrays));
+            inside.iter().for_each(|(key, value)| collect_content(value, &below(key), content));
         }
-        Value::Array(items) => {
-            for (place, item) in items.iter().enumerate().filter(|(_, item)| item.is_object()) {
+        Value::Array(items) if items.iter().all(Value::is_object) => {
+            for (place, item) in items.iter().enumerate() {
                 let own = item.get("name").and_then(Value::as_str).map(str::to_owned);
-                collect_arrays(item, &below(&own.unwrap_or_else(|| (place + 1).to_string())), arrays);
+                collect_content(item, &below(&own.unwrap_or_else(|| (place + 1).to_string())), content);
             }
         }
-        _ => {}
+        _ => {
+            let why = "it is not a number, a list of numbers, or a list of equally long lists of numbers";
+            content.unread.insert(path.to_owned(), why.to_owned());
+        }
     }
 }
 
@@ -113,9 +129,11 @@ fn array_of(value: &Value) -> Option<Array2<f64>> {
     Array2::from_shape_vec((rows.len(), columns), values).ok()
 }
 
-/// One of the things in a file that may be the controller: its arrays by their own names.
-struct Holder<'a> {
-    arrays: BTreeMap<String, &'a Array2<f64>>,
+/// Something in a file that may be the controller: its arrays, and what is not read, by their own names.
+#[derive(Default)]
+struct CandidateArrays<'a> {
+    arrays: BTreeMap<&'a str, &'a Array2<f64>>,
+    unread: BTreeMap<&'a str, &'a str>,
 }
 
 /// What the parts of a controller may be called, the usual name first.
@@ -142,17 +160,24 @@ const POLES: usize = 7;
 const GAIN: usize = 8;
 const SAMPLE_TIME: usize = 9;
 
+/// Name by which `name` calls the outermost keys of a file.
+const OUTERMOST: &str = ".";
+
 /// Returns what holds the controller: what is named, else the only thing in the file that can be one.
-fn holder<'a>(arrays: &'a Arrays, name: &str) -> Result<Holder<'a>, String> {
-    let mut holders: BTreeMap<&str, Holder<'a>> = BTreeMap::new();
-    for (path, values) in arrays {
-        let (above, own) = path.rsplit_once('.').unwrap_or(("", path));
-        let holder = holders.entry(above).or_insert_with(|| Holder { arrays: BTreeMap::new() });
-        holder.arrays.insert(own.to_owned(), values);
+fn find_candidate<'a>(content: &'a Content, name: &str) -> Result<CandidateArrays<'a>, String> {
+    let parted = |path: &'a str| path.rsplit_once('.').unwrap_or((OUTERMOST, path));
+    let mut candidates: BTreeMap<&str, CandidateArrays<'a>> = BTreeMap::new();
+    for (path, values) in &content.arrays {
+        let (above, own) = parted(path);
+        candidates.entry(above).or_default().arrays.insert(own, values);
     }
-    holders.retain(|_, holder| holder.can_be_a_controller());
-    let found: Vec<String> = holders.keys().map(|name| format!("\"{name}\"")).collect();
-    if let Some(named) = holders.remove(name) {
+    for (path, why) in &content.unread {
+        let (above, own) = parted(path);
+        candidates.entry(above).or_default().unread.insert(own, why);
+    }
+    candidates.retain(|_, candidate| candidate.can_be_a_controller());
+    let found: Vec<String> = candidates.keys().map(|name| format!("\"{name}\"")).collect();
+    if let Some(named) = candidates.remove(name) {
         return Ok(named);
     }
     if !name.is_empty() {
@@ -163,18 +188,23 @@ fn holder<'a>(arrays: &'a Arrays, name: &str) -> Result<Holder<'a>, String> {
         0 => Err(
             "it holds no controller: it needs A, B, C, D, or num and den, or z, p and k (real numbers, or pairs of real and imaginary parts), and Ts".to_owned(),
         ),
-        1 => holders.into_values().next().ok_or_else(String::new),
+        1 => candidates.into_values().next().ok_or_else(String::new),
         _ => Err(format!("it holds several controllers: say which by `name`, one of {}", found.join(", "))),
     }
 }
 
-impl Holder<'_> {
+impl CandidateArrays<'_> {
     fn part(&self, part: usize) -> Option<&Array2<f64>> {
-        NAMES[part].iter().find_map(|name| self.arrays.get(*name).copied())
+        NAMES[part].iter().find_map(|name| self.arrays.get(name).copied())
+    }
+
+    /// Returns whether a part is there, be it readable or not.
+    fn has(&self, part: usize) -> bool {
+        NAMES[part].iter().any(|name| self.arrays.contains_key(name) || self.unread.contains_key(name))
     }
 
     fn can_be_a_controller(&self) -> bool {
-        let has = |part| self.part(part).is_some();
+        let has = |part| self.has(part);
         has(A) && has(INPUT) && has(OUTPUT)
             || has(D) && has(SAMPLE_TIME)
             || has(NUMERATOR) && has(DENOMINATOR)
@@ -182,19 +212,35 @@ impl Holder<'_> {
     }
 
     fn system(&self) -> Result<StateSpace, String> {
+        if let Some((name, why)) =
+            self.unread.iter().find(|(name, _)| NAMES.iter().any(|all| all.contains(name)))
+        {
+            return Err(format!(
+                "{name}: {why}; complex roots are written as rows of real and imaginary part"
+            ));
+        }
         let timebase = self.timebase()?;
-        let system = if self.part(A).is_some() || self.part(D).is_some() {
-            self.state_space(timebase)
-        } else if self.part(GAIN).is_some() {
-            let (zeros, poles, gain) = (self.roots(ZEROS)?, self.roots(POLES)?, self.number(GAIN)?);
-            check_order(poles.len())?;
-            Zpk { zeros, poles, gain, timebase }.to_state_space().map_err(|why| why.to_string())
-        } else {
-            let (numerator, denominator) = (self.numbers(NUMERATOR)?, self.numbers(DENOMINATOR)?);
-            check_order(denominator.len().saturating_sub(1))?;
-            let function = TransferFunction::new(&numerator, &denominator, timebase);
-            function.and_then(|function| function.to_state_space()).map_err(|why| why.to_string())
-        }?;
+        let [space, polynomials, roots] = [[A, D], [NUMERATOR, DENOMINATOR], [POLES, GAIN]]
+            .map(|parts| parts.iter().any(|part| self.has(*part)));
+        let system = match [space, polynomials, roots] {
+            [true, false, false] => self.state_space(timebase)?,
+            [false, true, false] => {
+                let (numerator, denominator) = (self.numbers(NUMERATOR)?, self.numbers(DENOMINATOR)?);
+                check_order(denominator.len().saturating_sub(1))?;
+                let function = TransferFunction::new(&numerator, &denominator, timebase);
+                function.and_then(|function| function.to_state_space()).map_err(|why| why.to_string())?
+            }
+            [false, false, true] => {
+                let (zeros, poles, gain) = (self.roots(ZEROS)?, self.roots(POLES)?, self.number(GAIN)?);
+                check_order(poles.len())?;
+                Zpk { zeros, poles, gain, timebase }.to_state_space().map_err(|why| why.to_string())?
+            }
+            _ => {
+                return Err("it states several of A, B, C, D; num and den; z, p and k: keep one of the three, or put each \
+                     into a structure and say which by `name`"
+                    .to_owned());
+            }
+        };
         if system.D[(0, 0)] == 0.0 && system.order() == 0 {
             return Err("the controller is zero".to_owned());
         }
@@ -222,7 +268,7 @@ impl Holder<'_> {
         check_order(order)?;
         let matrix = Mat::from_fn(order, order, |i, j| states[(i, j)]);
         let [input, output, direct] = [(INPUT, order), (OUTPUT, order), (D, 1)].map(|(part, count)| {
-            let (name, found) = (NAMES[part][0], self.part(part).map(flat).unwrap_or_default());
+            let (name, found) = (NAMES[part][0], self.part(part).map(row_major).unwrap_or_default());
             let given = if part == D && found.is_empty() { vec![0.0] } else { found };
             if given.len() == count {
                 Ok(given)
@@ -242,7 +288,7 @@ impl Holder<'_> {
     fn numbers(&self, part: usize) -> Result<Vec<f64>, String> {
         let array = self.part(part).ok_or_else(|| format!("{} is missing", NAMES[part][0]))?;
         match array.dim() {
-            (rows, columns) if rows.min(columns) <= 1 => Ok(flat(array)),
+            (rows, columns) if rows.min(columns) <= 1 => Ok(row_major(array)),
             (rows, columns) => Err(format!("{} must be a vector; it is {rows} x {columns}", NAMES[part][0])),
         }
     }
@@ -267,7 +313,7 @@ impl Holder<'_> {
 }
 
 /// Returns the numbers of an array row by row.
-fn flat(array: &Array2<f64>) -> Vec<f64> {
+fn row_major(array: &Array2<f64>) -> Vec<f64> {
     array.iter().copied().collect()
 }
 

@@ -54,14 +54,14 @@ pub fn is_text(first: &[u8]) -> bool {
     ![PARQUET, MATLAB, MATLAB_7_3, HDF5, numpy::MAGIC, zip::MAGIC].iter().any(|mark| first.starts_with(mark))
 }
 
-/// Returns the arrays of a MATLAB (version 5 or 7.3), HDF5 or NumPy file as they are: names with those of the structures that hold them
-/// (`structure.field`), and matrices.
+/// Returns the arrays of a MATLAB (version 5 or 7.3), HDF5 or NumPy file as they are, and what is not read: names with those of the structures
+/// that hold them (`structure.field`), and matrices.
 ///
 /// # Errors
 /// Returns what is wrong with the file; [`Error::UnknownFormat`] for a file of another format.
-pub fn read_arrays(bytes: &[u8], name: &str) -> Result<Vec<NamedArray>, Error> {
+pub fn read_arrays(bytes: &[u8], name: &str) -> Result<(Vec<NamedArray>, Vec<Remark>), Error> {
     let unknown = || Err(Error::UnknownFormat { file: name.to_owned() });
-    found(bytes, name).unwrap_or_else(unknown).map(|found| found.arrays)
+    found(bytes, name).unwrap_or_else(unknown).map(|found| (found.arrays, found.remarks))
 }
 
 /// Returns what a file of arrays holds; `None` for a file of another format.

@@ -28,7 +28,7 @@ PROJECT = """format = 2
 name = "axis"
 inertia = 0.5
 friction = {{ pivot = {{ viscous = 0.8 }} }}
-drive = {{ kind = "torque", limit = 10.0 }}
+drive = {{ kind = "torque", limit = 4.0 }}
 interface = {{ sample_period = 1e-3 }}
 [synth]
 delay_samples = 0
@@ -133,7 +133,7 @@ def largest_pole(zeros, poles, gain):
     """Returns the largest modulus of the poles of the closed sampled loop: the axis under a zero-order hold."""
     decay = mpmath.mpf("0.8") / mpmath.mpf("0.5")
     held = mpmath.exp(-decay * mpmath.mpf(PERIOD))
-    axis = (1 - held) / decay / mpmath.mpf("0.5")
+    axis = mpmath.mpf("0.4") * (1 - held) / decay / mpmath.mpf("0.5")
     den = polynomial([*map(mpmath.mpc, poles), held])
     num = [axis * mpmath.mpf(gain) * c for c in polynomial(map(mpmath.mpc, zeros))]
     num = [0] * (len(den) - len(num)) + num

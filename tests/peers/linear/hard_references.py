@@ -442,7 +442,7 @@ def margins_error(answer, reference):
         demanded = reference['certain'] if name == 'gain' and 'certain' in reference else [(w, 0.0) for w in reference[name]]
         for w, slack in demanded:
             near = min((float((abs(flint.arb(o) - w) / w).mid()) for o in ours), default=1.0)
-            worst = max(worst, min(near, 1.0) - slack)
+            worst = max(worst, min(near, 1.0) - min(slack, 0.5))
         if len(ours) > (reference.get('phases', 0) if name == 'phase' else len(reference[name])):
             worst = max(worst, 1e2)
     return worst
