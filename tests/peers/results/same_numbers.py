@@ -3,10 +3,10 @@
 usage: same_numbers.py OLD_PROGRAM OLD_EXAMPLES NEW_PROGRAM NEW_EXAMPLES [--list]
 
 Each example that both folders have is run by both programs (`model`, `reduce`, `synth`, `verify`, each with --json, and `export`). The numbers of both
-results are compared by their places. `renamed_keys.toml` beside this script says under which key a number stands now: `[keys]` renames single
-keys wherever they stand, `[places]` whole places (`*` stands for any item of a list). Of the exported C files the numeric literals are compared, in their order;
-names and comments do not count. Printed for each example: how many numbers are equal, differ, stand only before, stand only now.
-With --list every number that differs is listed, with both values.
+results are compared by their places. `renamed_keys.toml` beside this script says under which name a number stands now. Of the exported C
+files the numeric literals are compared, in their order; names and comments do not count. Printed for each example: how many numbers are equal, differ, stand only before, stand only now.
+With --list every number that differs is listed, with both values, and every place that stands only before. `worst` is the largest relative
+difference of a number that differs.
 """
 
 import json
@@ -27,25 +27,32 @@ def leaves(value, place=()):
         for key, item in value.items():
             yield from leaves(item, (*place, key))
     elif isinstance(value, list):
-        for index, item in enumerate(value):
-            yield from leaves(item, (*place, str(index)))
+        for label, item in zip(labels(value), value):
+            yield from leaves(item, (*place, label))
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
         yield place, value
 
 
+def labels(items):
+    """Returns what each item of a list is called: what names it, counted if several share the name, else its place."""
+    for key in ("figure", "name", "key", "method", "part"):
+        names = [item.get(key) if isinstance(item, dict) else None for item in items]
+        if items and all(isinstance(name, str) for name in names):
+            return [f"{name}#{names[:k].count(name)}" if names[:k].count(name) else name for k, name in enumerate(names)]
+    return [str(index) for index in range(len(items))]
+
+
 class Renaming:
-    def __init__(self, path):
-        written = tomllib.loads(path.read_text()) if path.exists() else {}
-        self.keys = written.get("keys", {})
-        self.places = [(old.split("."), new.split(".")) for old, new in written.get("places", {}).items()]
+    """What the numbers of an example's results are called now."""
+
+    def __init__(self, path, example):
+        written = tomllib.loads(path.read_text()).get("renamed", [])
+        rules = [rule for rule in written if example in rule["examples"]]
+        self.rules = [(re.compile(rule["was"]), rule["is"]) for rule in rules]
 
     def apply(self, place):
-        place = tuple(self.keys.get(key, key) for key in place)
-        for old, new in self.places:
-            head = place[: len(old)]
-            if len(head) == len(old) and all(a in ("*", b) for a, b in zip(old, head)):
-                filled = iter(b for a, b in zip(old, head) if a == "*")
-                return (*(next(filled) if key == "*" else key for key in new if key), *place[len(old) :])
+        for was, now in self.rules:
+            place = tuple(was.sub(now, key) for key in place)
         return place
 
 
@@ -66,10 +73,10 @@ def literals(program, example):
 
 def main():
     old_program, old_examples, new_program, new_examples = sys.argv[1:5]
-    renaming = Renaming(pathlib.Path(__file__).with_name("renamed_keys.toml"))
     names = sorted(p.name for p in pathlib.Path(old_examples).iterdir() if (pathlib.Path(new_examples) / p.name / "project.toml").exists())
     differing = 0
     for name in names:
+        renaming = Renaming(pathlib.Path(__file__).with_name("renamed_keys.toml"), name)
         before, after = (f"{folder}/{name}" for folder in (old_examples, new_examples))
         for command in COMMANDS:
             old, new = numbers(old_program, before, command), numbers(new_program, after, command)
@@ -81,7 +88,8 @@ def main():
             unequal = sorted(place for place in both if old[place] != new[place])
             differing += len(unequal)
             only_old, only_new = len(old.keys() - both), len(new.keys() - both)
-            print(f"{name:24} {command:8} {len(both) - len(unequal):7} equal {len(unequal):6} differ {only_old:6} only before {only_new:7} only now")
+            worst = max((abs(old[p] - new[p]) / max(abs(old[p]), abs(new[p])) for p in unequal), default=0.0)
+            print(f"{name:24} {command:8} {len(both) - len(unequal):7} equal {len(unequal):6} differ {only_old:6} only before {only_new:7} only now, worst {worst:.0e}")
             if "--list" in sys.argv:
                 for place in unequal:
                     print("    ", ".".join(place), old[place], new[place])
