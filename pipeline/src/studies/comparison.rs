@@ -462,7 +462,6 @@ fn integrates(feedback: &StateSpace) -> Result<bool, PipelineError> {
 }
 
 /// Returns the weight with its poles on the axis moved to the left, its height above them kept.
-
 fn without_integral(weight: &Weight) -> Weight {
     let rational = weight.rational();
     if rational.poles.iter().all(|pole| pole.re != 0.0) {
