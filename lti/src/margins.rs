@@ -232,6 +232,9 @@ pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
     };
     let mut crossings = scan.axis_crossings();
     crossings.extend(ends.iter().filter(is_certain));
+    if crossings.iter().all(|point| point.rate != 0.0) {
+        crossings.extend(scan.limit_at_rest());
+    }
     crossings.retain(|point| point.value.re < 0.0 && point.value.im.abs() <= REAL_CROSSING * -point.value.re);
     crossings.sort_by(|a, b| a.rate.total_cmp(&b.rate));
     let margin = |point: &Point| {

@@ -5,9 +5,9 @@ use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL,
-    NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION,
-    SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES, ZOOMS,
+    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, LEVEL_AT_REST,
+    NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, REAL_AT_REST, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY,
+    SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -246,6 +246,17 @@ impl Scan {
             }
         }
         found
+    }
+
+    /// Returns the limit of the response at rest, where poles and zeros at zero frequency cancel so that it cannot be evaluated there; `None`
+    /// if the response has no finite limit other than zero. The real part is L(0) + O(w^2), extrapolated from two points.
+    pub fn limit_at_rest(&self) -> Option<Point> {
+        let first = self.points.first()?.rate;
+        let [a, b] = self.evaluate(&[first, 2.0 * first])[..] else { return None };
+        let is_level = (b.value.re - a.value.re).abs() <= LEVEL_AT_REST * a.value.re.abs();
+        let is_real = a.value.im.abs() <= REAL_AT_REST * a.value.re.abs();
+        let limit = (4.0 * a.value.re - b.value.re) / 3.0;
+        (is_level && is_real).then_some(Point { rate: 0.0, value: C64::new(limit, 0.0) })
     }
 
     /// Returns where the gain crosses one, on the grid and between it and the limits beyond its ends.

@@ -184,6 +184,13 @@ pub const NEAR_STEP: f64 = 0.03;
 /// |ln gain| or phase distance in rad that counts as near.
 pub const NEAR_CRITICAL: f64 = 0.15;
 
+/// The response has a finite limit at rest if its real part changes by less than this share between the first frequency of the grid and twice
+/// it: the grid begins a thousand times below the lowest root, so the change is some 1e-6 then, and 3/4 for two integrators.
+pub const LEVEL_AT_REST: f64 = 1e-4;
+
+/// And if its imaginary part is below this share of the real one: it falls with the frequency, to some 1e-3 at the first one.
+pub const REAL_AT_REST: f64 = 1e-2;
+
 /// Points between the grid's start and half the sampling rate, each at half the distance of the one before: delays turn the response by
 /// half a turn for each sample up to there, and a zero or a pole beside -1 has points of its own.
 pub const SCAN_TO_NYQUIST: i32 = 10;

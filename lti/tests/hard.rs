@@ -257,3 +257,21 @@ fn a_loop_that_is_zero_at_rest_has_no_margin_there() {
         assert!(delayed.gain.iter().all(|margin| margin.rate_rad_s > 1.0), "{turn}: {:?}", delayed.gain);
     }
 }
+
+#[test]
+fn a_margin_at_rest_is_found_where_an_integrator_meets_a_zero_there() {
+    // The zero at z = 1 of the plant and the controller's integrators cancel: L(1) = -0.354, which a gain of 2.82 takes to -1.
+    let timebase = Timebase::Discrete { period_s: 1e-3 };
+    let sampled = |zeros: &[f64], poles: &[f64], gain: f64| {
+        let real = |roots: &[f64]| roots.iter().map(|&r| C64::new(r, 0.0)).collect();
+        Zpk { zeros: real(zeros), poles: real(poles), gain, timebase }.to_state_space().unwrap()
+    };
+    let plant = sampled(&[1.0], &[0.99, 0.98], 2e-4);
+    let loop_gain = series(&plant, &sampled(&[], &[1.0], -0.354)).unwrap();
+    let found = margins(&loop_gain).unwrap();
+    let at_rest = found.gain.iter().find(|margin| margin.rate_rad_s == 0.0).unwrap();
+    assert!((at_rest.factor * 0.354 - 1.0).abs() < 1e-9, "{at_rest:?}");
+    // integrators that nothing cancels leave no margin there
+    let two = margins(&zpk(&[-1.0], &[0.0, 0.0, -100.0], 50.0)).unwrap();
+    assert!(two.gain.iter().all(|margin| margin.rate_rad_s > 0.0), "{two:?}");
+}
