@@ -5,9 +5,10 @@ use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, LEVEL_AT_REST,
-    NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, REAL_AT_REST, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY,
-    SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES, ZOOMS,
+    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, KNOWN_AT_REST, LEAST_GAIN,
+    LEVEL_AT_REST, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, REAL_AT_REST, SCAN_BEYOND, SCAN_PER_DECADE,
+    SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES,
+    ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -249,9 +250,11 @@ impl Scan {
     }
 
     /// Returns the limit of the response at rest, where poles and zeros at zero frequency cancel so that it cannot be evaluated there; `None`
-    /// if the response has no finite limit other than zero. The real part is L(0) + O(w^2), extrapolated from two points.
+    /// if the response has no finite limit other than zero. The real part is L(0) + O(w^2), extrapolated from the lowest frequency that rounding
+    /// leaves known and twice it.
     pub fn limit_at_rest(&self) -> Option<Point> {
-        let first = self.points.first()?.rate;
+        let is_rough = |point: &Point| self.rounding_at(*point) > KNOWN_AT_REST * point.value.re.abs();
+        let first = self.points.get(self.points.partition_point(is_rough))?.rate;
         let [a, b] = self.evaluate(&[first, 2.0 * first])[..] else { return None };
         let is_level = (b.value.re - a.value.re).abs() <= LEVEL_AT_REST * a.value.re.abs();
         let is_real = a.value.im.abs() <= REAL_AT_REST * a.value.re.abs();

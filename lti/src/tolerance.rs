@@ -184,8 +184,11 @@ pub const NEAR_STEP: f64 = 0.03;
 /// |ln gain| or phase distance in rad that counts as near.
 pub const NEAR_CRITICAL: f64 = 0.15;
 
-/// The response has a finite limit at rest if its real part changes by less than this share between the first frequency of the grid and twice
-/// it: the grid begins a thousand times below the lowest root, so the change is some 1e-6 then, and 3/4 for two integrators.
+/// The response near rest is known if rounding changes it by less than this share; beside a pole at zero frequency it grows towards rest.
+pub const KNOWN_AT_REST: f64 = 1e-7;
+
+/// The response has a finite limit at rest if its real part changes by less than this share between two such frequencies, one twice the other:
+/// the change is some 1e-6 far below all roots, and 3/4 for two integrators.
 pub const LEVEL_AT_REST: f64 = 1e-4;
 
 /// And if its imaginary part is below this share of the real one: it falls with the frequency, to some 1e-3 at the first one.

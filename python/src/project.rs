@@ -239,6 +239,11 @@ impl NativeProject {
     }
 
     fn having(&self, document: Document) -> PyResult<Self> {
-        Ok(self.clone().with_document(document))
+        let mut changed = self.clone().with_document(document);
+        if changed.document.attachments() != self.document.attachments() {
+            changed.attachments =
+                counterpoise_host::files::read_attachments(&changed.document, &changed.path);
+        }
+        Ok(changed)
     }
 }
