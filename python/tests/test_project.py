@@ -155,7 +155,7 @@ interface = { sample_period = 1e-3 }
         cp.write_controller(tmp_path / f"{name}.json", form)
         (tmp_path / "axis.toml").write_text(text)
         project = cp.Project.load(tmp_path / "axis.toml").set("synth.controller.file", f"{name}.json")
-        path = project.synth().to_control("feedback")
+        path = project.synth().to_control("paths.feedback")
         assert abs(control.evalfr(path, np.exp(1e-3j * 9.0)) / wanted - 1) < 1e-9, name
     with pytest.raises(ValueError, match="sample time"):
         cp.write_controller(tmp_path / "none.json", control.StateSpace([], [], [], [[1.0]], None))
