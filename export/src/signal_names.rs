@@ -9,13 +9,9 @@ use crate::File;
 
 /// What a quantity is called.
 struct Words {
-    /// The quantity, as in "demanded angle".
-    quantity: &'static str,
+    controlled: ControlledQuantity,
     /// What of it is measured, after the quantity.
     of: &'static str,
-    unit: &'static str,
-    /// The unit at the end of identifiers.
-    suffix: &'static str,
     /// Name and definition of a unit that FMI units of a turning axis lack.
     definition: Option<(&'static str, &'static str)>,
 }
@@ -23,25 +19,21 @@ struct Words {
 impl Words {
     /// Returns the identifiers of demand, reading, filtered demand and error.
     fn names(&self) -> [String; 4] {
-        let Self { quantity, suffix, .. } = self;
-        [
-            format!("demand_{suffix}"),
-            format!("measured_{quantity}_{suffix}"),
-            format!("filtered_demand_{suffix}"),
-            format!("{quantity}_error_{suffix}"),
-        ]
+        let of_rate_loop =
+            ["demand_rad_s", "measured_rate_rad_s", "filtered_demand_rad_s", "rate_error_rad_s"];
+        of_rate_loop.map(|name| self.controlled.named_signal(name))
     }
 
     /// Returns the meanings of demand and reading, and that of the sensor in quotation marks.
     fn meanings(&self) -> [String; 3] {
-        let Self { quantity, of, unit, .. } = self;
-        let measured = format!("measured {quantity} {of}");
+        let (quantity, unit) = (self.controlled.short_name(), self.controlled.unit());
+        let measured = format!("measured {quantity} {}", self.of);
         [format!("demanded {quantity}, {unit}"), format!("{measured}, {unit}"), format!("\"{measured}\"")]
     }
 
     /// Returns the name of the unit in an FMI unit.
     fn unit_name(&self) -> &'static str {
-        self.definition.map_or(self.unit, |(name, _)| name)
+        self.definition.map_or(self.controlled.unit(), |(name, _)| name)
     }
 }
 
@@ -56,7 +48,7 @@ const MEANINGS: [&str; 3] =
 const AFTER_DEFINITION: &str = "    <Unit name=\"V\">";
 
 /// Returns generated files with the names of what the loop controls; those of a loop of rate as they are.
-pub fn named(controlled: ControlledQuantity, files: Vec<File>) -> Vec<File> {
+pub fn with_loop_names(controlled: ControlledQuantity, files: Vec<File>) -> Vec<File> {
     let Some(words) = words_of(controlled) else { return files };
     files.into_iter().map(|file| File { text: renamed(&file.text, &words), ..file }).collect()
 }
@@ -75,8 +67,7 @@ fn words_of(controlled: ControlledQuantity) -> Option<Words> {
         }
         (QuantityKind::Current, _) => ("of the motor", None),
     };
-    let (quantity, unit) = (controlled.short_name(), controlled.unit());
-    Some(Words { quantity, of, unit, suffix: controlled.suffix(), definition })
+    Some(Words { controlled, of, definition })
 }
 
 fn renamed(text: &str, words: &Words) -> String {
@@ -140,7 +131,7 @@ mod tests {
         let text = "    <Float64 name=\"demand_rad_s\" unit=\"rad/s\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         let files = vec![File { name: "modelDescription.xml".into(), text: text.into() }];
         let place = ControlledQuantity { kind: QuantityKind::Position, axis: Axis::Linear };
-        let found = named(place, files);
+        let found = with_loop_names(place, files);
         let expected = "    <Float64 name=\"demand_m\" unit=\"m\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         assert_eq!(found[0].text, expected);
     }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Time between two looks at a worker by somebody who waits for it.
+/// Time between two looks at a worker by a caller that waits for it.
 const LOOK_INTERVAL: Duration = Duration::from_millis(2);
 
 /// Waits until the next look at a worker.

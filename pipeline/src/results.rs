@@ -480,7 +480,7 @@ impl From<&Designed> for DesignResult {
             weights_in_words: designed.weights.clone(),
             certificates: designed.certificates.iter().map(DesignCertificateResult::from).collect(),
             beside: designed.comparison.clone(),
-            targets: TargetsResult::from(&designed.targets).of_loop(made.synthesised.controlled),
+            targets: TargetsResult::of(&designed.targets, made.synthesised.controlled),
             files: made.files.iter().map(|f| f.name.clone()).collect(),
             left_out: made.left_out.iter().map(ToString::to_string).collect(),
         }

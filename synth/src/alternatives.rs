@@ -6,6 +6,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, series};
 
+use crate::error_feedback::from_demand_and_reading;
 use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
     DesignPlant, Error, FeedbackWeights, Generalised, Reference, Weight, feedback, h2syn, hinfsyn, lqg_ltr,
@@ -68,7 +69,7 @@ pub fn alternative(
             let shape = series(&weights.error.realise()?, &weights.control.realise_inverse()?)?;
             let recovery = weights.loop_recovery.max(f64::MIN_POSITIVE) / weights.measurement_noise;
             let part = lqg_ltr(&seen, &shape, 1.0, recovery)?;
-            let controller = both(&part.controller.negate())?;
+            let controller = from_demand_and_reading(&part.controller.negate())?;
             Ok(Alternative { method, controller, norm: None, on_generalised: None })
         }
     }
@@ -136,11 +137,5 @@ const FAST_RAD_S: f64 = 1e4;
 
 /// H_r^-1 K from the error, with the demand's path.
 fn from_error(K: &StateSpace, weights: &FeedbackWeights) -> Result<StateSpace, Error> {
-    both(&series(K, &weights.control.realise_inverse()?)?)
-}
-
-/// C from (demand, rate): C r - C y.
-fn both(C: &StateSpace) -> Result<StateSpace, Error> {
-    let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
-    Ok(series(&difference, C)?)
+    from_demand_and_reading(&series(K, &weights.control.realise_inverse()?)?)
 }

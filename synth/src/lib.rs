@@ -10,7 +10,7 @@
 //! Modules in reading order:
 //! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`channel`], [`plant`], [`specification`];
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
-//! - the design: [`feedback`](mod@feedback), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
+//! - the design: [`feedback`](mod@feedback), [`error_feedback`] (one that sees the error alone), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
 //! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows;
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
@@ -58,6 +58,7 @@ pub mod channel;
 pub mod design;
 pub mod discretise;
 pub mod error;
+pub mod error_feedback;
 pub mod feedback;
 pub mod feedforward;
 pub mod figures;

@@ -44,12 +44,17 @@ pub fn world(path: &Path) -> Beside {
 /// What is wrong with the file for this purpose.
 pub fn resolved(path: &Path, purpose: Purpose) -> Result<Project, Vec<Diagnostic>> {
     let document = Document::from_bytes(&std::fs::read(path).unwrap(), &path.display().to_string())?;
-    let read = |all: Attachments, name: String| match std::fs::read(path.parent().unwrap().join(&name)) {
+    let attached = attachments(&document, path.parent().unwrap());
+    Ok(Project::resolve_for(&document, &attached, purpose)?.project)
+}
+
+/// Reads the files that a project names, as far as they lie in a folder.
+pub fn attachments(document: &Document, folder: &Path) -> Attachments {
+    let read = |all: Attachments, name: String| match std::fs::read(folder.join(&name)) {
         Ok(bytes) => all.with(&name, bytes),
         Err(_) => all,
     };
-    let attached = document.attachments().into_iter().fold(Attachments::none(), read);
-    Ok(Project::resolve_for(&document, &attached, purpose)?.project)
+    document.attachments().into_iter().fold(Attachments::none(), read)
 }
 
 /// An example with the design of its controller.

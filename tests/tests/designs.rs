@@ -4,19 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use counterpoise_pipeline::studies::designs::{ComparisonRequest, DesignRow, design_table};
-use counterpoise_pipeline::{
-    PipelineError, World, model, reduce, run_stages, synthesise, with_tuned_structure,
-};
+use counterpoise_pipeline::{PipelineError, model, reduce, run_stages, synthesise, with_tuned_structure};
 use counterpoise_project::{Attachments, Document, FurtherPlants, Project};
 use counterpoise_synth::{BlockKind, LoopLimits};
-
-struct Beside(PathBuf);
-
-impl World for Beside {
-    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
-    }
-}
+use counterpoise_tests::Beside;
+use counterpoise_tests::examples::attachments;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig")
@@ -25,12 +17,7 @@ fn folder() -> PathBuf {
 fn document(name: &str) -> (Document, Attachments) {
     let path = folder().join(name);
     let document = Document::from_bytes(&std::fs::read(&path).unwrap(), name).unwrap();
-    let attachments = document.attachments().into_iter().fold(Attachments::none(), |all, name| {
-        match std::fs::read(folder().join(&name)) {
-            Ok(bytes) => all.with(&name, bytes),
-            Err(_) => all,
-        }
-    });
+    let attachments = attachments(&document, &folder());
     (document, attachments)
 }
 

@@ -5,16 +5,10 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_lti::response_at;
 use counterpoise_pipeline::exchange::SystemResult;
-use counterpoise_pipeline::{PipelineError, Stages, World, run_stages};
-use counterpoise_project::{Attachments, Document, Project};
-
-struct Beside(PathBuf);
-
-impl World for Beside {
-    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
-    }
-}
+use counterpoise_pipeline::{PipelineError, Stages, run_stages};
+use counterpoise_project::{Document, Project};
+use counterpoise_tests::Beside;
+use counterpoise_tests::examples::attachments;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig")
@@ -27,13 +21,11 @@ const BLOCKS: &str = "[[synth.block]]\nkind = \"pi\"\ngain = 90.0\ncorner = 6.0\
 fn stages(sections: &str, controller: Option<&str>) -> Result<Stages, PipelineError> {
     let text = std::fs::read_to_string(folder().join("project.toml")).unwrap();
     let document = Document::parse(&format!("{text}\n{sections}"), "project.toml");
-    let files = document.attachments().into_iter().fold(Attachments::none(), |all, name| {
-        match (std::fs::read(folder().join(&name)), controller) {
-            (_, Some(text)) if name == "legacy.json" => all.with(&name, text.as_bytes().to_vec()),
-            (Ok(bytes), _) => all.with(&name, bytes),
-            (Err(_), _) => all,
-        }
-    });
+    let beside = attachments(&document, &folder());
+    let files = match controller {
+        Some(text) => beside.with("legacy.json", text.as_bytes().to_vec()),
+        None => beside,
+    };
     let project =
         Project::resolve(&document, &files).unwrap_or_else(|findings| panic!("{findings:?}")).project;
     run_stages(&project, &Beside(folder()))

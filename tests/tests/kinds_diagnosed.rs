@@ -31,6 +31,15 @@ struct Kind {
     names: &'static [(C, E)],
 }
 
+/// A current loop on a voltage drive.
+const CURRENT_LOOP: &str = "format = 2
+            plant.inertia = 1.42e-5
+            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
+            plant.drive = { kind = \"voltage\", limit = 24.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
+            plant.sensors.current = { noise = 1e-3 }
+            plant.interface = { sample_period = 2e-4, output_bits = 16 }";
+
 const KINDS: [Kind; 14] = [
     Kind {
         name: "direct torque drive, gyroscope",
@@ -196,26 +205,14 @@ const KINDS: [Kind; 14] = [
     },
     Kind {
         name: "current loop on a voltage drive, a weaker motor",
-        file: "format = 2
-            plant.inertia = 1.42e-5
-            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
-            plant.drive = { kind = \"voltage\", limit = 24.0 }
-            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
-            plant.sensors.current = { noise = 1e-3 }
-            plant.interface = { sample_period = 2e-4, output_bits = 16 }",
+        file: CURRENT_LOOP,
         // the back-EMF constant stays: the current alone shows what the rate makes of it
         conceals: |p| p.motor.torque_constant_nm_a *= 0.8,
         names: &[(C::Motor, E::TorqueConstant), (C::Motor, E::BackEmf), (C::Structure, E::Inertia), (C::Motor, E::Inertia)],
     },
     Kind {
         name: "current loop on a voltage drive, friction at half",
-        file: "format = 2
-            plant.inertia = 1.42e-5
-            plant.motor = { torque_constant = 0.0302, resistance = 0.299, inductance = 8.23e-5 }
-            plant.drive = { kind = \"voltage\", limit = 24.0 }
-            plant.friction.pivot = { model = \"coulomb\", coulomb = 1e-3, viscous = 5e-6 }
-            plant.sensors.current = { noise = 1e-3 }
-            plant.interface = { sample_period = 2e-4, output_bits = 16 }",
+        file: CURRENT_LOOP,
         conceals: |p| p.pivot_friction.law.scale_coulomb(0.5),
         names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
     },

@@ -7,18 +7,11 @@ use std::path::{Path, PathBuf};
 use counterpoise_linalg::Mat;
 use counterpoise_models::structure::{FeModel, Support, modes};
 use counterpoise_pipeline::{
-    Synthesised, World, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
+    Synthesised, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, Setting, StructureChoice};
+use counterpoise_tests::Beside;
 use counterpoise_verify::{Figure, Verification};
-
-struct Beside(PathBuf);
-
-impl World for Beside {
-    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
-    }
-}
 
 fn folder(example: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(example)

@@ -97,10 +97,13 @@ impl ControlledQuantity {
 
     /// Returns the quantity with a unit; a rate if no loop controls one of it.
     pub fn of_unit(unit: &str) -> Self {
+        Self::all().find(|quantity| quantity.unit() == unit).unwrap_or_default()
+    }
+
+    /// Returns every quantity on every axis.
+    fn all() -> impl Iterator<Item = Self> {
         let kinds = [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current];
-        let all =
-            kinds.into_iter().flat_map(|kind| [Axis::Rotary, Axis::Linear].map(|axis| Self { kind, axis }));
-        all.into_iter().find(|quantity| quantity.unit() == unit).unwrap_or_default()
+        kinds.into_iter().flat_map(|kind| [Axis::Rotary, Axis::Linear].map(|axis| Self { kind, axis }))
     }
 
     /// Returns the rate on the same axis: what the inner loop of a cascade controls.
@@ -212,14 +215,6 @@ impl ControlledQuantity {
 mod tests {
     use super::*;
 
-    /// Every quantity on every axis.
-    fn all() -> impl Iterator<Item = ControlledQuantity> {
-        let kinds = [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current];
-        kinds
-            .into_iter()
-            .flat_map(|kind| [Axis::Rotary, Axis::Linear].map(|axis| ControlledQuantity { kind, axis }))
-    }
-
     #[test]
     fn a_loop_of_rate_on_a_turning_axis_keeps_every_name() {
         let rate = ControlledQuantity::RATE;
@@ -234,7 +229,7 @@ mod tests {
 
     #[test]
     fn a_unit_finds_its_quantity() {
-        for quantity in all().filter(|quantity| quantity.kind != QuantityKind::Current) {
+        for quantity in ControlledQuantity::all().filter(|quantity| quantity.kind != QuantityKind::Current) {
             assert_eq!(ControlledQuantity::of_unit(quantity.unit()), quantity);
         }
         assert_eq!(ControlledQuantity::of_unit("V"), ControlledQuantity::RATE);
@@ -242,7 +237,7 @@ mod tests {
 
     #[test]
     fn no_name_of_another_loop_speaks_of_a_rate_of_the_hub() {
-        for quantity in all().filter(|quantity| *quantity != ControlledQuantity::RATE) {
+        for quantity in ControlledQuantity::all().filter(|quantity| *quantity != ControlledQuantity::RATE) {
             for name in [quantity.named_signal("hub_rate_rad_s"), quantity.named_figure("a_hub_rms_rad_s")] {
                 assert!(!name.contains("rate") && !name.ends_with("rad_s"), "{name}");
             }

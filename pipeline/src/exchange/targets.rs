@@ -152,8 +152,9 @@ pub struct CoreResult {
     pub stack_bytes: u64,
 }
 
-impl From<&TargetStudy> for TargetsResult {
-    fn from(study: &TargetStudy) -> Self {
+impl TargetsResult {
+    /// Returns the results of a study, with the names of what the loop controls.
+    pub fn of(study: &TargetStudy, controlled: ControlledQuantity) -> Self {
         let operations = study.operations;
         let finite = |value: f64| value.is_finite().then_some(value);
         let by_form = study.by_form.iter().map(|each| FormResult {
@@ -164,7 +165,7 @@ impl From<&TargetStudy> for TargetsResult {
             single_rms_v: finite(each.single.rms_v),
         });
         Self {
-            numbers: study.compared.figures.iter().map(NumbersResult::from).collect(),
+            numbers: study.compared.figures.iter().map(|each| NumbersResult::of(each, controlled)).collect(),
             path_forms: study.forms.iter().flat_map(path_forms).collect(),
             by_form: by_form.collect(),
             multiplications: operations.multiplications,
@@ -175,20 +176,11 @@ impl From<&TargetStudy> for TargetsResult {
             cores: Vec::new(),
         }
     }
-}
 
-impl TargetsResult {
     /// Adds what compilers and emulators answered.
     pub fn with_answers(self, proofs: &[Proof], costs: &Costs) -> Self {
         let compiled = proofs.iter().map(CompiledResult::from).collect();
         Self { compiled, cores: costs.counted.iter().map(CoreResult::from).collect(), ..self }
-    }
-
-    /// Returns the same results with the names of what a loop controls.
-    pub fn of_loop(mut self, controlled: ControlledQuantity) -> Self {
-        let experiments = self.numbers.iter_mut().flat_map(|numbers| &mut numbers.experiments);
-        experiments.for_each(|run| run.controlled = controlled);
-        self
     }
 
     /// Leaves out the time histories.
@@ -198,10 +190,10 @@ impl TargetsResult {
     }
 }
 
-impl From<&TargetFigures> for NumbersResult {
-    fn from(figures: &TargetFigures) -> Self {
+impl NumbersResult {
+    fn of(figures: &TargetFigures, controlled: ControlledQuantity) -> Self {
         let experiments = figures.experiments.iter().map(|each| TargetRunResult {
-            controlled: ControlledQuantity::RATE,
+            controlled,
             experiment: history_name(Model::Nonlinear, each.experiment),
             error_rms_rad_s: each.error_rms_rad_s,
             cost_db: each.cost_db,

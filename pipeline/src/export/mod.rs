@@ -105,7 +105,7 @@ pub fn export_by(
             Language::Fmi => units(&mut made, &modelled.plant, verified, &origin, options),
         }
     }
-    made.files = signal_names::named(project.plant.controlled_quantity(), made.files);
+    made.files = signal_names::with_loop_names(project.plant.controlled_quantity(), made.files);
     Ok(made)
 }
 

@@ -9,7 +9,7 @@ use crate::exchange::SystemResult;
 
 /// A loop in which every nonlinear part is its describing function, at an amplitude on one side of a predicted limit cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BalanceResult {
+pub struct CycleBalanceResult {
     /// Amplitude of the hub's rate, rad/s.
     pub amplitude_rad_s: f64,
     /// Frequency for which the describing functions hold, Hz.
@@ -73,14 +73,14 @@ pub struct ObserverResult {
     pub integral_v_rad: f64,
 }
 
-impl BalanceResult {
+impl CycleBalanceResult {
     /// Leaves out the torques of a period.
     pub(super) fn leave_torques_out(&mut self) {
         self.joints.iter_mut().for_each(|joint| joint.torque_nm.clear());
     }
 }
 
-impl From<&CycleBalance> for BalanceResult {
+impl From<&CycleBalance> for CycleBalanceResult {
     fn from(at: &CycleBalance) -> Self {
         let torques = ["control_v", "motor_torque_nm", "hub_torque_nm"];
         let readings = &READING_NAMES[..COMMON_READINGS];

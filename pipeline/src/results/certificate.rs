@@ -6,7 +6,7 @@ use counterpoise_verify::certificate::{
 };
 use serde::Serialize;
 
-use super::balance::BalanceResult;
+use super::balance::CycleBalanceResult;
 use crate::exchange::{PulledLoopResult, SystemResult};
 
 /// The certificate: the worst case, and every case.
@@ -190,7 +190,7 @@ pub struct PredictedResult {
     /// Whether the loop is enough of a low-pass for the prediction to hold, and its describing functions hold for its frequency.
     pub reliable: bool,
     /// The loop with its describing functions at the last amplitude that grows, and at the first that fades.
-    pub balances: Vec<BalanceResult>,
+    pub balances: Vec<CycleBalanceResult>,
 }
 
 /// A motion on the simulator.
@@ -215,7 +215,7 @@ impl CertificateResult {
             (case.rest_rates_rad_s, case.motion_rates_rad_s) = (Vec::new(), Vec::new());
             case.orbits.iter_mut().for_each(|orbit| orbit.rates_rad_s.clear());
             let balances = case.predicted.iter_mut().flat_map(|cycle| &mut cycle.balances);
-            balances.for_each(BalanceResult::leave_torques_out);
+            balances.for_each(CycleBalanceResult::leave_torques_out);
         }
     }
 }
@@ -297,7 +297,7 @@ fn predicted(found: &Prediction) -> Vec<PredictedResult> {
         third_harmonic: cycle.third_harmonic,
         frequency_error: finite(cycle.frequency_error),
         reliable: cycle.is_reliable(),
-        balances: sides.iter().map(BalanceResult::from).collect(),
+        balances: sides.iter().map(CycleBalanceResult::from).collect(),
     });
     each.collect()
 }

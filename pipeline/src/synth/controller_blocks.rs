@@ -30,9 +30,9 @@ const SHORTEST: f64 = 0.03;
 const LEAST_SLOPE: f64 = 0.2;
 /// Torque of the out-of-balance under heave, RMS over the dry friction on the hub, below which the estimate stands still: there an
 /// adaptation, even one that is told the load, does not lower the hub rate (`docs/evidence/robustness.md`).
-const HIDDEN: f64 = 0.5;
+const LEAST_TORQUE_OVER_FRICTION: f64 = 0.5;
 /// The same without gravity, where heave alone shows the load: a lower value lets friction move the estimate.
-const HIDDEN_WITHOUT_GRAVITY: f64 = 1.2;
+const LEAST_TORQUE_WITHOUT_GRAVITY: f64 = 1.2;
 /// Share of the friction that counts at least with an observer, whose errors the estimate would else follow: with gravity, and without.
 const LEAST_UNOBSERVED: [f64; 2] = [0.3, 0.55];
 /// Least default of the dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
@@ -247,8 +247,11 @@ pub(crate) fn dead_band_m_s2(
     let p = &modelled.parameters;
     let moment = modelled.plant.body().out_of_balance_kg_m.abs();
     let [with_gravity, without] = LEAST_UNOBSERVED;
-    let (hidden, least) =
-        if p.gravity_m_s2 == 0.0 { (HIDDEN_WITHOUT_GRAVITY, without) } else { (HIDDEN, with_gravity) };
+    let (hidden, least) = if p.gravity_m_s2 == 0.0 {
+        (LEAST_TORQUE_WITHOUT_GRAVITY, without)
+    } else {
+        (LEAST_TORQUE_OVER_FRICTION, with_gravity)
+    };
     let share = hidden * observer.map_or(1.0, |observer| (1.0 - observer.share).max(least));
     let hidden = if moment > 0.0 { share * dry_nm(p) / moment } else { 0.0 };
     adaptation.dead_band_m_s2.unwrap_or(hidden.max(LEAST_DEAD_BAND_M_S2))

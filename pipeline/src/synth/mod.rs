@@ -6,8 +6,8 @@ mod design_plant;
 pub mod friction_observers;
 pub mod schedule;
 
-use counterpoise_linalg::{CMat, Mat};
-use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, frequency_response, series};
+use counterpoise_linalg::CMat;
+use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, frequency_response};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
@@ -21,6 +21,7 @@ use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::imported_controller::ImportedController;
 use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_synth::error_feedback::from_demand_and_reading;
 
 pub use demanded_rate::DemandedRate;
 use demanded_rate::{demanded_rate, with_demand_limit};
@@ -173,8 +174,7 @@ fn imported_feedback(imported: &ImportedController) -> Result<StateSpace, Pipeli
             continuous
         }
     };
-    let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
-    Ok(series(&difference, &from_error)?)
+    Ok(from_demand_and_reading(&from_error)?)
 }
 
 /// Returns whether two sampled systems with one input and one output have the same response, up to rounding.
@@ -194,8 +194,7 @@ fn lower(design: &mut Design, order: usize) -> Result<Lowered, PipelineError> {
     let seen = design.plant.measured()?.select(&[0], &[design.plant.control]);
     let from_error = before.select(&[0], &[0]);
     let reduction = reduce_controller(&seen, &from_error, Order::States(order), Truncation::MatchDc)?;
-    let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
-    design.substitute = Some(series(&difference, &reduction.reduction.system)?);
+    design.substitute = Some(from_demand_and_reading(&reduction.reduction.system)?);
     Ok(Lowered { before, reduction })
 }
 

@@ -277,29 +277,49 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
 fn recorded_period(findings: &mut Findings<'_>, project: &Project) {
     let Some(RecordingController::Exported(source)) = &project.recording_controller else { return };
     let Some(content) = &source.content else { return };
-    let (own, period) = (content.controller.sample_period_s(), project.plant.interface.sample_period_s);
-    if (own - period).abs() > SAME_SAMPLE_PERIOD * period {
-        let allowed = format!(
-            "must be a controller with the sample period of plant.interface, {period} s; this one has {own} s"
-        );
-        let remark = Remark::new(Problem::OutOfRange, "recording_controller.file", allowed);
-        findings.add(Severity::Error, remark.found(format!("\"{}\"", source.file)));
-    }
+    let file = NamedFile { path: "recording_controller.file", name: &source.file };
+    runs_at_the_period(findings, project, &file, content.controller.sample_period_s(), "a controller with");
 }
 
 /// A controller in sampled time that was made elsewhere runs at the sample period of the interface.
 fn imported_period(findings: &mut Findings<'_>, project: &Project) {
-    let imported = project.synth.as_ref().and_then(|synth| synth.options.imported.as_ref());
-    let Some(system) = imported.and_then(|imported| imported.system.as_ref()) else { return };
-    let Timebase::Discrete { period_s: own } = system.timebase else { return };
+    let Some(imported) = project.synth.as_ref().and_then(|synth| synth.options.imported.as_ref()) else {
+        return;
+    };
+    let Some(Timebase::Discrete { period_s }) = imported.system.as_ref().map(|system| system.timebase) else {
+        return;
+    };
+    let file = NamedFile { path: "synth.controller.file", name: &imported.file };
+    runs_at_the_period(
+        findings,
+        project,
+        &file,
+        period_s,
+        "a controller in continuous time (Ts = 0), or one with",
+    );
+}
+
+/// A file that a key names.
+struct NamedFile<'a> {
+    path: &'static str,
+    name: &'a str,
+}
+
+/// Reports a controller in a file whose sample period is not that of the interface; `wanted` says what the file must hold.
+fn runs_at_the_period(
+    findings: &mut Findings<'_>,
+    project: &Project,
+    file: &NamedFile<'_>,
+    own_s: f64,
+    wanted: &str,
+) {
     let period = project.plant.interface.sample_period_s;
-    if (own - period).abs() > SAME_SAMPLE_PERIOD * period {
+    if (own_s - period).abs() > SAME_SAMPLE_PERIOD * period {
         let allowed = format!(
-            "must be a controller in continuous time (Ts = 0), or one with the sample period of plant.interface, {period} s; this one has {own} s"
+            "must be {wanted} the sample period of plant.interface, {period} s; this one has {own_s} s"
         );
-        let file = imported.map_or("", |imported| &imported.file);
-        let remark = Remark::new(Problem::OutOfRange, "synth.controller.file", allowed);
-        findings.add(Severity::Error, remark.found(format!("\"{file}\"")));
+        let remark = Remark::new(Problem::OutOfRange, file.path, allowed);
+        findings.add(Severity::Error, remark.found(format!("\"{}\"", file.name)));
     }
 }
 

@@ -9,12 +9,12 @@
 
 mod block;
 
-use counterpoise_linalg::Mat;
-use counterpoise_lti::{StateSpace, Timebase, series};
+use counterpoise_lti::StateSpace;
 
 pub use block::{Block, BlockKind, Parameter, ParameterName};
 
 use crate::Error;
+use crate::error_feedback::from_demand_and_reading;
 use crate::rational::Rational;
 
 /// Blocks in series.
@@ -61,8 +61,7 @@ impl FixedStructure {
     /// # Errors
     /// As [`FixedStructure::values`], and [`Error::Lti`] for more zeros than poles.
     pub fn controller(&self) -> Result<StateSpace, Error> {
-        let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
-        Ok(series(&difference, &self.rational()?.realise()?)?)
+        from_demand_and_reading(&self.rational()?.realise()?)
     }
 
     /// Returns the name of the structure: its blocks in order.
