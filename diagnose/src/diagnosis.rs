@@ -18,7 +18,9 @@ use crate::library::{
 use crate::localisation::error_map::{MapCell, localise_errors};
 use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, list_balances};
-use crate::machine::{RedundantSensors, can_have, can_have_textbook, has_component, usable_sensors};
+use crate::machine::{
+    RedundantSensors, can_have, can_have_textbook, can_show, has_component, usable_sensors,
+};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
 use crate::recording::measured_signals::read_signals;
@@ -186,8 +188,9 @@ fn diagnose_of(
     let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
-    let searcher =
-        Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes, base), seeds, sizes };
+    let mut effects = effects_for(sizes, base);
+    effects.retain(|effect| can_show(base, recordings, effect));
+    let searcher = Searcher { simulator: &simulator, pool, base, effects, seeds, sizes };
     let search = searcher.search();
     if pool.cancelled() {
         return Err(Error::Cancelled);

@@ -6,6 +6,7 @@
 
 use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmission};
 use counterpoise_models::{Axis, Measured, Parameters};
+use counterpoise_recordings::{Channel, Recording};
 
 use crate::library::{Component, Effect, EffectName, Kind};
 
@@ -90,10 +91,21 @@ pub fn can_have(p: &Parameters, effect: &Effect) -> bool {
             Component::Amplifier => amplifier_can_have(p, effect.effect),
             Component::Pivot => friction_can_have(&p.pivot_friction.law, effect),
             Component::HubGyro => {
-                effect.effect != EffectName::GSensitivity || p.sensors.measured == Measured::HubRate
+                let of_gyroscope = [EffectName::GSensitivity, EffectName::Misalignment];
+                !of_gyroscope.contains(&effect.effect) || p.sensors.measured == Measured::HubRate
             }
             _ => true,
         }
+}
+
+/// Returns whether recordings have what an effect acts on: a misaligned gyroscope reads the base's roll and yaw, a tilted accelerometer its surge.
+pub(crate) fn can_show(p: &Parameters, recordings: &[Recording], effect: &Effect) -> bool {
+    let recorded = |channel| recordings.iter().all(|recording| recording.has(channel));
+    match effect.effect {
+        EffectName::Misalignment => recorded(Channel::PlatformRoll) && recorded(Channel::PlatformYaw),
+        EffectName::Tilt => p.sensors.surge_accelerometer.is_some() && recorded(Channel::PlatformSurge),
+        _ => true,
+    }
 }
 
 /// Returns whether a machine with textbook values can have an effect of the textbook's own list: friction there has a scale of its own, whatever the

@@ -4,6 +4,7 @@
 
 mod common;
 
+mod alignment;
 mod friction_laws;
 mod hose;
 mod identify;

@@ -73,7 +73,7 @@ fn platform(machine: &Machine) -> PlatformMotion {
     let surge_m_s2 = Signal::Triangle { amplitude: 2.0, period_s: 320.0 * period_s };
     let further = FurtherMotion { surge_m_s2, roll_rate_rad_s: Signal::ZERO, yaw_rate_rad_s: Signal::ZERO };
     PlatformMotion {
-        further: machine.plant.parameters().sensors.measures_surge().then_some(further),
+        further: machine.plant.parameters().sensors.reads_surge().then_some(further),
         pitch_rate_rad_s: Signal::Triangle { amplitude: 0.05, period_s: 400.0 * period_s },
         heave_m_s2: Signal::Triangle { amplitude: 0.6, period_s: 240.0 * period_s },
         ..PlatformMotion::STILL
@@ -159,7 +159,7 @@ fn program(machine: &Machine, folder: &Path, refined: f64) -> PathBuf {
     let sensors = &machine.plant.parameters().sensors;
     let second = if sensors.surge_accelerometer.is_some() { "o.platform_surge_m_s2" } else { "0.0" };
     let mut define = vec![format!("-DREFINED={refined:?}"), format!("-DSECOND={second}")];
-    define.extend(sensors.measures_surge().then(|| "-DSURGE".to_owned()));
+    define.extend(sensors.reads_surge().then(|| "-DSURGE".to_owned()));
     let said = run(Command::new("cc")
         .current_dir(&sources)
         .args(&STRICT[2..])
@@ -292,6 +292,20 @@ fn a_platform_that_surges() {
             offset(p);
             let second = Sensor { delay_s: 2e-3, gain: 1.02, ..p.sensors.platform_accelerometer.clone() };
             p.sensors.surge_accelerometer = Some(second);
+        }),
+        machine("tilted accelerometers of heave and surge", |p| {
+            let mut second = p.sensors.platform_accelerometer.clone();
+            second.alignment.tilt_rad = -0.04;
+            p.sensors.surge_accelerometer = Some(second);
+            p.sensors.platform_accelerometer.alignment.tilt_rad = 0.07;
+            p.sensors.accelerometer_lever_arm_m = 0.3;
+        }),
+        machine("tilted accelerometer on the elevated mass", |p| {
+            p.sensors.accelerometer_axis = AccelerometerAxis::Elevated;
+            p.sensors.platform_accelerometer.alignment.tilt_rad = -0.05;
+        }),
+        machine("tilted accelerometer alone", |p| {
+            p.sensors.platform_accelerometer.alignment.tilt_rad = 0.05;
         }),
     ]);
 }

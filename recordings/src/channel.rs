@@ -23,6 +23,10 @@ pub enum Channel {
     MotorCurrent,
     /// Second platform accelerometer: surge, m/s^2.
     PlatformSurge,
+    /// Inertial rate of the platform about its forward axis, rad/s; no controller reads it.
+    PlatformRoll,
+    /// Inertial rate of the platform about its upward axis, rad/s; no controller reads it.
+    PlatformYaw,
 }
 
 /// What a loop's sensor measures, or its demand asks for.
@@ -83,7 +87,7 @@ impl ChannelUnits {
 
 impl Channel {
     /// All channels.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Demand,
         Self::Control,
         Self::HubRate,
@@ -94,6 +98,8 @@ impl Channel {
         Self::MotorPosition,
         Self::MotorCurrent,
         Self::PlatformSurge,
+        Self::PlatformRoll,
+        Self::PlatformYaw,
     ];
 
     /// Returns the channel's name in files and results.
@@ -109,6 +115,8 @@ impl Channel {
             Self::MotorPosition => "motor_position",
             Self::MotorCurrent => "motor_current",
             Self::PlatformSurge => "platform_surge",
+            Self::PlatformRoll => "platform_roll",
+            Self::PlatformYaw => "platform_yaw",
         }
     }
 
@@ -116,6 +124,7 @@ impl Channel {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Demand | Self::HubRate | Self::PlatformRate | Self::MotorRate => "rad/s",
+            Self::PlatformRoll | Self::PlatformYaw => "rad/s",
             Self::Control => "V",
             Self::PlatformAccel | Self::PlatformSurge => "m/s^2",
             Self::HubPosition | Self::MotorPosition => "rad",

@@ -100,7 +100,8 @@ impl ReadingColumns {
         }
     }
 
-    /// Returns the column of a channel; it is empty for the motor's angle and current, which no simulated instrument reads.
+    /// Returns the column of a channel; it is empty for the motor's angle and current and for the platform's roll and yaw, which no simulated
+    /// instrument reads.
     pub fn channel(&self, channel: Channel) -> &[f64] {
         match channel {
             Channel::Demand => &self.demand_rad_s,
@@ -111,11 +112,13 @@ impl ReadingColumns {
             Channel::MotorRate => &self.motor_rate_rad_s,
             Channel::HubPosition => &self.hub_position_rad,
             Channel::PlatformSurge => &self.platform_surge_m_s2,
-            Channel::MotorPosition | Channel::MotorCurrent => &[],
+            Channel::MotorPosition | Channel::MotorCurrent | Channel::PlatformRoll | Channel::PlatformYaw => {
+                &[]
+            }
         }
     }
 
-    /// Returns the column of a channel, to be changed; it is empty for the motor's angle and current.
+    /// Returns the column of a channel, to be changed; it is empty where [`Self::channel`] is.
     pub(crate) fn channel_mut(&mut self, channel: Channel) -> &mut [f64] {
         match channel {
             Channel::Demand => &mut self.demand_rad_s,
@@ -126,7 +129,9 @@ impl ReadingColumns {
             Channel::MotorRate => &mut self.motor_rate_rad_s,
             Channel::HubPosition => &mut self.hub_position_rad,
             Channel::PlatformSurge => &mut self.platform_surge_m_s2,
-            Channel::MotorPosition | Channel::MotorCurrent => &mut [],
+            Channel::MotorPosition | Channel::MotorCurrent | Channel::PlatformRoll | Channel::PlatformYaw => {
+                &mut []
+            }
         }
     }
 
@@ -141,7 +146,8 @@ impl ReadingColumns {
 }
 
 /// Channels that no simulated instrument reads.
-const UNREAD: [Channel; 2] = [Channel::MotorPosition, Channel::MotorCurrent];
+const UNREAD: [Channel; 4] =
+    [Channel::MotorPosition, Channel::MotorCurrent, Channel::PlatformRoll, Channel::PlatformYaw];
 
 impl TimeHistory {
     /// Returns the number of samples.

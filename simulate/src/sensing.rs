@@ -1,12 +1,13 @@
 //! The sensors and converters of the digital controller, sample by sample.
 
 use crate::engine::filter::Filter;
+use crate::engine::moments::NODES;
 use crate::motion::MotionSample;
 use crate::noise::Noise;
 use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, SURGE_STREAM, is_missing};
 use counterpoise_controller::Readings;
 use counterpoise_models::plant::SinCos;
-use counterpoise_models::{AccelerometerAxis, Interface, Parameters, Sensor};
+use counterpoise_models::{AccelerometerAxis, Interface, Parameters, Sensor, Sensors};
 
 /// Full range of every converter, V to either side.
 pub const CONVERTER_RANGE_V: f64 = 10.0;
@@ -84,6 +85,27 @@ struct Chain {
     /// The value at the sample before; `None` before the first.
     before: Option<f64>,
     drift: Option<DriftNoise>,
+    /// Samples between two readings of its own, and the reading that is held between them.
+    held: Option<HeldReading>,
+}
+
+/// The last reading of a sensor that is slower than the controller.
+#[derive(Debug, Clone, Copy)]
+struct HeldReading {
+    every: usize,
+    sample: usize,
+    reading: f64,
+}
+
+impl HeldReading {
+    /// Returns what the controller sees of the reading that the sensor would give at this sample.
+    fn seen(&mut self, reading: f64) -> f64 {
+        if self.sample.is_multiple_of(self.every) {
+            self.reading = reading;
+        }
+        self.sample += 1;
+        self.reading
+    }
 }
 
 impl Chain {
@@ -94,6 +116,7 @@ impl Chain {
             }
             _ => None,
         };
+        let every = sensor.samples_between_readings(interface.sample_period_s);
         Self {
             sensor: sensor.clone(),
             converter: Converter::new(interface.input_bits, imperfections).missing(interface.missing_codes),
@@ -101,6 +124,7 @@ impl Chain {
             past: Vec::new(),
             before: None,
             drift,
+            held: (every > 1).then_some(HeldReading { every, sample: 0, reading: 0.0 }),
         }
     }
 
@@ -120,10 +144,12 @@ impl Chain {
         if let Some(drift) = &mut self.drift {
             delayed += drift.next();
         }
-        if resolution > 0.0 {
-            return self.converter.digital(delayed, resolution);
-        }
-        self.converter.convert(delayed * scale) / scale
+        let reading = if resolution > 0.0 {
+            self.converter.digital(delayed, resolution)
+        } else {
+            self.converter.convert(delayed * scale) / scale
+        };
+        self.held.as_mut().map_or(reading, |held| held.seen(reading))
     }
 
     fn delayed(&mut self, value: f64) -> f64 {
@@ -147,6 +173,8 @@ struct PlatformSensor {
     filter: Filter,
     state: [f64; 2],
     heave: [f64; 2],
+    /// The rates about other axes that a misaligned gyroscope reads, filtered.
+    cross: [f64; 2],
     chain: Chain,
 }
 
@@ -156,8 +184,37 @@ impl PlatformSensor {
             filter: Filter::new(sensor, parameters.interface.sample_period_s),
             state: [0.0; 2],
             heave: [0.0; 2],
+            cross: [0.0; 2],
             chain: Chain::new(sensor, &parameters.interface, imperfections, place),
         }
+    }
+
+    /// Returns a truth with what the sensor reads about other axes.
+    fn with_cross_axis(&self, truth: f64) -> f64 {
+        if self.has_cross_axis() { truth + self.cross[0] } else { truth }
+    }
+
+    fn has_cross_axis(&self) -> bool {
+        self.chain.sensor.alignment.has_cross_axis()
+    }
+
+    /// Moves what a misaligned gyroscope reads about other axes over a sample; what carries it stands at an angle at each node.
+    fn advance_cross_axis(&mut self, motion: &MotionSample, angle_rad: impl Fn(f64) -> f64) {
+        if !self.has_cross_axis() {
+            return;
+        }
+        let felt = NODES.map(|node| self.cross_axis_rate(motion, node, angle_rad(node)));
+        self.filter.advance(0, &mut self.cross, &felt);
+    }
+
+    /// Returns what the sensor reads about other axes, unfiltered, at a fraction of a sample; what carries it stands at an angle.
+    fn cross_axis_rate(&self, motion: &MotionSample, part: f64, angle_rad: f64) -> f64 {
+        let Some(further) = motion.further_at(part) else { return 0.0 };
+        let (sin, cos) = angle_rad.sin_cos();
+        let [roll, yaw] = further.rates;
+        let alignment = &self.chain.sensor.alignment;
+        alignment.roll_sensitivity * (roll * cos + yaw * sin)
+            + alignment.yaw_sensitivity * (yaw * cos - roll * sin)
     }
 }
 
@@ -177,8 +234,7 @@ pub(crate) struct Sensing {
     hub_heave: PlatformSensor,
     platform_gyro: PlatformSensor,
     accelerometer: PlatformSensor,
-    lever_arm_m: f64,
-    axis: AccelerometerAxis,
+    mounted: Mounted,
     tachometer: Option<Chain>,
     resolver: Option<Chain>,
     surge: Option<Surge>,
@@ -206,8 +262,7 @@ impl Sensing {
             hub_heave: driven(&sensors.hub_gyro, 0),
             platform_gyro: driven(&sensors.platform_gyro, 1),
             accelerometer: driven(&sensors.platform_accelerometer, 2),
-            lever_arm_m: sensors.accelerometer_lever_arm_m,
-            axis: sensors.accelerometer_axis,
+            mounted: Mounted::of(sensors, parameters.gravity_m_s2),
             tachometer: sensors.motor_tachometer.as_ref().map(|sensor| chain(sensor, 3)),
             resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4)),
             surge: sensors.surge_accelerometer.as_ref().map(|sensor| Surge {
@@ -226,13 +281,12 @@ impl Sensing {
     pub fn settle(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
         let start = motion.at(0.0);
         self.platform_gyro.state = [start.rate, 0.0];
-        let felt = match self.axis {
-            AccelerometerAxis::Vertical => start.heave,
-            AccelerometerAxis::Elevated => along_normal(motion, 0.0, hub_angle_rad.sin_cos().into()),
-        };
-        self.accelerometer.state = [felt, 0.0];
+        self.accelerometer.state = [self.mounted.heave_felt(motion, 0.0, hub_angle_rad), 0.0];
         if let Some(surge) = &mut self.surge {
-            surge.sensor.state = [motion.further_at(0.0).unwrap_or_default().surge, 0.0];
+            surge.sensor.state = [self.mounted.surge_felt(motion, 0.0), 0.0];
+        }
+        for (gyro, angle) in [(&mut self.hub_heave, hub_angle_rad), (&mut self.platform_gyro, start.angle)] {
+            gyro.cross = [gyro.cross_axis_rate(motion, 0.0, angle), 0.0];
         }
         for sensor in [&mut self.hub_heave, &mut self.platform_gyro, &mut self.accelerometer] {
             sensor.heave = [start.heave, 0.0];
@@ -246,8 +300,16 @@ impl Sensing {
         let accelerometer = &mut self.accelerometer;
         Readings {
             demand_rad_s: 0.0,
-            hub_rate_rad_s: self.hub_gyro.read(truth.hub_gyro, self.hub_heave.heave[0], noise[0]),
-            platform_rate_rad_s: gyro.chain.read(gyro.state[0], gyro.heave[0], noise[1]),
+            hub_rate_rad_s: self.hub_gyro.read(
+                self.hub_heave.with_cross_axis(truth.hub_gyro),
+                self.hub_heave.heave[0],
+                noise[0],
+            ),
+            platform_rate_rad_s: gyro.chain.read(
+                gyro.with_cross_axis(gyro.state[0]),
+                gyro.heave[0],
+                noise[1],
+            ),
             platform_accel_m_s2: accelerometer.chain.read(accelerometer.state[0], 0.0, noise[2]),
             motor_rate_rad_s: self
                 .tachometer
@@ -264,23 +326,13 @@ impl Sensing {
     /// Moves the platform's sensors over a sample at whose end the hub stands at an angle: within a sample it turns too little to matter
     /// (1e-4 rad at 0.1 rad/s).
     pub fn advance(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
-        let arm = self.lever_arm_m;
         let rate = motion.nodes(|p| p.rate);
         let heave = motion.nodes(|p| p.heave);
-        let mut felt = heave;
-        if arm != 0.0 {
-            let nodes = crate::engine::moments::NODES;
-            felt = [0, 1, 2, 3].map(|k| heave[k] + arm * motion.pitch_acceleration_at(nodes[k]));
-        }
-        if self.axis == AccelerometerAxis::Elevated {
-            let hub = SinCos::from(hub_angle_rad.sin_cos());
-            felt = crate::engine::moments::NODES.map(|node| along_normal(motion, node, hub));
-        }
+        let felt = self.mounted.heave_felt_at_nodes(motion, heave, hub_angle_rad);
         self.platform_gyro.filter.advance(0, &mut self.platform_gyro.state, &rate);
         self.accelerometer.filter.advance(0, &mut self.accelerometer.state, &felt);
         if let Some(surge) = &mut self.surge {
-            let felt =
-                crate::engine::moments::NODES.map(|node| motion.further_at(node).unwrap_or_default().surge);
+            let felt = NODES.map(|node| self.mounted.surge_felt(motion, node));
             surge.sensor.filter.advance(0, &mut surge.sensor.state, &felt);
         }
         for sensor in [&mut self.hub_heave, &mut self.platform_gyro] {
@@ -288,6 +340,8 @@ impl Sensing {
                 sensor.filter.advance(0, &mut sensor.heave, &heave);
             }
         }
+        self.hub_heave.advance_cross_axis(motion, |_| hub_angle_rad);
+        self.platform_gyro.advance_cross_axis(motion, |node| motion.at(node).angle);
     }
 }
 
@@ -298,10 +352,64 @@ impl Surge {
     }
 }
 
-/// Returns the platform's acceleration along the normal of the beam at a fraction of a sample, m/s^2.
-fn along_normal(motion: &MotionSample, part: f64, hub: SinCos) -> f64 {
-    let surge = motion.further_at(part).unwrap_or_default().surge;
-    motion.at(part).heave * hub.cos - surge * hub.sin
+/// How the accelerometers are mounted.
+#[derive(Debug, Clone, Copy)]
+struct Mounted {
+    axis: AccelerometerAxis,
+    lever_arm_m: f64,
+    gravity_m_s2: f64,
+    /// Tilts of the accelerometers of heave and of surge, rad.
+    tilt_rad: f64,
+    surge_tilt_rad: f64,
+}
+
+impl Mounted {
+    fn of(sensors: &Sensors, gravity_m_s2: f64) -> Self {
+        let of_surge = sensors.surge_accelerometer.as_ref().map_or(0.0, |sensor| sensor.alignment.tilt_rad);
+        Self {
+            axis: sensors.accelerometer_axis,
+            lever_arm_m: sensors.accelerometer_lever_arm_m,
+            gravity_m_s2,
+            tilt_rad: sensors.platform_accelerometer.alignment.tilt_rad,
+            surge_tilt_rad: of_surge,
+        }
+    }
+
+    /// Returns what the accelerometer of heave feels at a fraction of a sample, m/s^2, but for its lever arm.
+    fn heave_felt(&self, motion: &MotionSample, part: f64, hub_angle_rad: f64) -> f64 {
+        let heave = motion.at(part).heave;
+        let nominal = match self.axis {
+            AccelerometerAxis::Vertical if self.tilt_rad == 0.0 => return heave,
+            AccelerometerAxis::Vertical => 0.0,
+            AccelerometerAxis::Elevated => hub_angle_rad,
+        };
+        let surge = motion.further_at(part).unwrap_or_default().surge;
+        let axis = SinCos::from((nominal + self.tilt_rad).sin_cos());
+        let felt = heave * axis.cos - surge * axis.sin;
+        if self.tilt_rad == 0.0 { felt } else { felt + self.gravity_m_s2 * (axis.cos - nominal.cos()) }
+    }
+
+    /// Returns the same at the nodes of a sample at which heave is known, with the lever arm.
+    fn heave_felt_at_nodes(&self, motion: &MotionSample, heave: [f64; 4], hub_angle_rad: f64) -> [f64; 4] {
+        let mut felt = heave;
+        if self.axis == AccelerometerAxis::Elevated || self.tilt_rad != 0.0 {
+            felt = NODES.map(|node| self.heave_felt(motion, node, hub_angle_rad));
+        }
+        if self.lever_arm_m != 0.0 && self.axis == AccelerometerAxis::Vertical {
+            felt = [0, 1, 2, 3].map(|k| felt[k] + self.lever_arm_m * motion.pitch_acceleration_at(NODES[k]));
+        }
+        felt
+    }
+
+    /// Returns what the accelerometer of surge feels at a fraction of a sample, m/s^2.
+    fn surge_felt(&self, motion: &MotionSample, part: f64) -> f64 {
+        let surge = motion.further_at(part).unwrap_or_default().surge;
+        if self.surge_tilt_rad == 0.0 {
+            return surge;
+        }
+        let (sin, cos) = self.surge_tilt_rad.sin_cos();
+        surge * cos + (motion.at(part).heave + self.gravity_m_s2) * sin
+    }
 }
 
 #[cfg(test)]

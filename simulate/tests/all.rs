@@ -4,6 +4,7 @@
 
 mod common;
 
+mod alignment;
 mod base_motion;
 mod convergence;
 mod ensemble;

@@ -154,6 +154,10 @@ named! {
         GSensitivity = "g_sensitivity",
         /// Lever arm of the accelerometer.
         LeverArm = "lever_arm",
+        /// Axis of a gyroscope that is not where it should be, or sensitivity to rates about other axes.
+        Misalignment = "misalignment",
+        /// Axis of an accelerometer that is turned about the elevation axis.
+        Tilt = "tilt",
         /// Delay of all the platform's channels together.
         ChannelSkew = "channel_skew",
         /// Clock of a column that is off by a time.

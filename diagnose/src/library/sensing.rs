@@ -15,6 +15,36 @@ macro_rules! instrument {
     };
 }
 
+/// A gyroscope that reads rate + c_r w_f + c_y w_u, with the rates about the forward and upward axes of what carries it.
+macro_rules! misalignment {
+    ($component:ident, sensors.$sensor:ident) => {
+        Effect {
+            effect: EffectName::Misalignment,
+            component: Component::$component,
+            kind: Kind::Instrument,
+            parameters: &[
+                parameter!(
+                    "roll_sensitivity",
+                    "rad",
+                    [-0.5, 0.5],
+                    0.01,
+                    Linear,
+                    sensors.$sensor.alignment.roll_sensitivity
+                ),
+                parameter!(
+                    "yaw_sensitivity",
+                    "rad",
+                    [-0.5, 0.5],
+                    0.01,
+                    Linear,
+                    sensors.$sensor.alignment.yaw_sensitivity
+                ),
+            ],
+            starts: &[],
+        }
+    };
+}
+
 /// Gyroscopes and the accelerometer (IEEE Std 528; Titterton and Weston 2004).
 pub(super) static EFFECTS: &[Effect] = &[
     // reading = gain x rate
@@ -135,6 +165,22 @@ pub(super) static EFFECTS: &[Effect] = &[
         LeverArm,
         &[],
         parameter!("lever_arm", "m", [-5.0, 5.0], 0.1, Linear, sensors.accelerometer_lever_arm_m)
+    ),
+    misalignment!(HubGyro, sensors.hub_gyro),
+    misalignment!(PlatformGyro, sensors.platform_gyro),
+    // reading = heave cos(tilt) - surge sin(tilt) + g (cos(tilt) - 1)
+    instrument!(
+        PlatformAccelerometer,
+        Tilt,
+        &[],
+        parameter!(
+            "tilt",
+            "rad",
+            [-0.5, 0.5],
+            0.01,
+            Linear,
+            sensors.platform_accelerometer.alignment.tilt_rad
+        )
     ),
     Effect {
         // the platform's channels are recorded late by a time (two clocks, or one channel group sampled after the other)

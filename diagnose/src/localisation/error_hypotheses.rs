@@ -142,7 +142,9 @@ pub(crate) fn regimes_of(component: Component, effect: EffectName) -> &'static [
         (C::Pivot, E::WarmUp) | (C::Structure, E::Recoil) => &[R::Time],
         (C::HubGyro | C::PlatformGyro, E::Scale) => &[R::Rate],
         (_, E::Bias) => &[R::Time],
-        (_, E::GSensitivity) | (C::PlatformAccelerometer, E::Scale) => &[R::Acceleration],
+        (_, E::GSensitivity | E::Tilt) | (C::PlatformAccelerometer, E::Scale) => &[R::Acceleration],
+        // no balance has the base's roll and yaw, so what they make shows by its spectrum and its course alone
+        (_, E::Misalignment) => &[R::Frequency, R::Time],
         (_, E::FlexibleMode | E::Damping | E::Bandwidth | E::Delay | E::LeverArm | E::ChannelSkew) => {
             &[R::Frequency]
         }

@@ -90,7 +90,12 @@ fn silent(sensor: &Sensor, interface: &Interface) -> f64 {
 fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
     let s = &p.sensors;
     match channel {
-        Channel::Demand | Channel::Control | Channel::MotorPosition | Channel::MotorCurrent => None,
+        Channel::Demand
+        | Channel::Control
+        | Channel::MotorPosition
+        | Channel::MotorCurrent
+        | Channel::PlatformRoll
+        | Channel::PlatformYaw => None,
         Channel::HubRate => Some(&s.hub_gyro),
         Channel::PlatformRate => Some(&s.platform_gyro),
         Channel::PlatformAccel => Some(&s.platform_accelerometer),
@@ -103,7 +108,12 @@ fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
 fn sensor_mut(p: &mut Parameters, channel: Channel) -> Option<&mut Sensor> {
     let s = &mut p.sensors;
     match channel {
-        Channel::Demand | Channel::Control | Channel::MotorPosition | Channel::MotorCurrent => None,
+        Channel::Demand
+        | Channel::Control
+        | Channel::MotorPosition
+        | Channel::MotorCurrent
+        | Channel::PlatformRoll
+        | Channel::PlatformYaw => None,
         Channel::HubRate => Some(&mut s.hub_gyro),
         Channel::PlatformRate => Some(&mut s.platform_gyro),
         Channel::PlatformAccel => Some(&mut s.platform_accelerometer),

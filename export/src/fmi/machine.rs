@@ -142,6 +142,12 @@ pub(crate) fn ripples(plant: &Plant) -> Vec<String> {
     all.map(|ripple| list(&three(&ripple))).collect()
 }
 
+/// Returns the tilt of an accelerometer as C writes it; `None` if its axis is the nominal one.
+fn tilt(accelerometer: Option<&Sensor>) -> Option<String> {
+    let tilt_rad = accelerometer?.alignment.tilt_rad;
+    (tilt_rad != 0.0).then(|| number(tilt_rad))
+}
+
 /// Returns what kind of machine it is: which of its states exist, and what the loop's sensor shows.
 pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let p = plant.parameters();
@@ -172,8 +178,10 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     minijinja::context! {
         rigid => plant.is_rigid(),
         linear => p.axis == Axis::Linear,
-        surge => p.sensors.measures_surge() && p.axis == Axis::Rotary,
+        surge => p.sensors.reads_surge() && p.axis == Axis::Rotary,
         elevated => p.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
+        tilt => tilt(Some(&p.sensors.platform_accelerometer)),
+        surge_tilt => tilt(p.sensors.surge_accelerometer.as_ref()),
         projected => p.sensors.surge_accelerometer.is_some(),
         last_sensor => if p.sensors.surge_accelerometer.is_some() { SURGE } else { "PLATFORM_GYRO_HEAVE" },
         wavy => p.gearbox.kinematic_error.amplitude != 0.0,

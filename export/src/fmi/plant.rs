@@ -132,7 +132,7 @@ fn variables(plant: &Plant) -> Vec<Variable> {
         local("last_pitch_rate_rad_s", "rad/s", "pitch rate of the step before"),
     ];
     let sensors = &plant.parameters().sensors;
-    if sensors.measures_surge() {
+    if sensors.reads_surge() {
         all.push(Variable::input(
             "surge_m_s2",
             "m/s2",

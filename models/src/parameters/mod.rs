@@ -23,7 +23,7 @@ pub use drive_limits::{
 };
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
 pub use learned::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
-pub use sensing::{AccelerometerAxis, Clock, Drift, Interface, Measured, Sensor, Sensors};
+pub use sensing::{AccelerometerAxis, Alignment, Clock, Drift, Interface, Measured, Sensor, Sensors};
 pub use structure::{Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
 /// One axis of a cantilever mechanism on a moving platform.

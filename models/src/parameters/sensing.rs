@@ -74,7 +74,21 @@ impl Sensors {
         if self.surge_accelerometer.is_some() {
             return hub_angle_rad.cos();
         }
-        self.accelerometer_axis.share_of_heave(hub_angle_rad)
+        self.accelerometer_share_of_heave(hub_angle_rad)
+    }
+
+    /// Returns what the platform's accelerometer reads of heave at a hub angle, per m/s^2: the cosine of the angle between its axis and the vertical.
+    pub fn accelerometer_share_of_heave(&self, hub_angle_rad: f64) -> f64 {
+        let tilt = self.platform_accelerometer.alignment.tilt_rad;
+        match self.accelerometer_axis {
+            AccelerometerAxis::Vertical => tilt.cos(),
+            AccelerometerAxis::Elevated => (hub_angle_rad + tilt).cos(),
+        }
+    }
+
+    /// Returns whether an accelerometer reads a part of surge.
+    pub fn reads_surge(&self) -> bool {
+        self.measures_surge() || self.platform_accelerometer.alignment.tilt_rad != 0.0
     }
 
     /// Returns whether the heave feedforward sees surge as the out-of-balance feels it.
@@ -92,16 +106,6 @@ pub enum AccelerometerAxis {
     /// Along the normal of the beam, on the elevated mass at the pivot: it reads heave cos(theta_h) - surge sin(theta_h), which is what
     /// the out-of-balance feels at any elevation.
     Elevated,
-}
-
-impl AccelerometerAxis {
-    /// Returns what the sensor reads of heave at a hub angle, per m/s^2.
-    pub fn share_of_heave(self, hub_angle_rad: f64) -> f64 {
-        match self {
-            Self::Vertical => 1.0,
-            Self::Elevated => hub_angle_rad.cos(),
-        }
-    }
 }
 
 /// One sensor with its second-order dynamics.
@@ -128,6 +132,29 @@ pub struct Sensor {
     pub resolution: f64,
     /// Slow errors of the reading.
     pub drift: Drift,
+    /// Where its axis points instead of where it should.
+    pub alignment: Alignment,
+    /// Time between two readings of its own, s, to whole samples of the controller, which sees the last one in between. 0: a reading each sample.
+    pub own_period_s: f64,
+}
+
+/// How a sensor's axis lies off the nominal one. Every number is 0 for a sensor that is aligned.
+///
+/// A gyroscope reads rate + c_r w_f + c_y w_u, with the inertial rates w_f about the forward and w_u about the upward axis of what carries it: the
+/// platform, or the elevated mass along the beam and its normal. A small misalignment by an angle has that angle as its sensitivity, and the
+/// cross-axis sensitivity of the sensor itself adds to it (IEEE Std 952-1997, section 12.11).
+///
+/// An accelerometer whose axis is turned by the tilt t reads, gravity removed as if it were aligned: on the platform
+/// a cos(t) - a_x sin(t) + g (cos(t) - 1), on the elevated mass a cos(theta + t) - a_x sin(theta + t) + g (cos(theta + t) - cos(theta)), and of surge
+/// a_x cos(t) + (a + g) sin(t), with heave a and surge a_x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alignment {
+    /// Of a gyroscope: reading per inertial rate about the forward axis of what carries it.
+    pub roll_sensitivity: f64,
+    /// Of a gyroscope: reading per inertial rate about the upward axis of what carries it.
+    pub yaw_sensitivity: f64,
+    /// Of an accelerometer: angle about the elevation axis, rad, positive nose-up.
+    pub tilt_rad: f64,
 }
 
 /// Slow errors of a gyroscope, by the parameters of its Allan deviation (IEEE Std 952-1997, annex C). For another sensor read its unit in
@@ -170,6 +197,16 @@ pub struct Interface {
     pub missing_codes: f64,
 }
 
+impl Alignment {
+    /// The nominal axis.
+    pub const NOMINAL: Self = Self { roll_sensitivity: 0.0, yaw_sensitivity: 0.0, tilt_rad: 0.0 };
+
+    /// Returns whether a gyroscope reads rates about other axes.
+    pub fn has_cross_axis(&self) -> bool {
+        self.roll_sensitivity != 0.0 || self.yaw_sensitivity != 0.0
+    }
+}
+
 impl Drift {
     /// No slow error.
     pub const NONE: Self = Self { angle_random_walk: 0.0, bias_instability: 0.0, rate_random_walk: 0.0 };
@@ -193,6 +230,8 @@ impl Sensor {
         g_sensitivity: 0.0,
         resolution: 0.0,
         drift: Drift::NONE,
+        alignment: Alignment::NOMINAL,
+        own_period_s: 0.0,
     };
 
     /// No sensor: its reading is 0.
@@ -202,6 +241,18 @@ impl Sensor {
     pub fn white_noise_rms(&self, sample_period_s: f64) -> f64 {
         let walk = self.drift.angle_random_walk;
         if walk == 0.0 { self.noise_rms } else { self.noise_rms.hypot(walk / sample_period_s.sqrt()) }
+    }
+
+    /// Returns after how many samples of the controller it gives its next reading: 1 if it gives one each sample.
+    pub fn samples_between_readings(&self, sample_period_s: f64) -> usize {
+        ((self.own_period_s / sample_period_s).round() as usize).max(1)
+    }
+
+    /// Returns the mean delay of its reading in whole samples, as the linear loop takes it: its own, and half the time for which a reading is
+    /// held beyond a sample.
+    pub fn delay_samples(&self, sample_period_s: f64) -> usize {
+        let held = self.samples_between_readings(sample_period_s) - 1;
+        (self.delay_s / sample_period_s + 0.5 * held as f64).round().max(0.0) as usize
     }
 
     /// Returns whether there is a sensor.

@@ -178,6 +178,11 @@ fn sensor(path: &str, sensor: &Sensor) -> Result<(), Error> {
     finite(&at("bias"), sensor.bias)?;
     not_negative(&at("delay_s"), sensor.delay_s)?;
     not_negative(&at("resolution"), sensor.resolution)?;
+    not_negative(&at("own_period_s"), sensor.own_period_s)?;
+    let alignment = &sensor.alignment;
+    finite(&at("alignment.roll_sensitivity"), alignment.roll_sensitivity)?;
+    finite(&at("alignment.yaw_sensitivity"), alignment.yaw_sensitivity)?;
+    finite(&at("alignment.tilt_rad"), alignment.tilt_rad)?;
     finite(&at("g_sensitivity"), sensor.g_sensitivity)
 }
 

@@ -210,9 +210,8 @@ fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {
 /// Whole samples by which each reading is late.
 fn delays(parameters: &Parameters) -> Vec<usize> {
     let sensors = &parameters.sensors;
-    let whole = |sensor: Option<&Sensor>| {
-        sensor.map_or(0, |s| (s.delay_s / parameters.interface.sample_period_s).round().max(0.0) as usize)
-    };
+    let whole =
+        |sensor: Option<&Sensor>| sensor.map_or(0, |s| s.delay_samples(parameters.interface.sample_period_s));
     vec![
         0,
         whole(Some(&sensors.hub_gyro)),

@@ -45,7 +45,9 @@ fn limit(plant: &Parameters, channel: Channel) -> Option<f64> {
         Channel::MotorRate => sensors.motor_tachometer.as_ref()?,
         Channel::HubPosition => sensors.hub_resolver.as_ref()?,
         Channel::PlatformSurge => sensors.surge_accelerometer.as_ref()?,
-        Channel::MotorPosition | Channel::MotorCurrent => return None,
+        Channel::MotorPosition | Channel::MotorCurrent | Channel::PlatformRoll | Channel::PlatformYaw => {
+            return None;
+        }
     };
     analogue(sensor).filter(|_| plant.interface.input_bits > 0)
 }

@@ -78,7 +78,7 @@ pub(crate) fn sensed(
 ) -> Result<DesignPlant, PipelineError> {
     Ok(DesignPlant {
         hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(heave_sensor(sensors, sensors.accelerometer_axis.share_of_heave(hub_angle_rad))?),
+        heave_sensor: Some(heave_sensor(sensors, sensors.accelerometer_share_of_heave(hub_angle_rad))?),
         pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
         ..plant.clone()
     })

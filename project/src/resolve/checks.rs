@@ -50,6 +50,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     cascade(&mut findings, project);
     effort_checks::effort(&mut findings, project);
     delays(&mut findings, plant);
+    own_periods(&mut findings, plant);
     base_motion_checks::elevated(&mut findings, project);
     base_motion_checks::slide(&mut findings, project);
     base_motion_checks::projected(&mut findings, project);
@@ -251,18 +252,45 @@ fn feedforwards(findings: &mut Findings<'_>, project: &Project) {
 /// Most samples by which a sensor may be late: each is a state of the sampled plant.
 const MOST_DELAY_SAMPLES: f64 = 1000.0;
 
-/// A sensor's delay is at most so many samples.
-fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
-    let (sensors, period) = (&plant.sensors, plant.interface.sample_period_s);
-    let all = [
+/// Distance of a sensor's own sample period from a whole number of samples that a file may round, in samples.
+const ROUNDED_PERIOD: f64 = 1e-6;
+
+/// Returns the sensors by their names in the file.
+fn named_sensors(plant: &Parameters) -> [(&'static str, Option<&Sensor>); 6] {
+    let sensors = &plant.sensors;
+    [
         ("hub_gyro", Some(&sensors.hub_gyro)),
         ("platform_gyro", Some(&sensors.platform_gyro)),
         ("platform_accelerometer", Some(&sensors.platform_accelerometer)),
         ("motor_tachometer", sensors.motor_tachometer.as_ref()),
         ("hub_resolver", sensors.hub_resolver.as_ref()),
         ("surge_accelerometer", sensors.surge_accelerometer.as_ref()),
-    ];
-    for (name, sensor) in all {
+    ]
+}
+
+/// A sensor that is slower than the controller is read every whole number of samples.
+fn own_periods(findings: &mut Findings<'_>, plant: &Parameters) {
+    let period = plant.interface.sample_period_s;
+    for (name, sensor) in named_sensors(plant) {
+        let own_s = sensor.map_or(0.0, |sensor| sensor.own_period_s);
+        let samples = own_s / period;
+        let is_whole = (samples - samples.round()).abs() < ROUNDED_PERIOD * samples.max(1.0);
+        if own_s == 0.0 || period <= 0.0 || is_whole && (0.5..=MOST_DELAY_SAMPLES).contains(&samples) {
+            continue;
+        }
+        let allowed = format!(
+            "must be a whole multiple of plant.interface.sample_period, {period} s, up to {MOST_DELAY_SAMPLES} of it, or 0 for a reading each sample"
+        );
+        let path = format!("plant.sensors.{name}.sample_period");
+        let remark = Remark::new(Problem::OutOfRange, &path, allowed);
+        findings.add(Severity::Error, remark.found(own_s.to_string()));
+    }
+}
+
+/// A sensor's delay is at most so many samples.
+fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
+    let period = plant.interface.sample_period_s;
+    for (name, sensor) in named_sensors(plant) {
         let delay_s = sensor.map_or(0.0, |sensor| sensor.delay_s);
         if period > 0.0 && delay_s > MOST_DELAY_SAMPLES * period {
             let most = MOST_DELAY_SAMPLES * period;

@@ -5,7 +5,7 @@
 use counterpoise_models::{Axis, Measured, Parameters, Sensor};
 use std::f64::consts::TAU;
 
-use super::sensor::{IDEAL_SCALE, sensor};
+use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose};
 
@@ -36,7 +36,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let mut found = 0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
     if v.enter(&gyro, Presence::from(measured == Measured::HubRate && plant.sensors.hub_gyro != UNKNOWN)) {
-        sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
+        gyroscope(v, &mut plant.sensors.hub_gyro);
         found += measures(plant, Measured::HubRate, found);
         v.leave();
     }

@@ -8,7 +8,7 @@ use counterpoise_models::{
 use super::axis_words::Words;
 use super::friction::{friction, ripple};
 use super::learned::learned;
-use super::sensor::sensor;
+use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
 use super::{drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
@@ -269,10 +269,10 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     loop_sensor::loop_sensor(v, plant);
     let sensors = &mut plant.sensors;
     let gyro = TableField::optional("platform_gyro", "rate of the platform");
-    fitted(v, &gyro, &mut sensors.platform_gyro, |v, s| sensor(v, s, "rad/s"));
+    fitted(v, &gyro, &mut sensors.platform_gyro, gyroscope);
     let section = TableField::optional("platform_accelerometer", "heave, gravity removed");
     if v.enter(&section, Presence::from(sensors.platform_accelerometer.is_fitted())) {
-        sensor(v, &mut sensors.platform_accelerometer, "m/s^2");
+        accelerometer(v, &mut sensors.platform_accelerometer);
         v.number(
             &Field::new("lever_arm", "distance from the pivot").unit("m").or(0.0),
             &mut sensors.accelerometer_lever_arm_m,
@@ -293,7 +293,7 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     let surge =
         "surge, gravity removed: the controller projects heave and surge across the beam by the hub's angle";
     let surge = TableField::optional("surge_accelerometer", surge);
-    optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, |v, s| sensor(v, s, "m/s^2"));
+    optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, accelerometer);
     v.leave();
 }
 

@@ -10,6 +10,9 @@ const ABOVE_0: Limit = Limit::Above(0.0);
 /// Volts per unit of a sensor of which nothing is known: its range is beyond every motion.
 pub(super) const IDEAL_SCALE: f64 = 1e-3;
 
+/// Largest tilt of an accelerometer, rad: beyond, it reads another axis.
+const MOST_TILT_RAD: f64 = 0.8;
+
 /// Returns units of a sensor's scale, in volts per unit, and of its error per acceleration.
 fn units_of(measured: &'static str) -> (&'static str, &'static str) {
     match measured {
@@ -61,6 +64,31 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
         &mut sensor.g_sensitivity,
     );
     drift(v, &mut sensor.drift, unit);
+    let period = "time between two readings of its own, which the controller sees again until the next: whole samples; 0 is one each sample";
+    v.number(
+        &Field::new("sample_period", period).unit("s").limit(AT_LEAST_0).or(0.0),
+        &mut sensor.own_period_s,
+    );
+}
+
+/// Reads or lists a rate gyroscope: what every sensor has, and what it reads about other axes.
+pub(super) fn gyroscope(v: &mut dyn Visit, gyro: &mut Sensor) {
+    sensor(v, gyro, "rad/s");
+    let per_rate = |key, meaning| Field::new(key, meaning).unit("(rad/s)/(rad/s)").or(0.0);
+    let about = "error of the reading per inertial rate about the forward axis of what carries it; a misalignment has its angle here, in rad";
+    v.number(&per_rate("roll_sensitivity", about), &mut gyro.alignment.roll_sensitivity);
+    let about = "the same about the upward axis (on the elevated mass, the normal of the beam)";
+    v.number(&per_rate("yaw_sensitivity", about), &mut gyro.alignment.yaw_sensitivity);
+}
+
+/// Reads or lists an accelerometer: what every sensor has, and the tilt of its axis.
+pub(super) fn accelerometer(v: &mut dyn Visit, accelerometer: &mut Sensor) {
+    sensor(v, accelerometer, "m/s^2");
+    let tilt = "angle of its axis about the elevation axis, positive nose-up: it then reads other shares of heave, surge and gravity";
+    v.number(
+        &Field::new("tilt", tilt).unit("rad").limit(Limit::Between(-MOST_TILT_RAD, MOST_TILT_RAD)).or(0.0),
+        &mut accelerometer.alignment.tilt_rad,
+    );
 }
 
 /// Slow errors, as the Allan deviation shows them.

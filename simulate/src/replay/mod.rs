@@ -500,7 +500,11 @@ impl Floors<'_> {
                 let Loop::Closed(controller) = self.control else { return None };
                 Some(controller.control_floor(self.parameters))
             }
-            Channel::Demand | Channel::MotorPosition | Channel::MotorCurrent => None,
+            Channel::Demand
+            | Channel::MotorPosition
+            | Channel::MotorCurrent
+            | Channel::PlatformRoll
+            | Channel::PlatformYaw => None,
         }
     }
 }

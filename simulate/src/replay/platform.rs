@@ -4,7 +4,7 @@ use super::smoother::sensor_input;
 use crate::motion::{FurtherMotion, PlatformMotion};
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::signal::Signal;
-use counterpoise_models::{AccelerometerAxis, Interface, Parameters, Sensor};
+use counterpoise_models::{AccelerometerAxis, Alignment, Interface, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 
 /// RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
@@ -38,6 +38,8 @@ pub(crate) struct Sensed {
     heave: Deconvolved,
     /// That of surge, if the machine has one.
     surge: Option<Deconvolved>,
+    /// Recorded rates about the platform's forward and upward axes, rad/s.
+    turning: Option<[Signal; 2]>,
     /// Mean of the recorded hub position, rad; 0 if it was not recorded.
     elevation_rad: f64,
 }
@@ -61,7 +63,14 @@ impl Deconvolved {
     /// Deconvolves the readings, unless that was done before for the same dynamics and noise.
     fn new(sensor: &Sensor, interface: &Interface, readings: &Column, before: Option<&Self>) -> Self {
         let noise = reading_floor(sensor, interface);
-        let errorless = Sensor { gain: 1.0, bias: 0.0, delay_s: 0.0, g_sensitivity: 0.0, ..sensor.clone() };
+        let errorless = Sensor {
+            gain: 1.0,
+            bias: 0.0,
+            delay_s: 0.0,
+            g_sensitivity: 0.0,
+            alignment: Alignment::NOMINAL,
+            ..sensor.clone()
+        };
         match before.filter(|b| b.dynamics == errorless && b.noise == noise) {
             Some(same) => same.clone(),
             None => {
@@ -101,6 +110,7 @@ impl Sensed {
                 .surge_accelerometer
                 .as_ref()
                 .map(|sensor| Deconvolved::new(sensor, interface, &surge, forward)),
+            turning: turning(recording),
             elevation_rad: mean_position(recording),
         }
     }
@@ -110,19 +120,134 @@ impl Sensed {
         let sensors = &parameters.sensors;
         let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
         let heave = self.heave.corrected(&sensors.platform_accelerometer, period_s);
-        let mut motion = combined(parameters, rate, heave, period_s);
         let surge = self.surge.as_ref().zip(sensors.surge_accelerometer.as_ref());
-        if let Some(values) = surge.and_then(|(found, sensor)| found.corrected(sensor, period_s)) {
-            let surge_m_s2 = Signal::Samples { period_s, values };
-            motion.further = Some(FurtherMotion {
-                surge_m_s2,
-                roll_rate_rad_s: Signal::ZERO,
-                yaw_rate_rad_s: Signal::ZERO,
-            });
+        let mut felt =
+            Felt { rate, heave, surge: surge.and_then(|(found, sensor)| found.corrected(sensor, period_s)) };
+        felt.take_cross_axis_out(parameters, self.turning.as_ref(), period_s);
+        felt.take_lever_arm_out(parameters, period_s);
+        felt.take_tilt_out(parameters, self.elevation_rad);
+        let surge = felt.surge.take();
+        let mut motion = felt.motion(parameters, period_s);
+        if surge.is_some() || self.turning.is_some() {
+            let [roll_rate_rad_s, yaw_rate_rad_s] =
+                self.turning.clone().unwrap_or([Signal::ZERO, Signal::ZERO]);
+            let surge_m_s2 = surge.map_or(Signal::ZERO, |values| Signal::Samples { period_s, values });
+            motion.further = Some(FurtherMotion { surge_m_s2, roll_rate_rad_s, yaw_rate_rad_s });
         }
         match sensors.accelerometer_axis {
             AccelerometerAxis::Vertical => motion,
-            AccelerometerAxis::Elevated => along_normal(motion, self.elevation_rad),
+            AccelerometerAxis::Elevated => {
+                along_normal(motion, self.elevation_rad + sensors.platform_accelerometer.alignment.tilt_rad)
+            }
+        }
+    }
+}
+
+/// Returns the recorded rates about the platform's forward and upward axes; `None` if neither was recorded.
+fn turning(recording: &Recording) -> Option<[Signal; 2]> {
+    let channels = [Channel::PlatformRoll, Channel::PlatformYaw];
+    if !channels.iter().any(|channel| recording.has(*channel)) {
+        return None;
+    }
+    let period_s = recording.sample_period_s;
+    let signal = |channel| match recording.samples(channel) {
+        Some(values) => Signal::Samples { period_s, values: finite(values) },
+        None => Signal::ZERO,
+    };
+    Some(channels.map(signal))
+}
+
+/// Returns a column in which a missing sample repeats the one before.
+fn finite(values: &[f64]) -> Vec<f64> {
+    let mut last = values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
+    let at = |value: &f64| {
+        last = if value.is_finite() { *value } else { last };
+        last
+    };
+    values.iter().map(at).collect()
+}
+
+/// What the platform's sensors felt; `None` for one that was not recorded.
+struct Felt {
+    /// Pitch rate, rad/s.
+    rate: Option<Vec<f64>>,
+    /// Heave, m/s^2.
+    heave: Option<Vec<f64>>,
+    /// Surge, m/s^2.
+    surge: Option<Vec<f64>>,
+}
+
+impl Felt {
+    /// Takes what a misaligned gyroscope reads about other axes out of the pitch rate. The axes of the recorded rates and those of the platform
+    /// differ by its pitch angle, which is small beside the misalignment itself.
+    fn take_cross_axis_out(&mut self, parameters: &Parameters, turning: Option<&[Signal; 2]>, period_s: f64) {
+        let alignment = parameters.sensors.platform_gyro.alignment;
+        let (Some(rate), Some([roll, yaw])) = (self.rate.as_mut(), turning) else { return };
+        if !alignment.has_cross_axis() {
+            return;
+        }
+        for (k, value) in rate.iter_mut().enumerate() {
+            let time_s = k as f64 * period_s;
+            *value -=
+                alignment.roll_sensitivity * roll.at(time_s) + alignment.yaw_sensitivity * yaw.at(time_s);
+        }
+    }
+
+    /// Takes the pitch acceleration that a lever arm adds out of the heave.
+    fn take_lever_arm_out(&mut self, parameters: &Parameters, period_s: f64) {
+        let arm = parameters.sensors.accelerometer_lever_arm_m;
+        if let (Some(heave), Some(rate), true) = (self.heave.as_mut(), self.rate.as_ref(), arm != 0.0) {
+            let slope = slopes(rate, period_s);
+            heave.iter_mut().zip(slope).for_each(|(h, a)| *h -= arm * a);
+        }
+    }
+
+    /// Takes what tilted accelerometers feel along other axes out of heave and surge: with the tilts t and t_x their readings are
+    /// a cos(t) - a_x sin(t) + g (cos(t) - 1) and a_x cos(t_x) + (a + g) sin(t_x). One on the elevated mass keeps its axis and loses the
+    /// constant alone.
+    fn take_tilt_out(&mut self, parameters: &Parameters, elevation_rad: f64) {
+        let (sensors, gravity) = (&parameters.sensors, parameters.gravity_m_s2);
+        let tilt = sensors.platform_accelerometer.alignment.tilt_rad;
+        let surge_tilt = sensors.surge_accelerometer.as_ref().map_or(0.0, |one| one.alignment.tilt_rad);
+        if tilt == 0.0 && surge_tilt == 0.0 {
+            return;
+        }
+        let Some(heave) = self.heave.as_mut() else { return };
+        if sensors.accelerometer_axis == AccelerometerAxis::Elevated {
+            let constant = gravity * ((elevation_rad + tilt).cos() - elevation_rad.cos());
+            return heave.iter_mut().for_each(|value| *value -= constant);
+        }
+        let ((sin, cos), (surge_sin, surge_cos)) = (tilt.sin_cos(), surge_tilt.sin_cos());
+        let Some(surge) = self.surge.as_mut() else {
+            return heave.iter_mut().for_each(|value| *value = (*value - gravity * (cos - 1.0)) / cos);
+        };
+        let determinant = cos * surge_cos + sin * surge_sin;
+        for (up, forward) in heave.iter_mut().zip(surge) {
+            let (read_up, read_forward) = (*up - gravity * (cos - 1.0), *forward - gravity * surge_sin);
+            *up = (read_up * surge_cos + read_forward * sin) / determinant;
+            *forward = (read_forward * cos - read_up * surge_sin) / determinant;
+        }
+    }
+
+    /// Returns the motion in pitch and heave, with the gyroscope's g-sensitivity taken out.
+    fn motion(self, parameters: &Parameters, period_s: f64) -> PlatformMotion {
+        let gyro = &parameters.sensors.platform_gyro;
+        let heave = self.heave;
+        let corrected = self.rate.map(|mut rate| {
+            let sensitivity = gyro.g_sensitivity / gyro.gain;
+            if let (Some(heave), true) = (heave.as_ref(), sensitivity != 0.0) {
+                rate.iter_mut().zip(heave).for_each(|(r, h)| *r -= sensitivity * h);
+            }
+            rate
+        });
+        let signal = |values: Option<Vec<f64>>| match values {
+            Some(values) => Signal::Samples { period_s, values },
+            None => Signal::ZERO,
+        };
+        PlatformMotion {
+            pitch_rate_rad_s: signal(corrected),
+            heave_m_s2: signal(heave),
+            ..PlatformMotion::STILL
         }
     }
 }
@@ -138,41 +263,19 @@ fn along_normal(motion: PlatformMotion, elevation_rad: f64) -> PlatformMotion {
         other => other.clone(),
     };
     let (heave_m_s2, surge_m_s2) = (share(cos), share(-sin));
-    let further = FurtherMotion { surge_m_s2, roll_rate_rad_s: Signal::ZERO, yaw_rate_rad_s: Signal::ZERO };
-    PlatformMotion { heave_m_s2, further: Some(further), ..motion }
+    let still = || FurtherMotion {
+        surge_m_s2: Signal::ZERO,
+        roll_rate_rad_s: Signal::ZERO,
+        yaw_rate_rad_s: Signal::ZERO,
+    };
+    let turning = motion.further.clone().unwrap_or_else(still);
+    PlatformMotion { heave_m_s2, further: Some(FurtherMotion { surge_m_s2, ..turning }), ..motion }
 }
 
 fn mean_position(recording: &Recording) -> f64 {
     let known = recording.samples(Channel::HubPosition).unwrap_or_default();
     let (sum, count) = known.iter().filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
-}
-
-/// Returns the motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
-fn combined(
-    parameters: &Parameters,
-    rate: Option<Vec<f64>>,
-    mut heave: Option<Vec<f64>>,
-    period_s: f64,
-) -> PlatformMotion {
-    let sensors = &parameters.sensors;
-    let arm = sensors.accelerometer_lever_arm_m;
-    if let (Some(heave), Some(rate), true) = (heave.as_mut(), rate.as_ref(), arm != 0.0) {
-        let slope = slopes(rate, period_s);
-        heave.iter_mut().zip(slope).for_each(|(h, a)| *h -= arm * a);
-    }
-    let corrected = rate.map(|mut rate| {
-        let sensitivity = sensors.platform_gyro.g_sensitivity / sensors.platform_gyro.gain;
-        if let (Some(heave), true) = (heave.as_ref(), sensitivity != 0.0) {
-            rate.iter_mut().zip(heave).for_each(|(r, h)| *r -= sensitivity * h);
-        }
-        rate
-    });
-    let signal = |values: Option<Vec<f64>>| match values {
-        Some(values) => Signal::Samples { period_s, values },
-        None => Signal::ZERO,
-    };
-    PlatformMotion { pitch_rate_rad_s: signal(corrected), heave_m_s2: signal(heave), ..PlatformMotion::STILL }
 }
 
 /// Returns the series a number of samples earlier: what a delayed one shows.

@@ -121,7 +121,7 @@ impl SampledPlant {
         Delays::of(parameters).check()?;
         let sensed = with_truths(plant, parameters, drivers)?;
         let hub_angle_rad = plant.equilibrium.point.hub_angle_rad;
-        let share = parameters.sensors.accelerometer_axis.share_of_heave(hub_angle_rad);
+        let share = parameters.sensors.accelerometer_share_of_heave(hub_angle_rad);
         let continuous = series(&sensed, &sensors(parameters, resolver, share)?)?;
         let sample_period_s = parameters.interface.sample_period_s;
         let delays = Delays::of(parameters);
@@ -256,13 +256,13 @@ impl Delays {
     fn of(parameters: &Parameters) -> Self {
         let period_s = parameters.interface.sample_period_s;
         let sensors = &parameters.sensors;
-        let whole = |delay_s: f64| (delay_s / period_s).round().max(0.0) as usize;
-        let fitted = |sensor: &Option<Sensor>| sensor.as_ref().map_or(0, |s| whole(s.delay_s));
+        let whole = |sensor: &Sensor| sensor.delay_samples(period_s);
+        let fitted = |sensor: &Option<Sensor>| sensor.as_ref().map_or(0, whole);
         let readings = [
             0,
-            whole(sensors.hub_gyro.delay_s),
-            whole(sensors.platform_gyro.delay_s),
-            whole(sensors.platform_accelerometer.delay_s),
+            whole(&sensors.hub_gyro),
+            whole(&sensors.platform_gyro),
+            whole(&sensors.platform_accelerometer),
             fitted(&sensors.motor_tachometer),
             fitted(&sensors.hub_resolver),
         ];
