@@ -8,7 +8,9 @@ use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, Not
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::{Channel, Mapping, Recording, Table};
-use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
+use counterpoise_simulate::{
+    Detail, FurtherMotion, Imperfections, PlatformMotion, Scenario, Signal, Simulator, Sine,
+};
 
 /// The points of the practice machine's amplifier: (V, A).
 const CURVE: [(f64, f64); 14] = [
@@ -198,4 +200,61 @@ fn the_practice_machines_gain_curve_is_recovered() {
     assert!(worst_point(&one) < 0.10);
     let triangle = identify(&reference::rig(), &[&balanced[..1], &normal[..1]]).unwrap();
     assert!(worst_point(&triangle) < 0.10);
+}
+
+/// A base that moves in five degrees of freedom, with its roll and yaw rates as a logger has them.
+fn on_a_moving_base(machine: &Parameters, seed: u64) -> Recording {
+    let sines = |amplitudes: [f64; 2], rates: [f64; 2]| {
+        let sine =
+            |k: usize| Sine { amplitude: amplitudes[k], frequency_rad_s: rates[k], phase_rad: k as f64 };
+        Signal::Sines(vec![sine(0), sine(1)])
+    };
+    let further = FurtherMotion {
+        surge_m_s2: Signal::ZERO,
+        roll_rate_rad_s: sines([0.2, 0.1], [5.0, 13.0]),
+        yaw_rate_rad_s: sines([0.15, 0.1], [3.0, 9.0]),
+    };
+    let platform = PlatformMotion {
+        pitch_rate_rad_s: sines([0.1, 0.08], [7.0, 17.0]),
+        heave_m_s2: sines([0.7, 0.4], [6.0, 11.0]),
+        further: Some(further.clone()),
+        ..PlatformMotion::STILL
+    };
+    let scenario = Scenario {
+        demand_rad_s: Signal::Triangle { amplitude: 0.25, period_s: 2.0 },
+        platform,
+        imperfections: Imperfections::NoiseAndQuantisation { seed },
+        detail: Detail::Recording,
+        ..Scenario::still(20.0)
+    };
+    let recording =
+        simulator(machine).run(&mut controller(2.88), &scenario).unwrap().readings.recording("base", 1e-3);
+    let column =
+        |signal: &Signal| (0..recording.len()).map(|k| signal.at(1e-3 * k as f64)).collect::<Vec<f64>>();
+    let (roll, yaw) = (column(&further.roll_rate_rad_s), column(&further.yaw_rate_rad_s));
+    recording.with(Channel::PlatformRoll, roll).with(Channel::PlatformYaw, yaw)
+}
+
+#[test]
+fn lever_arm_and_misalignment_are_identified_on_a_moving_base() {
+    let project = reference::rig();
+    let mut truth = reference::rig();
+    truth.sensors.accelerometer_lever_arm_m = 0.8;
+    truth.sensors.hub_gyro.alignment.roll_sensitivity = 0.03;
+    truth.sensors.platform_gyro.alignment.yaw_sensitivity = 0.02;
+    let recording = on_a_moving_base(&truth, 4);
+    let found = identify(&project, &[&[recording]]).unwrap();
+    let near = |estimate: Option<Estimate>, truth: f64, off: f64| {
+        let value = estimate.unwrap().value;
+        assert!((value - truth).abs() < off, "{:?}", found.sensors);
+    };
+    near(found.sensors.lever_arm_m, 0.8, 0.08);
+    near(found.sensors.roll_misalignment_rad, 0.03, 2e-3);
+    near(found.sensors.yaw_misalignment_rad, -0.02, 2e-3);
+    let improved = improved(&project, &found);
+    assert!((improved.sensors.accelerometer_lever_arm_m - 0.8).abs() < 0.08);
+    assert!((improved.sensors.hub_gyro.alignment.roll_sensitivity - 0.03).abs() < 2e-3);
+
+    let still = identify(&project, &[&[triangle(&mut simulator(&truth), 2.88, 5)]]).unwrap();
+    assert!(still.sensors.is_empty(), "{:?}", still.sensors);
 }

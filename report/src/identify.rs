@@ -79,6 +79,7 @@ fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Es
     out.push(("Coulomb friction", found.coulomb_nm, units.torque));
     out.push(("viscous friction", found.viscous_nm_s_rad, units.viscous));
     out.extend(found.breakaway_nm.map(|e| (BREAKAWAY, e, units.torque)));
+    out.extend(found.sensor_errors());
     out.retain(|(_, e, _)| e.is_known());
     out
 }
@@ -207,7 +208,7 @@ fn curve_table(points: &[GainPoint]) -> Table {
 mod tests {
     use super::*;
     use crate::html_page;
-    use counterpoise_diagnose::identification::{Balance, Lobes};
+    use counterpoise_diagnose::identification::{Balance, Lobes, SensorErrors};
 
     fn found() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
@@ -227,6 +228,7 @@ mod tests {
             residual_nm: 0.2,
             noise_share: 1e-6,
             sliding_s: 6.0,
+            sensors: SensorErrors::default(),
             notes: vec!["a note".to_owned()],
         }
     }

@@ -82,6 +82,9 @@ fn print(found: &IdentificationText, units: &AxisUnits) {
         Some(breakaway) => line("highest after a reversal", breakaway, units.torque),
         None => say!("highest friction after a reversal: too few reversals"),
     }
+    for (name, estimate, unit) in found.sensor_errors() {
+        line(name, &estimate, unit);
+    }
     let l = &found.lobes;
     say!(
         "u against rate: offset {} V, step {} V, slope {} {}, width {} V per {}/s^2",

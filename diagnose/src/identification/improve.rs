@@ -36,7 +36,23 @@ pub(super) fn moved(p: &Parameters, found: &Identified) -> Parameters {
         out.pivot_friction.viscous_nm_s_rad = pivot;
         out.motor_friction.viscous_nm_s_rad = motor / (ratio * ratio);
     }
+    sensors(&mut out, found);
     out
+}
+
+/// The sensors with their identified errors. A misalignment changes the hub gyroscope, because kinematics tell its difference from the platform's alone.
+fn sensors(out: &mut Parameters, found: &Identified) {
+    let sensors = &mut out.sensors;
+    if let Some(arm) = found.sensors.lever_arm_m.and_then(new_value) {
+        sensors.accelerometer_lever_arm_m = arm;
+    }
+    let (hub, platform) = (&mut sensors.hub_gyro.alignment, sensors.platform_gyro.alignment);
+    if let Some(roll) = found.sensors.roll_misalignment_rad.and_then(new_value) {
+        hub.roll_sensitivity = rounded(platform.roll_sensitivity + roll);
+    }
+    if let Some(yaw) = found.sensors.yaw_misalignment_rad.and_then(new_value) {
+        hub.yaw_sensitivity = rounded(platform.yaw_sensitivity + yaw);
+    }
 }
 
 /// The value, where it is another than the project's.

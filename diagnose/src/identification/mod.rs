@@ -20,12 +20,15 @@ pub mod regression;
 pub mod rows;
 pub mod signal;
 
+mod alignment;
 mod breakaway;
 mod gain;
 mod problem;
 
 pub use improve::improved;
-pub use outcome::{Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, Unidentifiable};
+pub use outcome::{
+    Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, SensorErrors, Unidentifiable,
+};
 
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Friction;
@@ -82,6 +85,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         noise_share: fit.noise_share,
         sliding_s,
         notes: notes(p, states, &found.amplifier, fit, layout),
+        sensors: alignment::sensor_errors(p, states, fit, layout),
         amplifier: found.amplifier,
     })
 }

@@ -98,6 +98,27 @@ pub enum Note {
     NoWeight,
 }
 
+/// Errors of the sensors that recordings on a moving base show; `None` for what they do not show.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct SensorErrors {
+    /// Distance of the platform's accelerometer from the pivot, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lever_arm_m: Option<Estimate>,
+    /// Sensitivity of the hub gyroscope to roll less that of the platform gyroscope, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roll_misalignment_rad: Option<Estimate>,
+    /// The same to yaw, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yaw_misalignment_rad: Option<Estimate>,
+}
+
+impl SensorErrors {
+    /// Returns whether the recordings show none.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// What the recordings say of the amplifier.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Amplifier {
@@ -144,6 +165,8 @@ pub struct Identified {
     pub sliding_s: f64,
     /// What has to be known with the numbers.
     pub notes: Vec<Note>,
+    /// Errors of the sensors.
+    pub sensors: SensorErrors,
 }
 
 impl Estimate {

@@ -8,11 +8,21 @@ use super::rows::{Maker, Rows};
 use crate::Error;
 use crate::tolerance::identification::{LOW_PASS_S, MEMORY_S};
 
-/// Where each unknown stands: moments of all states, inertias of all states, Coulomb, viscous, knots.
+/// Where each unknown stands: moments of all states, inertias of all states, Coulomb, viscous, knots, the accelerometer's lever arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     states: usize,
     knots: usize,
+    lever_arm: LeverArm,
+}
+
+/// Whether the lever arm of the platform's accelerometer is an unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeverArm {
+    /// It is taken as the project has it.
+    Known,
+    /// It is identified.
+    Unknown,
 }
 
 impl Layout {
@@ -41,8 +51,13 @@ impl Layout {
         2 * self.states + 2 + index
     }
 
+    /// Change of the lever arm; `None` if it is taken as known.
+    pub fn lever_arm(self) -> Option<usize> {
+        (self.lever_arm == LeverArm::Unknown).then_some(2 * self.states + 2 + self.knots)
+    }
+
     fn count(self) -> usize {
-        2 * self.states + 2 + self.knots
+        2 * self.states + 2 + self.knots + usize::from(self.lever_arm == LeverArm::Unknown)
     }
 }
 
@@ -87,7 +102,11 @@ impl Problem {
                 parts.push(RecordingPart { name: recording.name.clone(), state, rows });
             }
         }
-        let layout = Layout { states: states.len(), knots: knots_v.len().saturating_sub(2) };
+        // with several states each has a moment of its own on which the arm's torque depends
+        let shows =
+            states.len() == 1 && parts.iter().any(|part: &RecordingPart| part.rows.lever_arm.is_some());
+        let lever_arm = if shows { LeverArm::Unknown } else { LeverArm::Known };
+        let layout = Layout { states: states.len(), knots: knots_v.len().saturating_sub(2), lever_arm };
         Ok(Self { layout, parts, knots_v: knots_v.to_vec() })
     }
 
@@ -131,6 +150,9 @@ impl Problem {
         // the columns carry a minus: torque (old map) = mechanism - sum of change x hat
         for (k, column) in rows.hats.iter().enumerate() {
             columns[layout.knot(k)] = Some(column);
+        }
+        if let (Some(place), Some(arm)) = (layout.lever_arm(), &rows.lever_arm) {
+            (columns[place], noise[place]) = (Some(arm.torque_per_metre.as_slice()), arm.noise);
         }
         let memory = ((MEMORY_S / rows.period_s) as usize).max(1);
         Block { columns, target: &rows.torque, counts: &rows.sliding, noise, shared, memory }

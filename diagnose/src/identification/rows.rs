@@ -9,7 +9,7 @@
 //! their parts of the viscous friction in the project (they differ while the gear twists); w is the rate of the mean
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
-use counterpoise_models::{Measured, Parameters};
+use counterpoise_models::{AccelerometerAxis, Axis, Measured, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 
 use super::signal::{Chain, Kernel};
@@ -43,8 +43,20 @@ pub struct Rows {
     pub noise: [f64; 2],
     /// Covariance of that noise with the noise in the torque: the motor's rate follows from the same reading if it has no sensor.
     pub noise_in_torque: [f64; 2],
+    /// What the accelerometer's lever arm does; `None` if the recording does not show it.
+    pub lever_arm: Option<LeverArmColumn>,
     /// Sample period, s.
     pub period_s: f64,
+}
+
+/// What a longer lever arm of the accelerometer changes: the reading then holds more of the pitch acceleration, and less of heave acts on the
+/// out-of-balance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeverArmColumn {
+    /// -mu Q G [w_p' cos theta] with the project's moment mu, N m per metre of arm.
+    pub torque_per_metre: Vec<f64>,
+    /// Variance of its noise.
+    pub noise: f64,
 }
 
 /// How rows are made: the mechanism, the low-pass (its standard deviation, s), the knots of the amplifier's map (V).
@@ -115,6 +127,7 @@ impl Maker<'_> {
                 kernel.slope(&mean),
             ],
             hats: self.hats(&chain, &kernel, &channels.control),
+            lever_arm: self.lever_arm(recording, &kernel, &channels, &chain),
             sliding: self.sliding(&kernel, &channels, &turning, &self.calm(&driven, period_s)),
             smooth_control_v: kernel.smooth(&channels.control),
             smooth_rate_rad_s: kernel.smooth(&channels.hub),
@@ -183,6 +196,31 @@ impl Maker<'_> {
         let upright = self.load(chain, c, sine);
         let spring = |x: &f64| l.position_stiffness_nm_rad * (x - l.position_stiffness_centre_rad);
         upright.iter().zip(&c.position).map(|(g, x)| spring(x) - l.vertical_offset_kg_m * g).collect()
+    }
+
+    /// Returns what the accelerometer's lever arm does; `None` if there is none to be identified, or the platform hardly pitches.
+    fn lever_arm(
+        &self,
+        recording: &Recording,
+        kernel: &Kernel,
+        c: &Channels,
+        chain: &Chain,
+    ) -> Option<LeverArmColumn> {
+        let (p, sensors) = (self.p, &self.p.sensors);
+        let is_fitted = sensors.platform_accelerometer.is_fitted() && sensors.platform_gyro.is_fitted();
+        let is_level = sensors.accelerometer_axis == AccelerometerAxis::Vertical && p.axis == Axis::Rotary;
+        let recorded = [Channel::PlatformAccel, Channel::PlatformRate].iter().all(|one| recording.has(*one));
+        let moment = p.lumped.as_ref()?.out_of_balance_kg_m;
+        if !(is_fitted && is_level && recorded) || moment == 0.0 {
+            return None;
+        }
+        let pitching = kernel.slope(&c.platform);
+        let noise = noise_variance(&c.platform) * kernel.noise_gains()[1];
+        let power = pitching.iter().map(|a| a * a).sum::<f64>() / pitching.len().max(1) as f64;
+        let turned = inertial(c, chain).into_iter().map(|angle| cosine(p, angle));
+        let torque_per_metre = pitching.iter().zip(turned).map(|(a, cos)| -moment * a * cos).collect();
+        let found = LeverArmColumn { torque_per_metre, noise: moment * moment * noise };
+        (power > LEAST_PITCH_OVER_NOISE * noise).then_some(found)
     }
 
     fn hats(&self, chain: &Chain, kernel: &Kernel, control: &[f64]) -> Vec<Vec<f64>> {
@@ -295,7 +333,12 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     };
     let (control, reading) = (filled(control), filled(hub));
     let platform = r.samples(Channel::PlatformRate).map_or_else(|| vec![0.0; n], &mut filled);
-    let heave = r.samples(Channel::PlatformAccel).map_or_else(|| vec![0.0; n], &mut filled);
+    let mut heave = r.samples(Channel::PlatformAccel).map_or_else(|| vec![0.0; n], &mut filled);
+    let arm = p.sensors.accelerometer_lever_arm_m;
+    if arm != 0.0 {
+        let pitching = derivative(&platform, r.sample_period_s);
+        heave.iter_mut().zip(pitching).for_each(|(reading, a)| *reading -= arm * a);
+    }
     let fitted = p.sensors.motor_tachometer.is_some();
     let motor = r.samples(Channel::MotorRate).filter(|_| fitted).map(&mut filled);
     let measured = p.sensors.measured;

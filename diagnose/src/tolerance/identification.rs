@@ -48,3 +48,8 @@ pub const RESIDUAL_DOUBT: f64 = 0.02;
 pub const LOOP_POINTS: usize = 1500;
 /// Exponent of the kernel (1 - (t/h)^2)^p: smooth enough at its ends for sums to be as good as integrals.
 pub const KERNEL_POWER: i32 = 7;
+/// Power of the platform's pitch acceleration over that of its noise from which on a lever arm is identified: below, the noise that is taken off the
+/// normal equations decides.
+pub const LEAST_PITCH_OVER_NOISE: f64 = 30.0;
+/// RMS roll or yaw rate of the platform from which on a misalignment is identified, rad/s: a tenth of what a vehicle on a road has.
+pub const LEAST_TURNING_RAD_S: f64 = 0.01;

@@ -1,7 +1,7 @@
 //! What was identified, with its notes in sentences.
 
 use counterpoise_diagnose::identification::{
-    Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, Unidentifiable,
+    Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, SensorErrors, Unidentifiable,
 };
 use counterpoise_pipeline::recordings::identify::IdentifiedRecordings;
 use serde::Serialize;
@@ -33,6 +33,22 @@ pub struct IdentificationText {
     pub sliding_s: f64,
     /// What has to be known together with the numbers.
     pub notes: Vec<String>,
+    /// Errors of the sensors; absent if the recordings show none.
+    #[serde(skip_serializing_if = "SensorErrors::is_empty")]
+    pub sensors: SensorErrors,
+}
+
+impl IdentificationText {
+    /// Returns the errors of the sensors that were identified, each with its name and unit.
+    pub fn sensor_errors(&self) -> Vec<(&'static str, Estimate, &'static str)> {
+        let SensorErrors { lever_arm_m, roll_misalignment_rad, yaw_misalignment_rad } = self.sensors;
+        let named = [
+            ("lever arm of accelerometer", lever_arm_m, "m"),
+            ("gyroscopes apart, roll", roll_misalignment_rad, "rad"),
+            ("gyroscopes apart, yaw", yaw_misalignment_rad, "rad"),
+        ];
+        named.into_iter().filter_map(|(name, estimate, unit)| Some((name, estimate?, unit))).collect()
+    }
 }
 
 /// What the recordings say of the amplifier.
@@ -91,6 +107,7 @@ pub fn describe_identification(found: &Identified) -> IdentificationText {
         noise_share: found.noise_share,
         sliding_s: found.sliding_s,
         notes: found.notes.iter().map(|note| describe_note(*note)).collect(),
+        sensors: found.sensors,
     }
 }
 
