@@ -384,7 +384,7 @@ impl Mounted {
             AccelerometerAxis::Elevated => hub_angle_rad,
         };
         let surge = motion.further_at(part).unwrap_or_default().surge;
-        let axis = SinCos::from((nominal + self.tilt_rad).sin_cos());
+        let axis = SinCos::of(nominal + self.tilt_rad);
         let felt = heave * axis.cos - surge * axis.sin;
         if self.tilt_rad == 0.0 { felt } else { felt + self.gravity_m_s2 * (axis.cos - nominal.cos()) }
     }
