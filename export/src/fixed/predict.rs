@@ -7,7 +7,7 @@ use crate::Ranges;
 use crate::fixed::format::{to_integer, unit};
 use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
-use crate::ranges::Run;
+use crate::ranges::{Played, Run, play};
 use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 
 /// Returns how far the control can be from the reference.
@@ -78,14 +78,8 @@ impl Arithmetic for Quantised<'_> {
         self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
     }
 
-    fn coefficients(&self, run: &Run) -> Vec<f64> {
-        let mut off = Vec::with_capacity(run.readings.len());
-        run.play(
-            &mut Unrounded::new(self.fixed),
-            |unrounded, value| unrounded.set_out_of_balance(value),
-            |unrounded, k, readings| off.push(unrounded.step(readings) - run.reference_v[k]),
-        );
-        off
+    fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
+        play(runs, &Coefficients(self.fixed)).into_iter().map(|(_, off)| off).collect()
     }
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
@@ -113,8 +107,26 @@ impl Arithmetic for Quantised<'_> {
     }
 }
 
+/// The controller with rounded coefficients, and how far its control was from the reference's, V.
+struct Coefficients<'a>(&'a Fixed);
+
+impl<'a> Played<(Unrounded<'a>, Vec<f64>)> for Coefficients<'a> {
+    fn start(&self) -> (Unrounded<'a>, Vec<f64>) {
+        (Unrounded::new(self.0), Vec::new())
+    }
+
+    fn set(&self, (unrounded, _): &mut (Unrounded<'a>, Vec<f64>), out_of_balance_kg_m: f64) {
+        unrounded.set_out_of_balance(out_of_balance_kg_m);
+    }
+
+    fn sample(&self, (unrounded, off): &mut (Unrounded<'a>, Vec<f64>), run: &Run, k: usize) {
+        off.push(unrounded.step(&run.readings[k]) - run.reference_v[k]);
+    }
+}
+
 /// A fixed-point controller whose coefficients, start and readings are rounded and nothing else: numbers are real multiples
 /// of their units.
+#[derive(Clone)]
 struct Unrounded<'a> {
     fixed: &'a Fixed,
     states: Vec<f64>,

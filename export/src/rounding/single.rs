@@ -1,11 +1,11 @@
 //! Single precision.
 
 use counterpoise_controller::program::{Operation, Slot, Term};
-use counterpoise_controller::{Controller, Number};
+use counterpoise_controller::{Controller, Number, Runner};
 
 use super::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 use crate::Ranges;
-use crate::ranges::Run;
+use crate::ranges::{Played, Run, play};
 
 /// Half a unit in the last place of single precision, relative.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
@@ -43,14 +43,8 @@ impl Arithmetic for Single<'_> {
         worst
     }
 
-    fn coefficients(&self, run: &Run) -> Vec<f64> {
-        let mut off = Vec::with_capacity(run.readings.len());
-        run.play(
-            &mut self.controller.runner_in::<Stored>(),
-            |stored, value| stored.set_out_of_balance(value),
-            |stored, k, readings| off.push(stored.step_array(readings) - run.reference_v[k]),
-        );
-        off
+    fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
+        play(runs, &StoredCoefficients(self.controller)).into_iter().map(|(_, off)| off).collect()
     }
 
     fn rounded(&self, _: (Line, usize), operation: &Operation, (read, value): (&[f64], f64)) -> Rounded {
@@ -67,6 +61,23 @@ impl Arithmetic for Single<'_> {
             _ => 0.0,
         };
         Rounded { known, square }
+    }
+}
+
+/// The controller with coefficients in single precision, and how far its control was from the reference's, V.
+struct StoredCoefficients<'a>(&'a Controller);
+
+impl Played<(Runner<Stored>, Vec<f64>)> for StoredCoefficients<'_> {
+    fn start(&self) -> (Runner<Stored>, Vec<f64>) {
+        (self.0.runner_in::<Stored>(), Vec::new())
+    }
+
+    fn set(&self, (stored, _): &mut (Runner<Stored>, Vec<f64>), out_of_balance_kg_m: f64) {
+        stored.set_out_of_balance(out_of_balance_kg_m);
+    }
+
+    fn sample(&self, (stored, off): &mut (Runner<Stored>, Vec<f64>), run: &Run, k: usize) {
+        off.push(stored.step_array(&run.readings[k]) - run.reference_v[k]);
     }
 }
 
