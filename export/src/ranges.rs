@@ -76,6 +76,20 @@ pub(crate) trait Played<S> {
     fn sample(&self, state: &mut S, run: &Run, k: usize);
 }
 
+/// A controller along a run, and a voltage of every sample so far: its control, or how far that is from the reference's.
+#[derive(Debug, Clone)]
+pub(crate) struct RunState<A> {
+    pub acting: A,
+    pub voltages_v: Vec<f64>,
+}
+
+impl<A> RunState<A> {
+    /// Returns a controller before its first sample.
+    pub fn of(acting: A) -> Self {
+        Self { acting, voltages_v: Vec::new() }
+    }
+}
+
 /// Plays runs; returns the state after each. Runs in which the out-of-balance is set follow the run without, whose beginning they
 /// share: up to the setting they are played once.
 pub(crate) fn play<S: Clone>(runs: &[Run], played: &impl Played<S>) -> Vec<S> {
@@ -124,8 +138,8 @@ impl Ranges {
         let watch = Watch { controller, largest: RefCell::new(std::mem::take(&mut ranges.largest)) };
         let controls = play(&ranges.runs, &watch);
         ranges.largest = watch.largest.into_inner();
-        for (run, (_, control_v)) in ranges.runs.iter_mut().zip(controls) {
-            run.reference_v = control_v;
+        for (run, played) in ranges.runs.iter_mut().zip(controls) {
+            run.reference_v = played.voltages_v;
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
         for (state, bound) in settings::settable(controller, &ranges.largest[..states]) {
@@ -202,18 +216,18 @@ struct Watch<'a> {
     largest: RefCell<Vec<f64>>,
 }
 
-impl Played<(Runner, Vec<f64>)> for Watch<'_> {
-    fn start(&self) -> (Runner, Vec<f64>) {
-        (self.controller.runner(), Vec::new())
+impl Played<RunState<Runner>> for Watch<'_> {
+    fn start(&self) -> RunState<Runner> {
+        RunState::of(self.controller.runner())
     }
 
-    fn set(&self, (runner, _): &mut (Runner, Vec<f64>), out_of_balance_kg_m: f64) {
-        runner.set_out_of_balance(out_of_balance_kg_m);
+    fn set(&self, state: &mut RunState<Runner>, out_of_balance_kg_m: f64) {
+        state.acting.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn sample(&self, (runner, control_v): &mut (Runner, Vec<f64>), run: &Run, k: usize) {
-        control_v.push(runner.step_array(&run.readings[k]));
-        for (most, value) in self.largest.borrow_mut().iter_mut().zip(runner.values()) {
+    fn sample(&self, state: &mut RunState<Runner>, run: &Run, k: usize) {
+        state.voltages_v.push(state.acting.step_array(&run.readings[k]));
+        for (most, value) in self.largest.borrow_mut().iter_mut().zip(state.acting.values()) {
             *most = most.max(value.abs());
         }
     }

@@ -59,6 +59,15 @@ pub(crate) enum Line {
     Set,
 }
 
+/// An operation with what it read and wrote.
+pub(crate) struct Executed<'a> {
+    /// Its number in its line.
+    pub number: usize,
+    pub operation: &'a Operation,
+    pub read: &'a [f64],
+    pub written: f64,
+}
+
 /// What an operation rounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Rounded {
@@ -74,8 +83,8 @@ pub(crate) trait Arithmetic {
     fn worst(&self) -> Vec<f64>;
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
-    /// Returns what an operation rounds, given what it reads and writes.
-    fn rounded(&self, which: (Line, usize), operation: &Operation, values: (&[f64], f64)) -> Rounded;
+    /// Returns what an operation of a line rounds as it was executed.
+    fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded;
 }
 
 /// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse
@@ -96,7 +105,8 @@ pub(crate) fn deviation(
     let errors = arithmetic.worst();
     let at_rest = all.map(|set| Gains::of(controller, set, samples).constant(&errors)).fold(0.0, larger);
     let tracks = trajectory::follow(controller, ranges.runs(), arithmetic);
-    let along = arithmetic.coefficients(ranges.runs()).into_iter().zip(tracks).map(along);
+    let coefficients = arithmetic.coefficients(ranges.runs()).into_iter();
+    let along = coefficients.zip(tracks).map(|(coefficients, track)| along(coefficients, track));
     let (likely, rms_v) = along.fold((0.0, 0.0), |a, b| (larger(a.0, b.0), larger(a.1, b.1)));
     let (at_rest, likely) = (SECOND_ORDER * at_rest, SECOND_ORDER * likely);
     if !(at_rest.is_finite() && likely.is_finite() && rms_v.is_finite()) {
@@ -107,7 +117,7 @@ pub(crate) fn deviation(
 }
 
 /// Likely and RMS deviation of a run, V, from what rounded coefficients do in it and from what rounding does.
-fn along((coefficients, track): (Vec<f64>, Track)) -> (f64, f64) {
+fn along(coefficients: Vec<f64>, track: Track) -> (f64, f64) {
     let known = coefficients.into_iter().zip(track.mean_v).map(|(a, b)| a + b);
     let (mut likely, mut squares) = (0.0, 0.0);
     for (known, square) in known.zip(&track.squares_v2) {

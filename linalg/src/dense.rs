@@ -53,7 +53,7 @@ pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
         return lu_solve(A, B);
     }
     check_square("A", A)?;
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
     let singular = Error::Singular { what: "A", rcond: 0.0 };
     compact::solve(A, B).filter(Mat::is_finite).ok_or(singular)
 }
@@ -79,7 +79,7 @@ pub fn inverse(A: &Mat) -> Result<Mat, Error> {
 
 fn lu_solve<T: Scalar + ComplexField>(A: &Dense<T>, B: &Dense<T>) -> Result<Dense<T>, Error> {
     check_square("A", A)?;
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
     let lu = view(A).partial_piv_lu();
     check_pivots(lu.U())?;
     let mut X = B.clone();
@@ -110,7 +110,7 @@ impl ComplexFactors {
     /// # Errors
     /// As for [`csolve`].
     pub(crate) fn solve(&self, mut B: CMat) -> Result<CMat, Error> {
-        check_shape("B", &B, (self.0.U().nrows(), B.ncols()))?;
+        check_shape("B", &B, self.0.U().nrows(), B.ncols())?;
         self.0.solve_in_place(view_mut(&mut B));
         if B.is_finite() { Ok(B) } else { Err(Error::Singular { what: "A", rcond: 0.0 }) }
     }

@@ -75,7 +75,7 @@ fn separation(A: &Mat, kind: Kind) -> Result<f64, Error> {
 
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     let balanced = crate::balance::balance(A)?;
     let d = &balanced.scale;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);

@@ -32,9 +32,9 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
     let Realisation { A, B, C, D } = system;
     check_square("A", A)?;
     let (n, m, p) = (A.nrows(), B.ncols(), C.nrows());
-    check_shape("B", B, (n, m))?;
-    check_shape("C", C, (p, n))?;
-    check_shape("D", D, (p, m))?;
+    check_shape("B", B, n, m)?;
+    check_shape("C", C, p, n)?;
+    check_shape("D", D, p, m)?;
     let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
     let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
     let (Re, Im) = (Precise::identity(n, s.re).minus(&Precise::from(A)), Precise::identity(n, s.im));

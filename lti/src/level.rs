@@ -80,7 +80,7 @@ pub(crate) fn climb_between(best: &mut Peak, response: &Response, rates: &[f64])
     let above = rates.iter().copied().filter(|&rate| rate > best.rate_rad_s).fold(f64::INFINITY, f64::min);
     let high = if above.is_finite() { above } else { 2.0 * best.rate_rad_s };
     if best.rate_rad_s.is_finite() && high > below {
-        *best = climb(response, (below, high), *best)?;
+        *best = climb(response, below, high, *best)?;
     }
     Ok(())
 }
@@ -106,7 +106,7 @@ pub(crate) fn search_everywhere(
         if best.value >= values[k] && (low..=high).contains(&best.rate_rad_s) {
             continue;
         }
-        let top = climb(response, (low, high), Peak { value: values[k], rate_rad_s: rates[k] })?;
+        let top = climb(response, low, high, Peak { value: values[k], rate_rad_s: rates[k] })?;
         found = if top.value > found.value { top } else { found };
     }
     let risen = found.value > best.value * (1.0 + tolerance);
@@ -131,7 +131,7 @@ fn summits(values: &[f64], limit: f64) -> Vec<usize> {
 }
 
 /// Returns the top of the hill between two frequencies, from a point on it.
-fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak, Error> {
+fn climb(response: &Response, low: f64, high: f64, top: Peak) -> Result<Peak, Error> {
     let end =
         |rate_rad_s| if rate_rad_s == top.rate_rad_s { top } else { Peak { value: f64::NAN, rate_rad_s } };
     let mut hill = Hill { low: end(low), top, high: end(high) };

@@ -7,14 +7,17 @@ use crate::Ranges;
 use crate::fixed::format::{to_integer, unit};
 use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
-use crate::ranges::{Played, Run, play};
-use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
+use crate::ranges::{Played, Run, RunState, play};
+use crate::rounding::{
+    Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
+};
 
 /// Returns how far the control can be from the reference.
 pub(crate) fn predict(
     fixed: &Fixed,
     ranges: &Ranges,
-    (errors, set): (Vec<OperationError>, &Writer<'_>),
+    errors: Vec<OperationError>,
+    set: &Writer<'_>,
     samples: usize,
 ) -> Deviation {
     let controller = &fixed.controller;
@@ -79,17 +82,13 @@ impl Arithmetic for Quantised<'_> {
     }
 
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
-        play(runs, &Coefficients(self.fixed)).into_iter().map(|(_, off)| off).collect()
+        play(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
     }
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
     /// the sign of the quotient.
-    fn rounded(
-        &self,
-        (line, number): (Line, usize),
-        operation: &Operation,
-        (read, value): (&[f64], f64),
-    ) -> Rounded {
+    fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded {
+        let Executed { number, operation, read, written: value } = *executed;
         let error = match line {
             Line::Step => self.errors[number],
             Line::Set => self.set[number],
@@ -110,17 +109,17 @@ impl Arithmetic for Quantised<'_> {
 /// The controller with rounded coefficients, and how far its control was from the reference's, V.
 struct Coefficients<'a>(&'a Fixed);
 
-impl<'a> Played<(Unrounded<'a>, Vec<f64>)> for Coefficients<'a> {
-    fn start(&self) -> (Unrounded<'a>, Vec<f64>) {
-        (Unrounded::new(self.0), Vec::new())
+impl<'a> Played<RunState<Unrounded<'a>>> for Coefficients<'a> {
+    fn start(&self) -> RunState<Unrounded<'a>> {
+        RunState::of(Unrounded::new(self.0))
     }
 
-    fn set(&self, (unrounded, _): &mut (Unrounded<'a>, Vec<f64>), out_of_balance_kg_m: f64) {
-        unrounded.set_out_of_balance(out_of_balance_kg_m);
+    fn set(&self, state: &mut RunState<Unrounded<'a>>, out_of_balance_kg_m: f64) {
+        state.acting.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn sample(&self, (unrounded, off): &mut (Unrounded<'a>, Vec<f64>), run: &Run, k: usize) {
-        off.push(unrounded.step(&run.readings[k]) - run.reference_v[k]);
+    fn sample(&self, state: &mut RunState<Unrounded<'a>>, run: &Run, k: usize) {
+        state.voltages_v.push(state.acting.step(&run.readings[k]) - run.reference_v[k]);
     }
 }
 

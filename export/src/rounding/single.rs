@@ -3,9 +3,9 @@
 use counterpoise_controller::program::{Operation, Slot, Term};
 use counterpoise_controller::{Controller, Number, Runner};
 
-use super::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
+use super::{Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 use crate::Ranges;
-use crate::ranges::{Played, Run, play};
+use crate::ranges::{Played, Run, RunState, play};
 
 /// Half a unit in the last place of single precision, relative.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
@@ -44,10 +44,11 @@ impl Arithmetic for Single<'_> {
     }
 
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
-        play(runs, &StoredCoefficients(self.controller)).into_iter().map(|(_, off)| off).collect()
+        play(runs, &StoredCoefficients(self.controller)).into_iter().map(|state| state.voltages_v).collect()
     }
 
-    fn rounded(&self, _: (Line, usize), operation: &Operation, (read, value): (&[f64], f64)) -> Rounded {
+    fn rounded(&self, _: Line, executed: &Executed<'_>) -> Rounded {
+        let Executed { operation, read, written: value, .. } = *executed;
         let square = match operation {
             Operation::Sum { constant, terms, .. } => sum(*constant, terms, read),
             Operation::Product { .. } if read.iter().any(|one| is_power_of_two(*one)) => 0.0,
@@ -67,17 +68,17 @@ impl Arithmetic for Single<'_> {
 /// The controller with coefficients in single precision, and how far its control was from the reference's, V.
 struct StoredCoefficients<'a>(&'a Controller);
 
-impl Played<(Runner<Stored>, Vec<f64>)> for StoredCoefficients<'_> {
-    fn start(&self) -> (Runner<Stored>, Vec<f64>) {
-        (self.0.runner_in::<Stored>(), Vec::new())
+impl Played<RunState<Runner<Stored>>> for StoredCoefficients<'_> {
+    fn start(&self) -> RunState<Runner<Stored>> {
+        RunState::of(self.0.runner_in::<Stored>())
     }
 
-    fn set(&self, (stored, _): &mut (Runner<Stored>, Vec<f64>), out_of_balance_kg_m: f64) {
-        stored.set_out_of_balance(out_of_balance_kg_m);
+    fn set(&self, state: &mut RunState<Runner<Stored>>, out_of_balance_kg_m: f64) {
+        state.acting.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn sample(&self, (stored, off): &mut (Runner<Stored>, Vec<f64>), run: &Run, k: usize) {
-        off.push(stored.step_array(&run.readings[k]) - run.reference_v[k]);
+    fn sample(&self, state: &mut RunState<Runner<Stored>>, run: &Run, k: usize) {
+        state.voltages_v.push(state.acting.step_array(&run.readings[k]) - run.reference_v[k]);
     }
 }
 

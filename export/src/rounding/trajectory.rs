@@ -84,9 +84,8 @@ impl Walk<'_> {
 }
 
 fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic, rounded: &mut Vec<Rounded>) {
-    let one = |(number, operation, values)| arithmetic.rounded((line, number), operation, values);
     rounded.clear();
-    rounded.extend(tangent.written().map(one));
+    rounded.extend(tangent.executed().map(|executed| arithmetic.rounded(line, &executed)));
 }
 
 /// Known errors of the states and the covariance bound of the rest.

@@ -62,8 +62,8 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
 /// As for [`care`].
 pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
     check_square("A", A)?;
-    check_shape("G", G, A.shape())?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("G", G, A.nrows(), A.ncols())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     check_symmetric("G", G)?;
     check_symmetric("Q", Q)?;
     let scaled = scale(Problem { A: A.clone(), G: G.clone(), Q: Q.clone() });
@@ -81,12 +81,12 @@ pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
 pub(super) fn check_input(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<(), Error> {
     check_square("A", A)?;
     let (n, m) = (A.nrows(), B.ncols());
-    check_shape("B", B, (n, m))?;
-    check_shape("Q", Q, (n, n))?;
-    check_shape("R", R, (m, m))?;
+    check_shape("B", B, n, m)?;
+    check_shape("Q", Q, n, n)?;
+    check_shape("R", R, m, m)?;
     check_symmetric("Q", Q)?;
     check_symmetric("R", R)?;
-    S.map_or(Ok(()), |S| check_shape("S", S, (n, m)))
+    S.map_or(Ok(()), |S| check_shape("S", S, n, m))
 }
 
 /// The equation without a cross term: `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'`; `None` for a singular `R`.
