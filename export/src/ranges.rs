@@ -2,6 +2,8 @@
 
 mod settings;
 
+use std::cell::RefCell;
+
 use counterpoise_controller::program::{Program, Slot};
 use counterpoise_controller::{Controller, Number, READINGS, Readings, Runner, SampledController};
 
@@ -14,11 +16,17 @@ const SETTING_SAMPLES: usize = 4000;
 pub trait Adjustable: SampledController {
     /// Sets the out-of-balance, kg m.
     fn adjust(&mut self, out_of_balance_kg_m: f64);
+    /// Returns a copy with the states of this moment.
+    fn copied(&self) -> Box<dyn Adjustable>;
 }
 
-impl<N: Number> Adjustable for Runner<N> {
+impl<N: Number + 'static> Adjustable for Runner<N> {
     fn adjust(&mut self, out_of_balance_kg_m: f64) {
         self.set_out_of_balance(out_of_balance_kg_m);
+    }
+
+    fn copied(&self) -> Box<dyn Adjustable> {
+        Box::new(self.clone())
     }
 }
 
@@ -56,21 +64,62 @@ impl Run {
     pub fn set_at(&self) -> Option<(usize, f64)> {
         self.set_kg_m.map(|value| (self.readings.len() / 2, value))
     }
+}
 
-    /// Calls `each` with every sample, and `set` before the sample at which the out-of-balance is set.
-    pub fn play<S>(
-        &self,
-        state: &mut S,
-        mut set: impl FnMut(&mut S, f64),
-        mut each: impl FnMut(&mut S, usize, &[f64; READINGS]),
-    ) {
-        for (k, readings) in self.readings.iter().enumerate() {
-            if let Some((_, value)) = self.set_at().filter(|(at, _)| *at == k) {
-                set(state, value);
-            }
-            each(state, k, readings);
-        }
+/// What happens to a state along a run.
+pub(crate) trait Played<S> {
+    /// The state before the first sample.
+    fn start(&self) -> S;
+    /// The out-of-balance is set.
+    fn set(&self, state: &mut S, out_of_balance_kg_m: f64);
+    /// A sample of the run.
+    fn sample(&self, state: &mut S, run: &Run, k: usize);
+}
+
+/// A controller along a run, and a voltage of every sample so far: its control, or how far that is from the reference's.
+#[derive(Debug, Clone)]
+pub(crate) struct RunState<A> {
+    pub acting: A,
+    pub voltages_v: Vec<f64>,
+}
+
+impl<A> RunState<A> {
+    /// Returns a controller before its first sample.
+    pub fn of(acting: A) -> Self {
+        Self { acting, voltages_v: Vec::new() }
     }
+}
+
+/// Plays runs; returns the state after each. Runs in which the out-of-balance is set follow the run without, whose beginning they
+/// share: up to the setting they are played once.
+pub(crate) fn play<S: Clone>(runs: &[Run], played: &impl Played<S>) -> Vec<S> {
+    let mut ends = Vec::with_capacity(runs.len());
+    let mut at_setting: Option<S> = None;
+    for (i, run) in runs.iter().enumerate() {
+        let mut first = 0;
+        let mut state = played.start();
+        match run.set_at() {
+            None => at_setting = None,
+            Some((at, value)) if at < run.readings.len() => {
+                if let Some(shared) = &at_setting {
+                    (state, first) = (shared.clone(), at);
+                }
+                (first..at).for_each(|k| played.sample(&mut state, run, k));
+                played.set(&mut state, value);
+                first = at;
+            }
+            Some(_) => {}
+        }
+        let branch = runs.get(i + 1).and_then(Run::set_at).filter(|_| run.set_kg_m.is_none());
+        for k in first..run.readings.len() {
+            if branch.is_some_and(|(at, _)| at == k) {
+                at_setting = Some(state.clone());
+            }
+            played.sample(&mut state, run, k);
+        }
+        ends.push(state);
+    }
+    ends
 }
 
 impl Ranges {
@@ -86,8 +135,11 @@ impl Ranges {
         let count = states + inputs + controller.programs().step.locals.len();
         let mut ranges =
             Self { states, inputs, largest: vec![0.0; count], runs: runs(controller, histories) };
-        for run in &mut ranges.runs {
-            run.reference_v = watch(&mut ranges.largest, controller, run);
+        let watch = Watch { controller, largest: RefCell::new(std::mem::take(&mut ranges.largest)) };
+        let controls = play(&ranges.runs, &watch);
+        ranges.largest = watch.largest.into_inner();
+        for (run, played) in ranges.runs.iter_mut().zip(controls) {
+            run.reference_v = played.voltages_v;
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
         for (state, bound) in settings::settable(controller, &ranges.largest[..states]) {
@@ -104,17 +156,12 @@ impl Ranges {
     /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
     /// `start` creates the controller for each run.
     pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
-        self.runs.iter().fold(Measured::default(), |most, run| {
+        play(&self.runs, &Comparison { start }).into_iter().fold(Measured::default(), |most, compared| {
             let mut found = Measured::default();
-            run.play(
-                &mut start(),
-                |other, value| other.adjust(value),
-                |other, k, readings| {
-                    let off = run.reference_v[k] - other.step(&Readings::from_array(*readings));
-                    found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
-                    found.rms_v += off * off / run.readings.len() as f64;
-                },
-            );
+            for off in &compared.off_v {
+                found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
+                found.rms_v += off * off / compared.off_v.len() as f64;
+            }
             Measured {
                 largest_v: larger(most.largest_v, found.largest_v),
                 rms_v: larger(most.rms_v, found.rms_v.sqrt()),
@@ -163,23 +210,59 @@ fn runs(controller: &Controller, histories: &[Vec<[f64; READINGS]>]) -> Vec<Run>
     all
 }
 
-/// Grows the largest magnitudes by those of a run; returns the control of every sample, V.
-fn watch(largest: &mut [f64], controller: &Controller, run: &Run) -> Vec<f64> {
-    let mut grow = |values: &[f64]| {
-        for (most, value) in largest.iter_mut().zip(values) {
+/// The reference, which grows the largest magnitudes; its control of every sample, V, is kept.
+struct Watch<'a> {
+    controller: &'a Controller,
+    largest: RefCell<Vec<f64>>,
+}
+
+impl Played<RunState<Runner>> for Watch<'_> {
+    fn start(&self) -> RunState<Runner> {
+        RunState::of(self.controller.runner())
+    }
+
+    fn set(&self, state: &mut RunState<Runner>, out_of_balance_kg_m: f64) {
+        state.acting.set_out_of_balance(out_of_balance_kg_m);
+    }
+
+    fn sample(&self, state: &mut RunState<Runner>, run: &Run, k: usize) {
+        state.voltages_v.push(state.acting.step_array(&run.readings[k]));
+        for (most, value) in self.largest.borrow_mut().iter_mut().zip(state.acting.values()) {
             *most = most.max(value.abs());
         }
-    };
-    let mut control_v = Vec::with_capacity(run.readings.len());
-    run.play(
-        &mut controller.runner(),
-        |runner: &mut Runner, value| runner.set_out_of_balance(value),
-        |runner, _, readings| {
-            control_v.push(runner.step_array(readings));
-            grow(&runner.values());
-        },
-    );
-    control_v
+    }
+}
+
+/// A controller beside the reference.
+struct Comparison<'a> {
+    start: &'a dyn Fn() -> Box<dyn Adjustable>,
+}
+
+/// A controller, and how far its control was from the reference's, V.
+struct Compared {
+    acting: Box<dyn Adjustable>,
+    off_v: Vec<f64>,
+}
+
+impl Clone for Compared {
+    fn clone(&self) -> Self {
+        Self { acting: self.acting.copied(), off_v: self.off_v.clone() }
+    }
+}
+
+impl Played<Compared> for Comparison<'_> {
+    fn start(&self) -> Compared {
+        Compared { acting: (self.start)(), off_v: Vec::new() }
+    }
+
+    fn set(&self, compared: &mut Compared, out_of_balance_kg_m: f64) {
+        compared.acting.adjust(out_of_balance_kg_m);
+    }
+
+    fn sample(&self, compared: &mut Compared, run: &Run, k: usize) {
+        let control_v = compared.acting.step(&Readings::from_array(run.readings[k]));
+        compared.off_v.push(run.reference_v[k] - control_v);
+    }
 }
 
 /// Returns the larger of two; infinite if one is no number, as what grew out of all range is.

@@ -10,6 +10,7 @@ use counterpoise_controller::program::{OnRestart, Operation, Slot};
 
 use gains::Gains;
 pub use single::single_precision;
+use trajectory::Track;
 
 use crate::Ranges;
 use crate::ranges::{Run, larger, settings};
@@ -80,8 +81,8 @@ pub(crate) struct Rounded {
 pub(crate) trait Arithmetic {
     /// Returns the largest error of each operation of a step, then of each reading, whatever the readings.
     fn worst(&self) -> Vec<f64>;
-    /// Returns what rounded coefficients and readings do to the control of each sample of a run, V.
-    fn coefficients(&self, run: &Run) -> Vec<f64>;
+    /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
+    fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
     /// Returns what an operation of a line rounds as it was executed.
     fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded;
 }
@@ -103,7 +104,9 @@ pub(crate) fn deviation(
     let all = std::iter::once(None).chain(settings(controller).into_iter().map(Some));
     let errors = arithmetic.worst();
     let at_rest = all.map(|set| Gains::of(controller, set, samples).constant(&errors)).fold(0.0, larger);
-    let along = ranges.runs().iter().map(|run| along(controller, run, arithmetic));
+    let tracks = trajectory::follow(controller, ranges.runs(), arithmetic);
+    let coefficients = arithmetic.coefficients(ranges.runs()).into_iter();
+    let along = coefficients.zip(tracks).map(|(coefficients, track)| along(coefficients, track));
     let (likely, rms_v) = along.fold((0.0, 0.0), |a, b| (larger(a.0, b.0), larger(a.1, b.1)));
     let (at_rest, likely) = (SECOND_ORDER * at_rest, SECOND_ORDER * likely);
     if !(at_rest.is_finite() && likely.is_finite() && rms_v.is_finite()) {
@@ -113,10 +116,9 @@ pub(crate) fn deviation(
     Deviation { worst_v: at_rest.max(likely), likely_v: likely, rms_v, samples }
 }
 
-/// Likely and RMS deviation of a run, V.
-fn along(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> (f64, f64) {
-    let track = trajectory::follow(controller, run, arithmetic);
-    let known = arithmetic.coefficients(run).into_iter().zip(track.mean_v).map(|(a, b)| a + b);
+/// Likely and RMS deviation of a run, V, from what rounded coefficients do in it and from what rounding does.
+fn along(coefficients: Vec<f64>, track: Track) -> (f64, f64) {
+    let known = coefficients.into_iter().zip(track.mean_v).map(|(a, b)| a + b);
     let (mut likely, mut squares) = (0.0, 0.0);
     for (known, square) in known.zip(&track.squares_v2) {
         likely = larger(likely, known.abs() + CONFIDENCE * square.sqrt());

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{Step, TunedProject, World, with_chosen_weights, with_tuned_structure};
+use counterpoise_pipeline::{Step, TunedProject, World, with_chosen_weights_on, with_tuned_structure};
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 use counterpoise_synth::FirstDesign;
@@ -90,7 +90,7 @@ pub fn load_document(
     let resolved = Project::resolve_for(&document, attachments, purpose);
     let bad = |errors| BadProject { errors, document: document.clone() };
     let Parsed { project, warnings, assumptions } = resolved.map_err(bad)?;
-    let chosen = if purpose.needs_weights() { with_chosen_weights(&project)? } else { None };
+    let chosen = if purpose.needs_weights() { with_chosen_weights_on(&project, &Processors)? } else { None };
     let stated = project.clone();
     let (project, first_design) = match chosen {
         Some(chosen) => (chosen.project, Some(chosen.first)),

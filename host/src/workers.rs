@@ -18,6 +18,10 @@ impl Pool for Processors {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
         (0..count).into_par_iter().for_each(job);
     }
+
+    fn processors(&self) -> usize {
+        rayon::current_num_threads()
+    }
 }
 
 /// All processors of this machine, with a line that says how far the work is.

@@ -178,25 +178,33 @@ impl VerifiedDesign {
 
     /// Certifies the loop and runs the controller in every kind of numbers, side by side on the processors at hand.
     fn studied(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
-        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure)?;
-        let allowed_v = half_step_v(&self.modelled.plant);
-        let (certified, single, fixed, forms) =
-            (OnceLock::new(), OnceLock::new(), OnceLock::new(), OnceLock::new());
-        let certify = || self.certificate(project);
-        let (in_single, in_fixed) = (|| runs.single(), || runs.fixed(allowed_v));
-        pool.run(4, &|part| match part {
-            0 => drop(certified.set(certify())),
-            1 => drop(fixed.set(in_fixed())),
-            2 => drop(single.set(in_single())),
-            _ => drop(forms.set(runs.by_form())),
+        let (certified, compared) = (OnceLock::new(), OnceLock::new());
+        let (certify, compare) = (|| self.certificate(project), || self.studied_targets(pool));
+        pool.run(2, &|part| match part {
+            0 => drop(compared.set(compare())),
+            _ => drop(certified.set(certify())),
         });
         // A pool that was asked to stop leaves parts out.
         let stability = certified.into_inner().unwrap_or_else(certify)?;
+        let targets = compared.into_inner().unwrap_or_else(compare)?;
+        Ok(StudiedDesign { stability, targets })
+    }
+
+    /// Runs the controller in every kind of numbers.
+    fn studied_targets(&self, pool: &dyn Pool) -> Result<StudiedTargets, PipelineError> {
+        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure)?;
+        let allowed_v = half_step_v(&self.modelled.plant);
+        let (single, fixed, forms) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        let (in_single, in_fixed) = (|| runs.single(), || runs.fixed(allowed_v));
+        pool.run(3, &|part| match part {
+            0 => drop(fixed.set(in_fixed())),
+            1 => drop(single.set(in_single())),
+            _ => drop(forms.set(runs.by_form())),
+        });
         let single = single.into_inner().unwrap_or_else(in_single)?;
         let fixed = fixed.into_inner().unwrap_or_else(in_fixed)?;
         let by_form = forms.into_inner().unwrap_or_else(|| runs.by_form());
-        let targets = StudiedTargets { compared: Targets::of(&runs, single, fixed), by_form };
-        Ok(StudiedDesign { stability, targets })
+        Ok(StudiedTargets { compared: Targets::of(&runs, single, fixed), by_form })
     }
 }
 

@@ -1,18 +1,20 @@
 //! The weights of a project that states none: the highest bandwidth that the machine allows.
 //!
 //! `[synth]` may be absent, or hold `bandwidth` alone, or everything but `[synth.feedback]`: then the weights are chosen by
-//! [`counterpoise_synth::first_design`], from what the project knows of the machine. The chosen weights are ordinary
+//! [`counterpoise_synth::first_design_on`], from what the project knows of the machine. The chosen weights are ordinary
 //! weights: written into the project file, they can be edited from there.
 
 use std::f64::consts::{SQRT_2, TAU};
 
+use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Angles;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_synth::{
-    Circumstances, DesignPlant, FirstDesign, LimitKind, Motion, RequiredMargins, Weight, first_design,
+    Circumstances, DesignPlant, FirstDesign, LimitKind, Motion, Processors, RequiredMargins, Weight,
+    first_design_on,
 };
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
 use serde::Serialize;
@@ -36,12 +38,20 @@ pub struct Chosen {
 /// # Errors
 /// Those of the plant; [`PipelineError::NoController`] if no bandwidth keeps the margins.
 pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, PipelineError> {
+    with_chosen_weights_on(project, &Serial)
+}
+
+/// Returns what [`with_chosen_weights`] does, with candidates judged side by side on the processors of a pool.
+///
+/// # Errors
+/// As [`with_chosen_weights`].
+pub fn with_chosen_weights_on(project: &Project, pool: &dyn Pool) -> Result<Option<Chosen>, PipelineError> {
     if !leaves_weights_open(project) {
         return Ok(None);
     }
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
-    choose_weights(project, &modelled, &reduced).map(Some)
+    choose_weights_on(project, &modelled, &reduced, pool).map(Some)
 }
 
 /// Returns whether the weights of a project are to be chosen, because its file states none.
@@ -58,8 +68,19 @@ pub fn choose_weights(
     modelled: &Modelled,
     reduced: &Reduced,
 ) -> Result<Chosen, PipelineError> {
+    choose_weights_on(project, modelled, reduced, &Serial)
+}
+
+fn choose_weights_on(
+    project: &Project,
+    modelled: &Modelled,
+    reduced: &Reduced,
+    pool: &dyn Pool,
+) -> Result<Chosen, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
-    let first = first_design(&circumstances(project, &asked, modelled, reduced)?)?;
+    let run = |count: usize, part: &(dyn Fn(usize) + Sync)| pool.run(count, part);
+    let processors = Processors { count: pool.processors(), run: &run };
+    let first = first_design_on(&circumstances(project, &asked, modelled, reduced)?, processors)?;
     let mut stated = asked.clone();
     let chosen = &first.specification;
     stated.specification.feedback = chosen.feedback.clone();

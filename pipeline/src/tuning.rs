@@ -24,7 +24,7 @@ use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
 use serde::Serialize;
 
-use crate::first_design::{with_angles, with_chosen_weights};
+use crate::first_design::{with_angles, with_chosen_weights_on};
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
@@ -107,9 +107,9 @@ pub struct Decided {
 /// Chooses and tunes what the file of a project leaves open.
 ///
 /// # Errors
-/// As [`with_chosen_weights`] and [`with_tuned_structure`].
+/// As [`with_chosen_weights_on`] and [`with_tuned_structure`].
 pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
-    let chosen = with_chosen_weights(project)?;
+    let chosen = with_chosen_weights_on(project, world.pool())?;
     let (project, first) = match chosen {
         Some(chosen) => (chosen.project, Some(chosen.first)),
         None => (project.clone(), None),

@@ -6,6 +6,7 @@ use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, SectionStatement, Tolerance, ValueStatement};
 
 use crate::page::{Cell, Column, Section, Table};
+use crate::tolerance::NO_EFFECT;
 use crate::wording::learned::describe_elements;
 
 /// Returns the lines that `counterpoise check` prints.
@@ -126,15 +127,39 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     lines
 }
 
-/// Returns how much the assumptions matter, one on a line below a heading, the largest effect first; nothing if none is ranked.
+/// Returns how much the assumptions matter, one on a line below a heading, the largest effect first, and those without an effect together on
+/// the last line; nothing if none is ranked.
 pub fn ranking_lines(effects: &[AssumptionEffect]) -> Vec<String> {
     if effects.is_empty() {
         return Vec::new();
     }
     let heading = "What the assumptions may cost, the most important first (measure this next):".to_owned();
     std::iter::once(heading)
-        .chain(effects.iter().map(|effect| format!("  {}", describe_effect(effect))))
+        .chain(
+            effects.iter().filter(|e| has_effect(e)).map(|effect| format!("  {}", describe_effect(effect))),
+        )
+        .chain(describe_no_effect(effects).map(|line| format!("  {line}")))
         .collect()
+}
+
+/// Returns whether an assumption that is wrong by its usual range changes a figure of the loop by what two decimals show.
+pub fn has_effect(effect: &AssumptionEffect) -> bool {
+    effect.at.iter().any(|at| {
+        let changes = [
+            at.gain_margin_change_db,
+            at.phase_margin_change_deg,
+            at.sensitivity_change_db,
+            at.residual_change_db,
+        ];
+        !at.is_stable || changes.into_iter().flatten().any(|change| change.abs() >= NO_EFFECT)
+    })
+}
+
+/// Returns the keys whose usual range has no effect on the loop as one sentence without a period; `None` if each has one.
+pub fn describe_no_effect(effects: &[AssumptionEffect]) -> Option<String> {
+    let keys: Vec<&str> = effects.iter().filter(|e| !has_effect(e)).map(|e| e.key.as_str()).collect();
+    (!keys.is_empty())
+        .then(|| format!("no effect on the linear loop anywhere in their usual ranges: {}", keys.join(", ")))
 }
 
 /// Returns what the loop loses or gains if an assumption is wrong by its usual range, as one sentence without a period.
@@ -168,7 +193,8 @@ fn change(at: &EffectAt) -> String {
 }
 
 fn signed(value: f64) -> String {
-    format!("{value:+.2}")
+    let shown = if value.abs() < NO_EFFECT { 0.0 } else { value };
+    format!("{shown:+.2}")
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
@@ -202,10 +228,13 @@ pub fn assumptions_section(assumptions: &[Assumption], effects: &[AssumptionEffe
         table.rows.push(texts.into_iter().map(Cell::Text).collect());
     }
     section.tables.push(table);
-    if !effects.is_empty() {
+    if effects.iter().any(has_effect) {
         section.tables.push(effects_table(effects));
     }
-    section
+    match describe_no_effect(effects) {
+        Some(line) => section.saying(format!("There is {line}.")),
+        None => section,
+    }
 }
 
 /// Returns the effects of assumptions as a table, a row for each end of a usual range.
@@ -219,7 +248,7 @@ fn effects_table(effects: &[AssumptionEffect]) -> Table {
         Column::Number("residual [dB]"),
     ];
     let mut table = Table::new("Change if an assumption is wrong by its usual range", &columns);
-    for effect in effects {
+    for effect in effects.iter().filter(|effect| has_effect(effect)) {
         for at in &effect.at {
             let change = |value: Option<f64>| match value {
                 _ if !at.is_stable => Cell::text("unstable"),

@@ -12,7 +12,7 @@
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`error_feedback`] (one that sees the error alone), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
-//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows;
+//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the [`processors`] at hand;
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
@@ -75,6 +75,7 @@ pub mod observer;
 mod origin;
 pub mod plant;
 pub mod preflight;
+pub mod processors;
 pub mod ramp;
 pub mod rational;
 pub mod refusal;
@@ -108,7 +109,9 @@ pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
 pub use finding::{Finding, Part, Severity};
-pub use first_design::{Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design};
+pub use first_design::{
+    Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design, first_design_on,
+};
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
 pub use generalised::{Generalised, Ports};
 pub use h2syn::{H2, h2syn};
@@ -118,6 +121,7 @@ pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
 pub use plant::{DesignPlant, RateLoop};
 pub use preflight::preflight;
+pub use processors::Processors;
 pub use ramp::control_of_ramp;
 pub use rational::Rational;
 pub use refusal::Refusal;

@@ -6,6 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub trait Pool: Sync {
     /// Calls `job(0) .. job(count - 1)`, each once.
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync));
+    /// Returns how many jobs run side by side: work that may turn out not to be needed is begun only if there are two or more.
+    fn processors(&self) -> usize {
+        1
+    }
     /// Whether the user asked to stop.
     fn cancelled(&self) -> bool {
         false

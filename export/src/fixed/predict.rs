@@ -7,7 +7,7 @@ use crate::Ranges;
 use crate::fixed::format::{to_integer, unit};
 use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
-use crate::ranges::Run;
+use crate::ranges::{Played, Run, RunState, play};
 use crate::rounding::{
     Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
 };
@@ -81,14 +81,8 @@ impl Arithmetic for Quantised<'_> {
         self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
     }
 
-    fn coefficients(&self, run: &Run) -> Vec<f64> {
-        let mut off = Vec::with_capacity(run.readings.len());
-        run.play(
-            &mut Unrounded::new(self.fixed),
-            |unrounded, value| unrounded.set_out_of_balance(value),
-            |unrounded, k, readings| off.push(unrounded.step(readings) - run.reference_v[k]),
-        );
-        off
+    fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
+        play(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
     }
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
@@ -112,8 +106,26 @@ impl Arithmetic for Quantised<'_> {
     }
 }
 
+/// The controller with rounded coefficients, and how far its control was from the reference's, V.
+struct Coefficients<'a>(&'a Fixed);
+
+impl<'a> Played<RunState<Unrounded<'a>>> for Coefficients<'a> {
+    fn start(&self) -> RunState<Unrounded<'a>> {
+        RunState::of(Unrounded::new(self.0))
+    }
+
+    fn set(&self, state: &mut RunState<Unrounded<'a>>, out_of_balance_kg_m: f64) {
+        state.acting.set_out_of_balance(out_of_balance_kg_m);
+    }
+
+    fn sample(&self, state: &mut RunState<Unrounded<'a>>, run: &Run, k: usize) {
+        state.voltages_v.push(state.acting.step(&run.readings[k]) - run.reference_v[k]);
+    }
+}
+
 /// A fixed-point controller whose coefficients, start and readings are rounded and nothing else: numbers are real multiples
 /// of their units.
+#[derive(Clone)]
 struct Unrounded<'a> {
     fixed: &'a Fixed,
     states: Vec<f64>,

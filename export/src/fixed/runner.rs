@@ -160,4 +160,8 @@ impl Adjustable for FixedRunner {
     fn adjust(&mut self, out_of_balance_kg_m: f64) {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
+
+    fn copied(&self) -> Box<dyn Adjustable> {
+        Box::new(self.clone())
+    }
 }

@@ -1,11 +1,11 @@
 //! Single precision.
 
 use counterpoise_controller::program::{Operation, Slot, Term};
-use counterpoise_controller::{Controller, Number};
+use counterpoise_controller::{Controller, Number, Runner};
 
 use super::{Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 use crate::Ranges;
-use crate::ranges::Run;
+use crate::ranges::{Played, Run, RunState, play};
 
 /// Half a unit in the last place of single precision, relative.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
@@ -43,14 +43,8 @@ impl Arithmetic for Single<'_> {
         worst
     }
 
-    fn coefficients(&self, run: &Run) -> Vec<f64> {
-        let mut off = Vec::with_capacity(run.readings.len());
-        run.play(
-            &mut self.controller.runner_in::<Stored>(),
-            |stored, value| stored.set_out_of_balance(value),
-            |stored, k, readings| off.push(stored.step_array(readings) - run.reference_v[k]),
-        );
-        off
+    fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
+        play(runs, &StoredCoefficients(self.controller)).into_iter().map(|state| state.voltages_v).collect()
     }
 
     fn rounded(&self, _: Line, executed: &Executed<'_>) -> Rounded {
@@ -68,6 +62,23 @@ impl Arithmetic for Single<'_> {
             _ => 0.0,
         };
         Rounded { known, square }
+    }
+}
+
+/// The controller with coefficients in single precision, and how far its control was from the reference's, V.
+struct StoredCoefficients<'a>(&'a Controller);
+
+impl Played<RunState<Runner<Stored>>> for StoredCoefficients<'_> {
+    fn start(&self) -> RunState<Runner<Stored>> {
+        RunState::of(self.0.runner_in::<Stored>())
+    }
+
+    fn set(&self, state: &mut RunState<Runner<Stored>>, out_of_balance_kg_m: f64) {
+        state.acting.set_out_of_balance(out_of_balance_kg_m);
+    }
+
+    fn sample(&self, state: &mut RunState<Runner<Stored>>, run: &Run, k: usize) {
+        state.voltages_v.push(state.acting.step_array(&run.readings[k]) - run.reference_v[k]);
     }
 }
 

@@ -8,6 +8,7 @@ use super::Executed;
 pub(crate) type Row = Vec<(usize, f64)>;
 
 /// A program with every value named once: the states before it, its inputs, then what each operation writes.
+#[derive(Clone)]
 pub(crate) struct Tangent<'a> {
     operations: Vec<&'a Operation>,
     reads: Vec<usize>,

@@ -2,9 +2,9 @@
 
 use counterpoise_controller::Controller;
 
-use super::tangent::{Row, Tangent};
+use super::tangent::Tangent;
 use super::{Arithmetic, Line, Rounded};
-use crate::ranges::Run;
+use crate::ranges::{Played, Run, play};
 use crate::tolerance::NEGLIGIBLE_COVARIANCE;
 
 /// The errors of the control of a run, sample by sample.
@@ -16,7 +16,7 @@ pub(crate) struct Track {
     pub squares_v2: Vec<f64>,
 }
 
-/// Follows a run:
+/// Follows runs:
 ///
 /// ```text
 ///     m <- A m + E b,   P <- A P A' + E diag(r^2) E',   control: c m + f b,  c P c' + f diag(r^2) f'
@@ -24,28 +24,44 @@ pub(crate) struct Track {
 ///
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
 /// known part of the roundings and r the bound of the rest.
-pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> Track {
-    let programs = controller.programs();
-    let n = programs.state_count();
-    let mut walk = Walk {
-        step: Tangent::new(&programs.step, n),
-        set: Tangent::new(&programs.set_out_of_balance, n),
-        states: programs.initial(),
-        errors: Errors::none(n),
-        track: Track::default(),
-    };
-    run.play(
-        &mut walk,
-        |walk, value| walk.set(value, arithmetic),
-        |walk, _, readings| walk.step(readings, arithmetic),
-    );
-    walk.track
+pub(crate) fn follow(controller: &Controller, runs: &[Run], arithmetic: &impl Arithmetic) -> Vec<Track> {
+    play(runs, &Following { controller, arithmetic }).into_iter().map(|walk| walk.track).collect()
 }
 
+struct Following<'a, T> {
+    controller: &'a Controller,
+    arithmetic: &'a T,
+}
+
+impl<'a, T: Arithmetic> Played<Walk<'a>> for Following<'a, T> {
+    fn start(&self) -> Walk<'a> {
+        let programs = self.controller.programs();
+        let n = programs.state_count();
+        Walk {
+            step: Tangent::new(&programs.step, n),
+            set: Tangent::new(&programs.set_out_of_balance, n),
+            states: programs.initial(),
+            rounded: Vec::new(),
+            errors: Errors::none(n),
+            track: Track::default(),
+        }
+    }
+
+    fn set(&self, walk: &mut Walk<'a>, out_of_balance_kg_m: f64) {
+        walk.set(out_of_balance_kg_m, self.arithmetic);
+    }
+
+    fn sample(&self, walk: &mut Walk<'a>, run: &Run, k: usize) {
+        walk.step(&run.readings[k], self.arithmetic);
+    }
+}
+
+#[derive(Clone)]
 struct Walk<'a> {
     step: Tangent<'a>,
     set: Tangent<'a>,
     states: Vec<f64>,
+    rounded: Vec<Rounded>,
     errors: Errors,
     track: Track,
 }
@@ -53,35 +69,41 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn set(&mut self, value: f64, arithmetic: &impl Arithmetic) {
         self.set.run(&mut self.states, &[value]);
-        let rounded = roundings(&self.set, Line::Set, arithmetic);
-        self.errors.advance(&self.set, &rounded);
+        roundings(&self.set, Line::Set, arithmetic, &mut self.rounded);
+        self.errors.advance(&self.set, &self.rounded);
     }
 
     fn step(&mut self, readings: &[f64], arithmetic: &impl Arithmetic) {
         self.step.run(&mut self.states, readings);
-        let rounded = roundings(&self.step, Line::Step, arithmetic);
-        let (mean, squares) = self.errors.of(self.step.output(), &rounded);
+        roundings(&self.step, Line::Step, arithmetic, &mut self.rounded);
+        let (mean, squares) = self.errors.of(self.step.output(), &self.rounded);
         self.track.mean_v.push(mean);
         self.track.squares_v2.push(squares);
-        self.errors.advance(&self.step, &rounded);
+        self.errors.advance(&self.step, &self.rounded);
     }
 }
 
-fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic) -> Vec<Rounded> {
-    tangent.executed().map(|executed| arithmetic.rounded(line, &executed)).collect()
+fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic, rounded: &mut Vec<Rounded>) {
+    rounded.clear();
+    rounded.extend(tangent.executed().map(|executed| arithmetic.rounded(line, &executed)));
 }
 
 /// Known errors of the states and the covariance bound of the rest.
+#[derive(Clone)]
 struct Errors {
     n: usize,
     mean: Vec<f64>,
+    /// The mean after the step, while it is computed.
+    next: Vec<f64>,
     covariance: Vec<f64>,
     turned: Vec<f64>,
+    spans: Vec<(usize, usize)>,
 }
 
 impl Errors {
     fn none(n: usize) -> Self {
-        Self { n, mean: vec![0.0; n], covariance: vec![0.0; n * n], turned: vec![0.0; n * n] }
+        let (mean, square) = (vec![0.0; n], vec![0.0; n * n]);
+        Self { n, next: mean.clone(), mean, covariance: square.clone(), turned: square, spans: Vec::new() }
     }
 
     /// Known error and sum of squares of what a row of derivatives gives.
@@ -113,11 +135,13 @@ impl Errors {
             });
             each.sum::<f64>()
         };
-        self.mean = (0..n).map(mean).collect();
-        let row = |i: usize| tangent.state(i);
-        product(n, &row, &self.covariance, &mut self.turned);
+        let mut next = std::mem::take(&mut self.next);
+        next.clear();
+        next.extend((0..n).map(mean));
+        self.next = std::mem::replace(&mut self.mean, next);
+        product(n, tangent, &self.covariance, &mut self.spans, &mut self.turned);
         transpose(n, &mut self.turned);
-        product(n, &row, &self.turned, &mut self.covariance);
+        product(n, tangent, &self.turned, &mut self.spans, &mut self.covariance);
         for (number, one) in rounded.iter().enumerate().filter(|(_, one)| one.square > 0.0) {
             let column = tangent.column(number);
             for (i, a) in column {
@@ -128,13 +152,14 @@ impl Errors {
     }
 }
 
-/// out = A of, for the rows of A. Paths that share no error have no covariance: rows of `of` are used from their first to
+/// out = A of, for the derivatives A of the states. Paths that share no error have no covariance: rows of `of` are used from their first to
 /// their last entry that is not 0.
-fn product<'r>(n: usize, row: &dyn Fn(usize) -> &'r Row, of: &[f64], out: &mut [f64]) {
-    let spans: Vec<(usize, usize)> = of.chunks_exact(n).map(span).collect();
+fn product(n: usize, tangent: &Tangent<'_>, of: &[f64], spans: &mut Vec<(usize, usize)>, out: &mut [f64]) {
+    spans.clear();
+    spans.extend(of.chunks_exact(n).map(span));
     for (i, into) in out.chunks_exact_mut(n).enumerate() {
         into.fill(0.0);
-        for (j, a) in row(i).iter().filter(|entry| entry.0 < n) {
+        for (j, a) in tangent.state(i).iter().filter(|entry| entry.0 < n) {
             let (first, last) = spans[*j];
             let from = &of[j * n + first..j * n + last];
             into[first..last].iter_mut().zip(from).for_each(|(x, y)| *x += a * y);

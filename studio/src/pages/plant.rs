@@ -5,7 +5,7 @@ use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::reduction_views::{FrictionPlace, ReductionComparison, steady_friction_at_hub};
-use counterpoise_report::check::describe_effect;
+use counterpoise_report::check::{describe_effect, describe_no_effect, has_effect};
 use counterpoise_report::wording::learned::{LearnedFunctionText, describe_elements};
 use egui::{Rect, RichText, Ui, vec2};
 
@@ -160,8 +160,11 @@ fn show_assumptions(ui: &mut Ui, view: &View, ranked: &RankedAssumptions) {
     view.theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         widgets::show_heading(ui, "Assumed values: measure this next");
-        for effect in &ranked.effects {
+        for effect in ranked.effects.iter().filter(|effect| has_effect(effect)) {
             ui.label(RichText::new(describe_effect(effect)).small());
+        }
+        if let Some(line) = describe_no_effect(&ranked.effects) {
+            ui.label(RichText::new(line).small().color(view.theme.weak));
         }
         let is_ranked = |key: &str| ranked.effects.iter().any(|effect| effect.key == key);
         for assumption in ranked.assumptions.iter().filter(|a| !is_ranked(&a.key)) {

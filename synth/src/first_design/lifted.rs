@@ -6,13 +6,14 @@
 //! left out only if neither explains it: then the lags of the drive or poles and zeros of the plant are the cause.
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock};
 
 use super::Circumstances;
-use super::candidate::SHAPES;
+use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffened;
 use super::scan::{PER_DECADE, Scan, Tried};
-use crate::bandwidth::{Bandwidth, LimitKind};
-use crate::{DesignPlant, Error, Sampling};
+use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
+use crate::{DesignPlant, Error, Processors, Sampling};
 
 /// A bandwidth is higher if it is by this share: the answer itself is known to 0.7 %.
 const HIGHER: f64 = 0.015;
@@ -34,13 +35,13 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<Bandwidth, Err
     let reached = found.judgement.bandwidth_rad_s;
     let mut limits = scan.summary();
     // One limit at a time is left out: what misses two is not the answer without either.
-    scan.most_missed = 2;
-    let missed = climb_all(scan, found.aim_rad_s, &limits.iter().map(|l| l.kind).collect::<Vec<_>>())?;
+    scan.judge_up_to(2);
+    let kinds: Vec<LimitKind> = limits.iter().map(|limit| limit.kind).collect();
+    let (missed, causes) = side_by_side(scan, found, &kinds)?;
     let alone = |kind: LimitKind| {
         let rate = missed.get(&vec![kind as u8]).copied().unwrap_or(0.0);
         (rate > reached * (1.0 + HIGHER)).then_some(rate)
     };
-    let causes = causes(scan, found)?;
     for limit in &mut limits {
         limit.lifted_rad_s = match limit.kind {
             LimitKind::Resonance => causes.structure_rad_s,
@@ -83,14 +84,65 @@ struct Causes {
     lags_rad_s: Option<f64>,
 }
 
-fn causes(scan: &Scan, found: &Tried) -> Result<Causes, Error> {
-    let reached = found.judgement.bandwidth_rad_s;
-    let stiff = with_plants(scan.circumstances, |plant| stiffened(plant, reached))?;
-    let structure_rad_s = if stiff == *scan.circumstances { None } else { above(scan, &stiff, found)? };
-    let mut quick = with_plants(scan.circumstances, |plant| Ok(without_lags(plant)))?;
-    quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
-    let lags_rad_s = if quick == *scan.circumstances { None } else { above(scan, &quick, found)? };
-    Ok(Causes { structure_rad_s, lags_rad_s })
+/// Looks for the bandwidths without each limit, and those with each cause of phase lag lifted: three searches that know nothing of each other.
+fn side_by_side(scan: &mut Scan, found: &Tried, kinds: &[LimitKind]) -> Result<(Highest, Causes), Error> {
+    let given = Given::of(scan);
+    let processors = scan.processors;
+    let (limits, structure, lags) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+    let searched = Mutex::new(scan);
+    let climb_limits = || match searched.lock() {
+        Ok(mut scan) => climb_all(&mut scan, found.aim_rad_s, kinds),
+        Err(poisoned) => climb_all(&mut poisoned.into_inner(), found.aim_rad_s, kinds),
+    };
+    (processors.run)(3, &|part| match part {
+        0 => drop(limits.set(climb_limits())),
+        1 => drop(structure.set(given.without_modes(found))),
+        _ => drop(lags.set(given.without_lags(found))),
+    });
+    let structure_rad_s = structure.into_inner().unwrap_or_else(|| given.without_modes(found))?;
+    let lags_rad_s = lags.into_inner().unwrap_or_else(|| given.without_lags(found))?;
+    let missed = limits.into_inner().unwrap_or_else(climb_limits)?;
+    Ok((missed, Causes { structure_rad_s, lags_rad_s }))
+}
+
+/// What the searches in other circumstances take from that in the given ones.
+struct Given<'a> {
+    circumstances: &'a Circumstances,
+    unknown: Vec<Unknown>,
+    has_more_phase: bool,
+    processors: Processors<'a>,
+}
+
+impl<'a> Given<'a> {
+    fn of(scan: &Scan<'a>) -> Self {
+        let Scan { circumstances, has_more_phase, processors, .. } = *scan;
+        Self { circumstances, unknown: scan.unknown.clone(), has_more_phase, processors }
+    }
+
+    /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
+    fn without_modes(&self, found: &Tried) -> Result<Option<f64>, Error> {
+        let reached = found.judgement.bandwidth_rad_s;
+        let stiff = with_plants(self.circumstances, |plant| stiffened(plant, reached))?;
+        if stiff == *self.circumstances { Ok(None) } else { self.above(&stiff, found) }
+    }
+
+    /// The bandwidth with an ideal sensor and no delay; `None` if it is no higher or they are so already.
+    fn without_lags(&self, found: &Tried) -> Result<Option<f64>, Error> {
+        let mut quick = with_plants(self.circumstances, |plant| Ok(without_lags(plant)))?;
+        quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
+        if quick == *self.circumstances { Ok(None) } else { self.above(&quick, found) }
+    }
+
+    /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
+    fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<f64>, Error> {
+        let mut lifted = Scan::new(other, self.processors)?;
+        lifted.unknown.clone_from(&self.unknown);
+        lifted.has_more_phase = self.has_more_phase;
+        lifted.judge_up_to(1);
+        let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
+        let rate = highest.get(&Vec::new()).copied().unwrap_or(0.0);
+        Ok((rate > found.judgement.bandwidth_rad_s * (1.0 + HIGHER)).then_some(rate))
+    }
 }
 
 fn with_plants(
@@ -110,17 +162,6 @@ fn without_lags(plant: &DesignPlant) -> DesignPlant {
     quick
 }
 
-/// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
-fn above(scan: &Scan, other: &Circumstances, found: &Tried) -> Result<Option<f64>, Error> {
-    let mut lifted = Scan::new(other)?;
-    lifted.unknown.clone_from(&scan.unknown);
-    lifted.has_more_phase = scan.has_more_phase;
-    lifted.most_missed = 1;
-    let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
-    let rate = highest.get(&Vec::new()).copied().unwrap_or(0.0);
-    Ok((rate > found.judgement.bandwidth_rad_s * (1.0 + HIGHER)).then_some(rate))
-}
-
 /// Climbs from an aim once for the candidates that keep everything and once for each limit that may be left out.
 fn climb_all(scan: &mut Scan, aim_rad_s: f64, kinds: &[LimitKind]) -> Result<Highest, Error> {
     let mut highest = Highest::new();
@@ -138,8 +179,9 @@ fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut Highe
     let step = |k: i32| from * 10f64.powf(f64::from(k) / f64::from(PER_DECADE));
     let (mut low, mut high, mut misses) = (from, None, 0);
     let top = scan.highest_aim();
-    for aim in (1..=MOST_AIMS).map(step).take_while(|aim| *aim <= top) {
-        if has_loop(scan, aim, left_out, highest)? {
+    let aims: Vec<f64> = (1..=MOST_AIMS).map(step).take_while(|aim| *aim <= top).collect();
+    for (k, &aim) in aims.iter().enumerate() {
+        if has_loop(scan, &aims[k..], left_out, highest)? {
             (low, high, misses) = (aim, None, 0);
             continue;
         }
@@ -152,7 +194,7 @@ fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut Highe
     let Some(mut high) = high else { return Ok(()) };
     for _ in 0..HALVINGS {
         let middle = (low * high).sqrt();
-        if has_loop(scan, middle, left_out, highest)? {
+        if has_loop(scan, &[middle], left_out, highest)? {
             low = middle;
         } else {
             high = middle;
@@ -161,9 +203,22 @@ fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut Highe
     Ok(())
 }
 
-/// Whether some shape keeps every limit but those that are left out at an aim.
-fn has_loop(scan: &mut Scan, aim: f64, left_out: &[LimitKind], highest: &mut Highest) -> Result<bool, Error> {
+/// Whether some shape keeps every limit but those that are left out at the first of the aims of a climb.
+fn has_loop(
+    scan: &mut Scan,
+    aims: &[f64],
+    left_out: &[LimitKind],
+    highest: &mut Highest,
+) -> Result<bool, Error> {
+    let Some(&aim) = aims.first() else { return Ok(false) };
+    let usual = |aim: &f64| {
+        let aim = *aim;
+        (0..MORE_PHASE).map(move |shape| (aim, shape))
+    };
     for shape in 0..SHAPES.len() {
+        if shape < MORE_PHASE {
+            scan.look_ahead(aims.iter().flat_map(usual).skip(shape));
+        }
         let Some(tried) = scan.attempt_if_worthwhile(aim, shape)? else { continue };
         let missed = scan.missed(&tried.judgement);
         let known = highest.entry(missed.iter().map(|kind| *kind as u8).collect()).or_insert(0.0);

@@ -35,7 +35,7 @@ use counterpoise_lti::StateSpace;
 use crate::bandwidth::Bandwidth;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
-use crate::{DesignPlant, Error, Sampling, Specification};
+use crate::{DesignPlant, Error, Processors, Sampling, Specification};
 use scan::Scan;
 
 /// What is known of a loop beyond its linear plant. Numbers of 0 are not known.
@@ -87,7 +87,18 @@ pub struct FirstDesign {
 /// # Errors
 /// [`Error`] for a plant or sampling that is none; [`Error::Refused`] if no bandwidth keeps the margins.
 pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error> {
-    let mut scan = Scan::new(circumstances)?;
+    first_design_on(circumstances, Processors::SERIAL)
+}
+
+/// Chooses the weights of a loop, with candidates judged side by side on the processors at hand; the result is that of [`first_design`].
+///
+/// # Errors
+/// As [`first_design`].
+pub fn first_design_on(
+    circumstances: &Circumstances,
+    processors: Processors<'_>,
+) -> Result<FirstDesign, Error> {
+    let mut scan = Scan::new(circumstances, processors)?;
     scan.run()?;
     let Some(found) = scan.best() else {
         let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });

@@ -1,6 +1,7 @@
 //! The highest bandwidth that everything allows, and what each limit alone would have allowed.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use counterpoise_lti::StateSpace;
 
@@ -12,7 +13,7 @@ use crate::bandwidth::{Limit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING};
-use crate::{Error, FeedbackWeights, Reference, feedback};
+use crate::{Error, FeedbackWeights, Processors, Reference, feedback};
 
 /// A feedback that was tried.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +52,13 @@ pub(super) struct Scan<'a> {
     /// Whether the shapes that attenuate modes and leave more phase are tried.
     pub has_more_phase: bool,
     /// A candidate that misses so many limits already is judged no further.
-    pub most_missed: usize,
+    most_missed: usize,
+    pub processors: Processors<'a>,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
     attempts: BTreeMap<(u64, usize), Option<Tried>>,
+    /// Candidates that were judged before the search asked for them. It does not know of those that it never asks for.
+    ahead: BTreeMap<(u64, usize), Result<Option<Tried>, Error>>,
 }
 
 impl<'a> Scan<'a> {
@@ -62,7 +66,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the plant.
-    pub fn new(circumstances: &'a Circumstances) -> Result<Self, Error> {
+    pub fn new(circumstances: &'a Circumstances, processors: Processors<'a>) -> Result<Self, Error> {
         let modes = light_modes(&circumstances.plant)?;
         let neighbours = shifted_modes(&circumstances.plant, &modes)?;
         let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
@@ -79,7 +83,9 @@ impl<'a> Scan<'a> {
             best: None,
             has_more_phase: false,
             most_missed,
+            processors,
             attempts,
+            ahead: BTreeMap::new(),
         })
     }
 
@@ -100,14 +106,17 @@ impl<'a> Scan<'a> {
     /// Those of the design.
     pub fn run(&mut self) -> Result<(), Error> {
         let highest = self.highest_aim();
-        let mut above = None;
-        for k in 0..DECADES * PER_DECADE {
-            let aim = highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
-            if let Some(found) = self.best_shape(aim)? {
-                self.best = Some(self.close_in(found, above)?);
+        let descent = self.descent(highest);
+        for (at, &(aim, shape)) in descent.iter().enumerate() {
+            self.look_ahead(descent[at..].iter().copied());
+            let Some(tried) = self.attempt(aim, shape)? else { continue };
+            let keeps = self.keeps_all(&tried.judgement);
+            self.tried.push(tried.clone());
+            if keeps {
+                let above = descent[..at].iter().rev().map(|tried| tried.0).find(|other| *other != aim);
+                self.best = Some(self.close_in(tried, above)?);
                 break;
             }
-            above = Some(aim);
         }
         if self.is_free_of_clock() { self.attenuate_modes(highest) } else { Ok(()) }
     }
@@ -124,6 +133,9 @@ impl<'a> Scan<'a> {
         let step = 10f64.powf(1.0 / f64::from(PER_DECADE));
         let mut aim = highest_rad_s;
         while aim > self.reached() {
+            self.look_ahead(
+                [aim, aim / step].into_iter().flat_map(|aim| DEAR.map(move |shape| (aim, shape))),
+            );
             for shape in MORE_PHASE..SHAPES.len() {
                 let Some(found) = self.attempt_if_worthwhile(aim, shape)? else { continue };
                 // Between two aims the bandwidth rises no more than the aim.
@@ -155,18 +167,37 @@ impl<'a> Scan<'a> {
         (REACH * CEILING * sampling.rate_rad_s()).min(DELAY_REACH / delay_s)
     }
 
-    /// The first shape that keeps everything at an aim.
-    fn best_shape(&mut self, aim_rad_s: f64) -> Result<Option<Tried>, Error> {
-        let count = if aim_rad_s > FAR_ABOVE * self.ceiling() { 1 } else { MORE_PHASE };
-        for shape in 0..count {
-            let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
-            let keeps = self.keeps_all(&tried.judgement);
-            self.tried.push(tried.clone());
-            if keeps {
-                return Ok(Some(tried));
-            }
+    /// Aims from the highest downwards, each with the shapes that are tried there.
+    fn descent(&self, highest: f64) -> Vec<(f64, usize)> {
+        let far = FAR_ABOVE * self.ceiling();
+        let aim = |k: i32| highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
+        let shapes = |aim: f64| (0..if aim > far { 1 } else { MORE_PHASE }).map(move |shape| (aim, shape));
+        (0..DECADES * PER_DECADE).map(aim).flat_map(shapes).collect()
+    }
+
+    /// Judges the next candidates of a search side by side, as many as there are processors, if the first of them is not known yet.
+    pub fn look_ahead(&mut self, upcoming: impl Iterator<Item = (f64, usize)>) {
+        let is_known = |(aim, shape): &(f64, usize)| {
+            let key = (aim.to_bits(), *shape);
+            self.attempts.contains_key(&key) || self.ahead.contains_key(&key)
+        };
+        let mut upcoming = upcoming.peekable();
+        if self.processors.count < 2 || upcoming.peek().is_none_or(is_known) {
+            return;
         }
-        Ok(None)
+        let next: Vec<(f64, usize)> =
+            upcoming.filter(|next| !is_known(next)).take(self.processors.count).collect();
+        let found: Vec<OnceLock<_>> = next.iter().map(|_| OnceLock::new()).collect();
+        (self.processors.run)(next.len(), &|k| drop(found[k].set(self.judged(next[k].0, next[k].1))));
+        let keys = next.into_iter().map(|(aim, shape)| (aim.to_bits(), shape));
+        let judged = keys.zip(found).filter_map(|(key, one)| Some((key, one.into_inner()?)));
+        self.ahead.extend(judged);
+    }
+
+    /// Judges candidates from now on no further if they miss so many limits already.
+    pub fn judge_up_to(&mut self, most_missed: usize) {
+        self.most_missed = most_missed;
+        self.ahead.clear();
     }
 
     /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one. Returns the highest that keeps
@@ -203,6 +234,7 @@ impl<'a> Scan<'a> {
                 None => self.most_missed == 1,
             };
             if lacks_phase {
+                self.look_ahead((shape..SHAPES.len()).map(|shape| (aim_rad_s, shape)));
                 return self.attempt(aim_rad_s, shape);
             }
         }
@@ -218,7 +250,10 @@ impl<'a> Scan<'a> {
         if let Some(known) = self.attempts.get(&key) {
             return Ok(known.clone());
         }
-        let found = self.judged(aim_rad_s, shape)?;
+        let found = match self.ahead.remove(&key) {
+            Some(judged) => judged?,
+            None => self.judged(aim_rad_s, shape)?,
+        };
         self.attempts.insert(key, found.clone());
         Ok(found)
     }
