@@ -108,7 +108,9 @@ pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
 pub use finding::{Finding, Part, Severity};
-pub use first_design::{Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design};
+pub use first_design::{
+    Circumstances, FirstDesign, LimitLoops, LoopJudgement, Motion, RequiredMargins, first_design,
+};
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
 pub use generalised::{Generalised, Ports};
 pub use h2syn::{H2, h2syn};
