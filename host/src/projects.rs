@@ -7,7 +7,9 @@ use anyhow::{Context, Result, bail};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{Step, TunedProject, World, with_chosen_weights_on, with_tuned_structure};
+use counterpoise_pipeline::{
+    Step, TunedProject, World, with_chosen_adaptation, with_chosen_weights_on, with_tuned_structure,
+};
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 use counterpoise_synth::FirstDesign;
@@ -23,9 +25,9 @@ pub struct Loaded {
     pub path: PathBuf,
     /// As written.
     pub document: Document,
-    /// As resolved, with weights chosen if the file states none and the purpose needs them.
+    /// As resolved, with weights and the bands of an adaptation chosen if the file states none and the purpose needs them.
     pub project: Project,
-    /// As the file states it, which differs from `project` if weights were chosen.
+    /// As the file states it, which differs from `project` if something was chosen.
     pub stated: Project,
     /// Why the chosen weights are what they are; `None` if the file states them or none are needed.
     pub first_design: Option<FirstDesign>,
@@ -99,6 +101,8 @@ pub fn load_document(
     let folder = files::Folder(path.parent().unwrap_or(Path::new(".")).to_owned());
     let tuned = if purpose.needs_weights() { with_tuned_structure(&project, &folder)? } else { None };
     let project = tuned.as_ref().map_or(project, |tuned| tuned.project.clone());
+    let adapted = if purpose.needs_weights() { with_chosen_adaptation(&project, &folder)? } else { None };
+    let project = adapted.unwrap_or(project);
     Ok(Loaded { path, document, project, stated, first_design, tuned, warnings, assumptions })
 }
 

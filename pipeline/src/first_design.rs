@@ -8,13 +8,14 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
+use counterpoise_lti::StateSpace;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::Angles;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_synth::{
-    Circumstances, DesignPlant, FirstDesign, LimitKind, Motion, Processors, RequiredMargins, Weight,
-    first_design_on,
+    Circumstances, DesignPlant, FirstDesign, LimitKind, LimitLoops, Motion, Processors, RequiredMargins,
+    Weight, first_design_on,
 };
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
 use serde::Serialize;
@@ -212,6 +213,10 @@ pub struct FirstDesignResult {
     pub limited_by: String,
     /// Every limit with the highest bandwidth that it alone would allow, and the bandwidth without it.
     pub limits: Vec<LimitRow>,
+    /// The margins that the loop had to keep.
+    pub required: RequiredMarginsResult,
+    /// Sample period of the controller, s.
+    pub sample_period_s: f64,
     /// What is not known and lowered the ceiling.
     pub unknown: Vec<String>,
     /// Gain margin, dB.
@@ -228,6 +233,17 @@ pub struct FirstDesignResult {
     pub left_out: Vec<String>,
 }
 
+/// Margins that a loop must keep.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RequiredMarginsResult {
+    /// Smallest gain margin either way, dB.
+    pub gain_margin_db: f64,
+    /// Smallest phase margin, degrees.
+    pub phase_margin_deg: f64,
+    /// Largest sensitivity.
+    pub max_sensitivity: f64,
+}
+
 /// A limit of the bandwidth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitRow {
@@ -239,22 +255,42 @@ pub struct LimitRow {
     pub over_reached: Option<f64>,
     /// The bandwidth if this limit alone were lifted, rad/s; absent if it would be no higher.
     pub lifted_rad_s: Option<f64>,
+    /// The sampled loop, broken at the control, that has the highest bandwidth with the limit kept; absent where a formula tells it.
+    pub shown_by: Option<SystemResult>,
+    /// The sampled loop that has the bandwidth with the limit lifted; absent if it would be no higher.
+    pub lifted_shown_by: Option<SystemResult>,
 }
 
 impl From<&FirstDesign> for FirstDesignResult {
     fn from(first: &FirstDesign) -> Self {
         let (found, judged) = (&first.bandwidth, &first.judgement);
-        let row = |limit: &counterpoise_synth::Limit| {
+        let row = |(limit, loops): (&counterpoise_synth::Limit, &LimitLoops)| {
+            let told = |system: &StateSpace| {
+                SystemResult::new("loop", system, &["control_v"], &["returned_control_v"])
+            };
             let bandwidth_rad_s = Some(limit.bandwidth_rad_s).filter(|rate| rate.is_finite());
             let over_reached = bandwidth_rad_s.map(|rate| rate / found.bandwidth_rad_s);
             let lifted_rad_s = limit.lifted_rad_s;
-            LimitRow { limit: limit.kind.to_string(), bandwidth_rad_s, over_reached, lifted_rad_s }
+            LimitRow {
+                limit: limit.kind.to_string(),
+                bandwidth_rad_s,
+                over_reached,
+                lifted_rad_s,
+                shown_by: loops.allowed.as_ref().map(told),
+                lifted_shown_by: loops.lifted.as_ref().map(told),
+            }
         };
         Self {
             bandwidth_rad_s: found.bandwidth_rad_s,
             asked_rad_s: found.asked_rad_s,
             limited_by: found.limited_by.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and "),
-            limits: found.limits.iter().map(row).collect(),
+            limits: found.limits.iter().zip(&first.shown_by).map(row).collect(),
+            required: RequiredMarginsResult {
+                gain_margin_db: first.required.gain_db,
+                phase_margin_deg: first.required.phase_deg,
+                max_sensitivity: first.required.max_sensitivity,
+            },
+            sample_period_s: first.sample_period_s,
             unknown: found.unknown.iter().map(ToString::to_string).collect(),
             gain_margin_db: judged.gain_margin_db,
             phase_margin_deg: judged.phase_margin_deg,

@@ -66,6 +66,7 @@ pub use model::{
 };
 pub use recordings::redesign::{Consequence, verify_redesign};
 pub use reduce::{Reduced, reduce};
+pub use studies::adaptation_choice::with_chosen_adaptation;
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};

@@ -57,3 +57,21 @@ pub(crate) const EXCITED_ABOVE_NOISE: f64 = 5.0;
 
 /// A level nearer than this to the one of the point before is left out.
 pub(crate) const SAME_FRICTION_LEVEL: f64 = 1e-4;
+
+/// Share of the hub rate by which a trial of an adaptation may exceed that without one: two runs of the same controller that differ in noise alone differ by less.
+pub(crate) const NEVER_WORSE: f64 = 1e-3;
+
+/// Share of the hub rate that a changed load must add before it counts as something that an adaptation could remove.
+pub(crate) const LEAST_ADDED: f64 = 0.05;
+
+/// Times the difference of two runs whose histories alone differ that a changed load must add: below, friction decides what is measured.
+pub(crate) const HISTORIES: f64 = 3.0;
+
+/// Share of what a changed load adds that an adaptation must remove.
+pub(crate) const LEAST_REMOVED: f64 = 0.8;
+
+/// Times the liveliest moment of a motion that a dead-band must be for the estimate to stand still on it: its noise differs from run to run by less.
+pub(crate) const LIVELIER: f64 = 1.05;
+
+/// Least dead-band over the acceleration of the quietest motion that was tried: below, no trial shows what an estimate is worth.
+pub(crate) const BELOW_TRIED: f64 = 0.5;

@@ -26,6 +26,7 @@ use serde::Serialize;
 
 use crate::first_design::{with_angles, with_chosen_weights_on};
 use crate::model::CONVERTER_RANGE_V;
+use crate::studies::adaptation_choice::with_chosen_adaptation;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
@@ -95,7 +96,7 @@ pub fn with_tuned_structure(
     Ok(Some(TunedProject { project, tuned, disturbance: ground.disturbance, limits: wanted.limits, plants }))
 }
 
-/// A project with everything that its file leaves to the program: weights chosen, blocks or weights tuned.
+/// A project with everything that its file leaves to the program: weights chosen, blocks or weights tuned, bands of an adaptation chosen.
 #[derive(Debug, Clone)]
 pub struct Decided {
     /// The project, nothing left open.
@@ -107,7 +108,7 @@ pub struct Decided {
 /// Chooses and tunes what the file of a project leaves open.
 ///
 /// # Errors
-/// As [`with_chosen_weights_on`] and [`with_tuned_structure`].
+/// As [`with_chosen_weights_on`], [`with_tuned_structure`] and [`with_chosen_adaptation`].
 pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
     let chosen = with_chosen_weights_on(project, world.pool())?;
     let (project, first) = match chosen {
@@ -115,7 +116,9 @@ pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, 
         None => (project.clone(), None),
     };
     let tuned = with_tuned_structure(&project, world)?;
-    Ok(Decided { project: tuned.map_or(project, |tuned| tuned.project), first })
+    let project = tuned.map_or(project, |tuned| tuned.project);
+    let adapted = with_chosen_adaptation(&project, world)?;
+    Ok(Decided { project: adapted.unwrap_or(project), first })
 }
 
 /// Puts a tuned feedback in the place of the one that a synthesis states, with the digits that its project file gets.

@@ -2,7 +2,9 @@
 
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
 
-use counterpoise_pipeline::studies::adaptation_trials::{Load, METHODS, Motion, Refusal, TrialRow, Trials};
+use counterpoise_pipeline::studies::adaptation_trials::{
+    Bands, Load, METHODS, Motion, Refusal, TrialRow, Trials,
+};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
@@ -33,6 +35,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
             1e3 * row.told_rad_s
         )
     }));
+    lines.extend(tried.bands.as_ref().map(describe_bands));
     lines.extend(tried.refused.iter().map(describe_refusal));
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
     let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
@@ -69,8 +72,24 @@ pub fn trial_section(tried: &Trials) -> Section {
     };
     table.rows = tried.rows.iter().map(row).collect();
     let mut section = Section::new("Trials of the adaptation").listing(table);
-    section.text = tried.refused.iter().map(describe_refusal).collect();
+    section.text = tried.bands.iter().map(describe_bands).collect();
+    section.text.extend(tried.refused.iter().map(describe_refusal));
     section
+}
+
+/// Returns where recursive least squares act, or why the exported controller does not adapt.
+pub fn describe_bands(bands: &Bands) -> String {
+    let Bands { dead_band_m_s2, hold_band, is_exported } = *bands;
+    if !is_exported {
+        return "the controller is exported without adaptation: on each motion some trial is worse with it than without, or the mechanism has no gravity \
+                and a changed load adds nothing that could be removed; the trials show the usual bands"
+            .to_owned();
+    }
+    format!(
+        "the estimate is followed where the platform's acceleration exceeds {} m/s^2 RMS and the estimate is off by more than {} % of the design's out-of-balance",
+        short_number(dead_band_m_s2),
+        short_number(100.0 * hold_band)
+    )
 }
 
 /// Returns the reason why a method is refused.

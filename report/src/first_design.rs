@@ -69,6 +69,7 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use counterpoise_pipeline::first_design::RequiredMarginsResult;
 
     #[test]
     fn every_limit_is_told_with_what_it_would_allow() {
@@ -77,12 +78,20 @@ mod tests {
             bandwidth_rad_s,
             over_reached: bandwidth_rad_s.map(|rate| rate / 20.0),
             lifted_rad_s: (name == "resonance").then_some(25.0),
+            shown_by: None,
+            lifted_shown_by: None,
         };
         let first = FirstDesignResult {
             bandwidth_rad_s: 20.0,
             asked_rad_s: Some(30.0),
             limited_by: "resonance".to_owned(),
             limits: vec![limit("resonance", Some(20.0)), limit("noise", None)],
+            required: RequiredMarginsResult {
+                gain_margin_db: 6.0,
+                phase_margin_deg: 40.0,
+                max_sensitivity: 1.7,
+            },
+            sample_period_s: 1e-3,
             unknown: vec!["the lag of the sensor".to_owned()],
             gain_margin_db: 8.0,
             phase_margin_deg: 50.0,

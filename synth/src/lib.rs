@@ -110,7 +110,8 @@ pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
 pub use finding::{Finding, Part, Severity};
 pub use first_design::{
-    Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design, first_design_on,
+    Circumstances, FirstDesign, LimitLoops, LoopJudgement, Motion, RequiredMargins, first_design,
+    first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
 pub use generalised::{Generalised, Ports};

@@ -1,12 +1,12 @@
 //! Random mechanisms with the default adaptation: its trials, each against the same controller without it.
 
-use counterpoise_pipeline::studies::adaptation_trials::{Load, Motion, TrialRow, own_trials};
+use counterpoise_pipeline::studies::adaptation_trials::{Bands, Load, Motion, TrialRow, own_trials};
 use counterpoise_pipeline::{model, project_procedure, reduce, synthesise};
 use counterpoise_project::{Attachments, Document, Project, Setting};
 
-use crate::Beside;
 use crate::sealed::Dice;
 use crate::workspace::root;
+use crate::{Beside, decided};
 
 /// Two runs of the same controller that differ in noise alone differ by less than this share.
 const NOISE: f64 = 0.001;
@@ -19,6 +19,8 @@ pub struct Case {
     pub seed: u64,
     /// What was drawn, in words.
     pub drawn: String,
+    /// Where the default acts; `None` if it is none.
+    pub bands: Option<Bands>,
     pub rows: Vec<TrialRow>,
     pub is_refused: bool,
 }
@@ -47,17 +49,26 @@ impl Case {
     }
 }
 
-/// Returns the trials of a seed; `None` if no controller exists for its mechanism.
-pub fn trial(seed: u64) -> Option<Case> {
+/// Returns the trials of a seed, with noise of another seed than that of the choice if `noise` is not 0; `None` if no controller exists for its
+/// mechanism.
+pub fn trial(seed: u64, noise: u64) -> Option<Case> {
     let folder = root().join("examples/reference-rig");
     let text = std::fs::read(folder.join("project.toml")).ok()?;
     let (document, drawn) = drawn(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
-    let project = Project::resolve(&document, &Attachments::none()).ok()?.project;
+    let beside = Beside(folder);
+    let stated = Project::resolve(&document, &Attachments::none()).ok()?.project;
+    let project = decided(stated, &beside);
     let modelled = model(&project).ok()?;
     let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
-    let procedure = project_procedure(&project, &Beside(folder)).ok()?;
-    let tried = own_trials(&project, &modelled, &made, &procedure).ok()??;
-    Some(Case { seed, drawn, is_refused: !tried.refused.is_empty(), rows: tried.rows })
+    let mut procedure = project_procedure(&project, &beside).ok()?;
+    procedure.seed += noise;
+    let mut tried = own_trials(&project, &modelled, &made, &procedure).ok()??;
+    let bands = tried.bands.filter(|bands| bands.is_exported);
+    if bands.is_none() {
+        // what runs is the controller without adaptation
+        tried.rows.iter_mut().for_each(|row| row.with_rad_s = row.without_rad_s);
+    }
+    Some(Case { seed, drawn, bands, is_refused: !tried.refused.is_empty(), rows: tried.rows })
 }
 
 /// A mechanism with the default adaptation: out-of-balance, gravity, friction, inertia, observer and motion are drawn.

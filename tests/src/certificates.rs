@@ -10,7 +10,8 @@ use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
-    Adaptation, AdaptationMethod, FrictionModel, ObserverOptions, ScheduleLaw, ScheduleOptions, Trial,
+    Adaptation, AdaptationMethod, AdaptationUse, FrictionModel, ObserverOptions, ScheduleLaw,
+    ScheduleOptions, Trial,
 };
 use counterpoise_synth::{Drives, Weight};
 use counterpoise_verify::Procedure;
@@ -213,11 +214,12 @@ fn adaptation(which: usize) -> Adaptation {
         memory_s: 2.0,
         dead_band_m_s2: Some(0.1),
         filter_s: 0.02,
-        hold_band: 0.0,
+        hold_band: Some(0.0),
         step: 0.002,
         half_rate_rad_s: 5e-3,
         rate_limit_kg_m_s: 400.0,
         trial,
+        use_in_code: AdaptationUse::Exported,
     }
 }
 

@@ -9,8 +9,9 @@ use counterpoise_pipeline::results::VerifyResult;
 use counterpoise_pipeline::studies::adaptation_trials::{Load, Motion, Trials, own_trials};
 use counterpoise_pipeline::{model, project_procedure, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project, Setting};
-use counterpoise_tests::Beside;
+use counterpoise_tests::adaptation::trial;
 use counterpoise_tests::workspace::root;
+use counterpoise_tests::{Beside, decided};
 
 /// The share of the hub rate added by a changed load that an adaptation must remove.
 const REMOVED: f64 = 0.8;
@@ -42,7 +43,8 @@ fn trials(project: &Project) -> (Trials, VerifyResult) {
 
 #[test]
 fn the_default_is_nowhere_worse_than_none_and_removes_what_a_changed_load_adds() {
-    let (tried, result) = trials(&adapting("recursive"));
+    let (tried, result) = trials(&decided(adapting("recursive"), &Beside(folder())));
+    assert!(tried.bands.unwrap().is_exported);
     assert_eq!(tried.rows.len(), 12);
     assert!(tried.refused.is_empty() && result.adaptation_trials.is_some());
     for row in &tried.rows {
@@ -58,6 +60,20 @@ fn a_method_that_makes_it_worse_is_refused_by_the_verification() {
     let (tried, result) = trials(&adapting("windowed-mean"));
     assert!(tried.refused[0].ratio > 1.03 && !result.passes);
     assert_eq!(tried.refused[0].worst.method, "windowed-mean");
+}
+
+#[test]
+fn the_default_stands_still_where_friction_decides() {
+    // heave as strong as friction without gravity, and a road on which a right estimate is worse than a wrong one
+    for (seed, acts) in [(118, false), (110, true)] {
+        let case = trial(seed, 0).unwrap();
+        assert_eq!(case.bands.is_some(), acts, "{case:?}");
+        assert!(case.is_never_worse() && case.removes_enough() && !case.is_refused, "{case:?}");
+        let on_road = case.rows.iter().filter(|row| row.motion == Motion::Road);
+        for row in on_road {
+            assert_eq!(row.with_rad_s.to_bits(), row.without_rad_s.to_bits(), "{row:?}");
+        }
+    }
 }
 
 /// Projects whose load may change: the name of an example, and whether its friction is observed.
@@ -81,8 +97,9 @@ fn adapting_by_default((name, observes): (&str, bool)) -> (Project, Beside) {
     if observes {
         document = document.set("synth.observer.share", &Setting::Number(0.9)).unwrap();
     }
+    let beside = Beside(file.parent().unwrap().to_owned());
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
-    (project, Beside(file.parent().unwrap().to_owned()))
+    (decided(project, &beside), beside)
 }
 
 /// Half a minute for each project: `COUNTERPOISE_EVERY_TRIAL=1` asks for it.
@@ -97,7 +114,10 @@ fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there()
         let modelled = model(&project).unwrap();
         let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
         let procedure = project_procedure(&project, &beside).unwrap();
-        let tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
+        let mut tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
+        if !tried.bands.unwrap().is_exported {
+            tried.rows.iter_mut().for_each(|row| row.with_rad_s = row.without_rad_s);
+        }
         for row in &tried.rows {
             let [without, with, told] =
                 [row.without_rad_s, row.with_rad_s, row.told_rad_s].map(|rate| 1e3 * rate);

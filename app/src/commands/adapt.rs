@@ -3,6 +3,7 @@
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval};
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_project::Purpose;
+use counterpoise_project::resolve::synthesis_options::AdaptationUse;
 
 use std::path::PathBuf;
 
@@ -45,7 +46,8 @@ pub fn run(options: &AdaptOptions) -> Done {
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
-    let refused = own.is_some_and(|own| tried.refuses(own.method));
+    let refused =
+        own.is_some_and(|own| own.use_in_code == AdaptationUse::Exported && tried.refuses(own.method));
     Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(has_returned).chain([!refused])))
 }
 

@@ -22,7 +22,7 @@ use crate::synth::torque_per_volt;
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
-    Adaptation, AdaptationMethod, Compensation, ObserverOptions,
+    Adaptation, AdaptationMethod, AdaptationUse, Compensation, ObserverOptions,
 };
 
 /// A run.
@@ -265,7 +265,8 @@ impl Stage<'_> {
             let history = self.part(&unbalanced(&plant, factor)?, &mut noted, [start, end], state, angle)?;
             let from_s = start * self.adaptation.trial.duration_s;
             trace.extend(from_s, factor * moment, &history, &std::mem::take(&mut noted.used_kg_m));
-            let late = plan.from.is_some_and(|from| from <= start + SHORT);
+            let is_exported = self.adaptation.use_in_code == AdaptationUse::Exported;
+            let late = is_exported && plan.from.is_some_and(|from| from <= start + SHORT);
             intervals.push(Interval {
                 from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
                 factor,

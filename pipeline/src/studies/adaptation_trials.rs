@@ -1,7 +1,7 @@
 //! Methods of adaptation where they can fail: motions that no window fits, right and wrong starting values, sudden and slow changes of
 //! the load; each against the same controller without adaptation, and against one that knows the load.
 
-use counterpoise_controller::{Controller, Runner};
+use counterpoise_controller::{Controller, Readings, Runner, SampledController};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{
     FurtherMotion, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
@@ -10,11 +10,12 @@ use counterpoise_verify::Procedure;
 use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
 use serde::Serialize;
 
-use crate::synth::controller_blocks::estimator;
+use crate::synth::controller_blocks::{dead_band_m_s2, estimator, hold_band};
 use crate::synth::schedule::unbalanced;
+use crate::tolerance::{HISTORIES, LEAST_ADDED};
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod};
+use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
 
 /// How the platform moves in a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -57,6 +58,20 @@ pub struct TrialRow {
     pub with_rad_s: f64,
     /// With a controller that knows the load, rad/s.
     pub told_rad_s: f64,
+    /// Difference of the hub rates without adaptation after a sudden and after a slow change, rad/s: load, motion and controller are the same, so
+    /// that only what friction remembers differs.
+    pub spread_rad_s: f64,
+}
+
+/// Where the estimate of recursive least squares is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bands {
+    /// RMS of the platform's acceleration below which the estimate is not changed, m/s^2.
+    pub dead_band_m_s2: f64,
+    /// Share of the design's out-of-balance within which it is not followed.
+    pub hold_band: f64,
+    /// Whether the exported controller adapts: it does not where no trial shows that it helps.
+    pub is_exported: bool,
 }
 
 /// Trials of all methods.
@@ -66,6 +81,9 @@ pub struct Trials {
     pub rows: Vec<TrialRow>,
     /// Methods that are refused for this project, with the reason.
     pub refused: Vec<Refusal>,
+    /// Where recursive least squares act; absent for other methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bands: Option<Bands>,
     /// The hub's rate once the load has settled, of every run.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<TrialHistory>,
@@ -99,8 +117,6 @@ pub struct Refusal {
 pub const REFUSED_ABOVE: f64 = 1.03;
 /// Change of the load, and error of a wrong starting value.
 const CHANGE: f64 = 0.3;
-/// A change smaller than this share of the hub rate is not one that an adaptation could remove.
-const LEAST_ADDED: f64 = 0.05;
 /// Length of a trial, s; its times are no whole number of any period.
 const LENGTH_S: f64 = 47.3;
 /// When a slow change ends, s.
@@ -127,10 +143,12 @@ impl TrialRow {
         self.with_rad_s / self.without_rad_s
     }
 
-    /// Returns the share of the added hub rate that the adaptation removes; `None` if the load adds too little to tell.
+    /// Returns the share of the added hub rate that the adaptation removes; `None` if the load adds no more than a twentieth, or no more than
+    /// what friction remembers of the runs before.
     pub fn removed(&self) -> Option<f64> {
         let added = self.without_rad_s - self.told_rad_s;
-        (added > LEAST_ADDED * self.told_rad_s).then(|| (self.without_rad_s - self.with_rad_s) / added)
+        let least = (LEAST_ADDED * self.told_rad_s).max(HISTORIES * self.spread_rad_s);
+        (added > least).then(|| (self.without_rad_s - self.with_rad_s) / added)
     }
 }
 
@@ -177,10 +195,15 @@ pub fn own_trials(
     let Some(adaptation) = asked(project) else { return Ok(None) };
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let own: Vec<_> = METHODS.into_iter().filter(|(method, _)| *method == adaptation.method).collect();
-    tried(&stage, &own).map(Some)
+    let mut found = tried(&stage, &own)?;
+    if adaptation.use_in_code == AdaptationUse::LeftOut {
+        // what is not exported is not refused
+        found.refused.clear();
+    }
+    Ok(Some(found))
 }
 
-fn asked(project: &Project) -> Option<&Adaptation> {
+pub(super) fn asked(project: &Project) -> Option<&Adaptation> {
     project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref())
 }
 
@@ -191,7 +214,7 @@ fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<
         let platform = stage.platform(motion)?;
         for load in [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow] {
             let mut rms = |acts, name| {
-                let hub_rate_rad_s = stage.hub_rates(&platform, load, acts)?;
+                let hub_rate_rad_s = stage.run(&platform, load, acts)?.hub_rate_rad_s;
                 let found = rms_or_infinite(&hub_rate_rad_s);
                 histories.push(TrialHistory { motion, load, acts: name, sample_time_s, hub_rate_rad_s });
                 Ok::<_, PipelineError>(found)
@@ -199,16 +222,43 @@ fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<
             let (without_rad_s, told_rad_s) = (rms(Acts::Without, "none")?, rms(Acts::Told, "told")?);
             for &(method, name) in methods {
                 let with_rad_s = rms(Acts::Adapts(method), name)?;
-                rows.push(TrialRow { method: name, motion, load, without_rad_s, with_rad_s, told_rad_s });
+                let spread_rad_s = 0.0;
+                let row = TrialRow {
+                    method: name,
+                    motion,
+                    load,
+                    without_rad_s,
+                    with_rad_s,
+                    told_rad_s,
+                    spread_rad_s,
+                };
+                rows.push(row);
             }
         }
     }
+    set_spreads(&mut rows);
     let refused = methods.iter().filter_map(|(_, name)| refusal(name, &rows)).collect();
-    Ok(Trials { rows, refused, histories })
+    let squares = methods.iter().any(|(method, _)| *method == AdaptationMethod::Recursive);
+    let bands = squares.then(|| stage.bands());
+    Ok(Trials { rows, refused, bands, histories })
+}
+
+/// Sets what the hub rate without adaptation differs by after a sudden and after a slow change, motion by motion.
+pub(super) fn set_spreads(rows: &mut [TrialRow]) {
+    for motion in [Motion::Sines, Motion::Road, Motion::Multisine] {
+        let after = |load| {
+            let found = rows.iter().find(|row| row.motion == motion && row.load == load);
+            found.map(|row| row.without_rad_s).filter(|rate| rate.is_finite())
+        };
+        let [sudden, slow] = [Load::Sudden, Load::Slow].map(after);
+        let spread_rad_s = sudden.zip(slow).map_or(0.0, |(sudden, slow)| (sudden - slow).abs());
+        let same = rows.iter_mut().filter(|row| row.motion == motion);
+        same.for_each(|row| row.spread_rad_s = spread_rad_s);
+    }
 }
 
 /// The RMS of rates; infinite if there are none, because the motion diverged.
-fn rms_or_infinite(rates: &[f64]) -> f64 {
+pub(super) fn rms_or_infinite(rates: &[f64]) -> f64 {
     if rates.is_empty() { f64::INFINITY } else { counterpoise_verify::signals::rms(rates) }
 }
 
@@ -221,39 +271,80 @@ fn refusal(method: &'static str, rows: &[TrialRow]) -> Option<Refusal> {
 
 /// What acts in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Acts {
+pub(super) enum Acts {
     Without,
     Told,
     Adapts(AdaptationMethod),
 }
 
-struct Stage<'a> {
-    project: &'a Project,
-    adaptation: &'a Adaptation,
-    modelled: &'a Modelled,
-    controller: &'a Controller,
-    procedure: &'a Procedure,
+pub(super) struct Stage<'a> {
+    pub project: &'a Project,
+    pub adaptation: &'a Adaptation,
+    pub modelled: &'a Modelled,
+    pub controller: &'a Controller,
+    pub procedure: &'a Procedure,
+}
+
+/// What a run of a trial shows.
+#[derive(Debug, Clone, Default)]
+pub(super) struct TrialRun {
+    /// The hub's rate after the load has settled; empty if the motion diverges.
+    pub hub_rate_rad_s: Vec<f64>,
+    /// The largest RMS of the platform's acceleration that the estimator found over its memory, m/s^2; 0 if it has no dead-band.
+    pub liveliest_m_s2: f64,
+}
+
+/// A controller with a note of how lively its estimator finds the platform.
+struct Watched {
+    runner: Runner,
+    /// Place of the mean square of the platform's acceleration among the states.
+    place: Option<usize>,
+    most_m2_s4: f64,
+}
+
+impl SampledController for Watched {
+    fn reset(&mut self) {
+        self.runner.reset();
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        let control = self.runner.step(readings);
+        let now = self.place.and_then(|place| self.runner.state(place)).unwrap_or(0.0);
+        self.most_m2_s4 = self.most_m2_s4.max(now);
+        control
+    }
 }
 
 impl Stage<'_> {
-    /// Returns the hub's rate after the load has settled; empty if the motion diverges.
-    fn hub_rates(
+    /// Returns where recursive least squares act.
+    fn bands(&self) -> Bands {
+        let observer = self.project.synth.as_ref().and_then(|asked| asked.options.observer.as_ref());
+        let adaptation = Adaptation { method: AdaptationMethod::Recursive, ..self.adaptation.clone() };
+        Bands {
+            dead_band_m_s2: dead_band_m_s2(&adaptation, self.modelled, observer),
+            hold_band: hold_band(&adaptation),
+            is_exported: adaptation.use_in_code == AdaptationUse::Exported,
+        }
+    }
+
+    /// Runs the load on a motion of the platform.
+    pub(super) fn run(
         &self,
         platform: &PlatformMotion,
         load: Load,
         acts: Acts,
-    ) -> Result<Vec<f64>, PipelineError> {
-        let mut runner = self.runner(acts)?;
+    ) -> Result<TrialRun, PipelineError> {
+        let mut watched = self.watched(acts)?;
         let design = self.modelled.plant.body().out_of_balance_kg_m;
         if load == Load::WrongStart && acts != Acts::Told {
-            runner.set_out_of_balance((1.0 - CHANGE) * design);
+            watched.runner.set_out_of_balance((1.0 - CHANGE) * design);
         }
         let mut state: Option<PlantState> = None;
         let mut angle = self.procedure.operating_point.platform_angle_rad;
         let mut rates = Vec::new();
         for part in parts(load) {
             if acts == Acts::Told {
-                runner.set_out_of_balance(part.factor * design);
+                watched.runner.set_out_of_balance(part.factor * design);
             }
             let plant = unbalanced(&self.modelled.plant, part.factor)?;
             let rest = Initial::Rest { hub_angle_rad: self.procedure.operating_point.hub_angle_rad };
@@ -263,8 +354,8 @@ impl Stage<'_> {
                 initial: state.take().map_or(rest, |state| Initial::State(Box::new(state))),
                 ..Scenario::still(part.to_s - part.from_s)
             };
-            let run = match Simulator::new(&plant)?.run(&mut runner, &scenario) {
-                Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(Vec::new()),
+            let run = match Simulator::new(&plant)?.run(&mut watched, &scenario) {
+                Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(TrialRun::default()),
                 other => other?,
             };
             rates.extend(run.truth.hub_rate_rad_s);
@@ -273,10 +364,11 @@ impl Stage<'_> {
         }
         let period_s = self.modelled.parameters.interface.sample_period_s;
         let first = ((MEASURED_S / period_s) as usize).min(rates.len());
-        Ok(rates.split_off(first))
+        let liveliest_m_s2 = watched.most_m2_s4.sqrt();
+        Ok(TrialRun { hub_rate_rad_s: rates.split_off(first), liveliest_m_s2 })
     }
 
-    fn runner(&self, acts: Acts) -> Result<Runner, PipelineError> {
+    fn watched(&self, acts: Acts) -> Result<Watched, PipelineError> {
         let own = match acts {
             Acts::Adapts(method) => {
                 let adaptation = Adaptation { method, ..self.adaptation.clone() };
@@ -287,10 +379,13 @@ impl Stage<'_> {
             Acts::Without | Acts::Told => None,
         };
         let controller = self.controller.with(|parts| parts.estimator = own);
-        Ok(controller.map_err(counterpoise_synth::Error::from)?.runner())
+        let controller = controller.map_err(counterpoise_synth::Error::from)?;
+        let mut states = controller.programs().states.iter();
+        let place = states.find(|group| group.name == "liveliness").map(|group| group.first);
+        Ok(Watched { runner: controller.runner(), place, most_m2_s4: 0.0 })
     }
 
-    fn platform(&self, motion: Motion) -> Result<PlatformMotion, PipelineError> {
+    pub(super) fn platform(&self, motion: Motion) -> Result<PlatformMotion, PipelineError> {
         let procedure = self.procedure;
         let sine = |sine: &counterpoise_verify::Sine, by: f64| {
             Signal::sine(sine.amplitude, by * std::f64::consts::TAU * sine.frequency_hz)

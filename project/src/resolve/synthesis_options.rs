@@ -129,8 +129,8 @@ pub struct Adaptation {
     pub dead_band_m_s2: Option<f64>,
     /// Lag that control and regressors of least squares pass, s.
     pub filter_s: f64,
-    /// Share of the design's out-of-balance by which the estimate of least squares may differ before it is followed.
-    pub hold_band: f64,
+    /// Share of the design's out-of-balance by which the estimate of least squares may differ before it is followed; `None` for the usual one.
+    pub hold_band: Option<f64>,
     /// Normalised step of the gradient, 0 to 2.
     pub step: f64,
     /// Rate at which the sign of a rate counts half, rad/s.
@@ -139,6 +139,17 @@ pub struct Adaptation {
     pub rate_limit_kg_m_s: f64,
     /// The runs in which it is tried.
     pub trial: Trial,
+    /// Whether the exported controller adapts.
+    pub use_in_code: AdaptationUse,
+}
+
+/// Whether the exported controller adapts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AdaptationUse {
+    /// It does.
+    Exported,
+    /// It does not: the trials of the project leave no motion on which an adaptation helps.
+    LeftOut,
 }
 
 /// Methods of adaptation.
@@ -356,13 +367,12 @@ fn blank_adaptation() -> Adaptation {
         memory_s: 8.0,
         dead_band_m_s2: None,
         filter_s: 0.02,
-        // What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where no
-        // observer covers friction, 4 % leaves 18 %. The out-of-balance still stands still on every example when nothing changes.
-        hold_band: 0.04,
+        hold_band: None,
         step: 0.002,
         half_rate_rad_s: 5e-3,
         rate_limit_kg_m_s: 400.0,
         trial: Trial { duration_s: 40.0, changes: vec![1.0, 0.5, 1.25, 0.75], amplifier_curve: Vec::new() },
+        use_in_code: AdaptationUse::Exported,
     }
 }
 
@@ -384,7 +394,7 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
         AdaptationMethod::Recursive => {
             let memory = Field::new("memory", "time constant of forgetting").unit("s").limit(ABOVE_0);
             v.number(&memory.or(usual.memory_s), &mut a.memory_s);
-            let band = "RMS of the platform's acceleration below which the estimate is not changed; without it what dry friction hides of the out-of-balance";
+            let band = "RMS of the platform's acceleration below which the estimate is not changed; without it, and without `hold_band`, trials choose both so that no trial is worse than without adaptation";
             maybe_number(
                 v,
                 &Field::new("dead_band", band).unit("m/s^2").limit(AT_LEAST_0),
@@ -393,10 +403,8 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
             let filter = "lag by which control and regressors are filtered, so that accelerations are known; 0 for none";
             let filter = Field::new("filter", filter).unit("s").limit(AT_LEAST_0);
             v.number(&filter.or(usual.filter_s), &mut a.filter_s);
-            let hold =
-                "share of the design's out-of-balance by which the estimate may differ before it is followed";
-            let hold = Field::new("hold_band", hold).limit(Limit::Between(0.0, 1.0));
-            v.number(&hold.or(usual.hold_band), &mut a.hold_band);
+            let hold = "share of the design's out-of-balance by which the estimate may differ before it is followed; chosen by the same trials, else 0.04";
+            maybe_number(v, &Field::new("hold_band", hold).limit(Limit::Between(0.0, 1.0)), &mut a.hold_band);
         }
     }
     if a.method != AdaptationMethod::WindowedMean {

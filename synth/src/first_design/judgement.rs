@@ -153,6 +153,15 @@ impl<'a> Judge<'a> {
         std::iter::once(&self.held).chain(beside).map(|held| Ok(series(held, &K)?)).collect()
     }
 
+    /// Returns the first of [`Self::loops`].
+    ///
+    /// # Errors
+    /// Those of the discretisation.
+    pub fn nominal_loop(&self, controller: &StateSpace) -> Result<StateSpace, Error> {
+        let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]).negate();
+        Ok(series(&self.held, &K)?)
+    }
+
     /// Whether the loop of a controller with the plant certainly exceeds the required sensitivity: a few frequencies about an aim show it.
     ///
     /// # Errors

@@ -6,12 +6,15 @@
 //! left out only if neither explains it: then the lags of the drive or poles and zeros of the plant are the cause.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::{Mutex, OnceLock};
 
-use super::Circumstances;
+use counterpoise_lti::StateSpace;
+
 use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffened;
 use super::scan::{PER_DECADE, Scan, Tried};
+use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::{DesignPlant, Error, Processors, Sampling};
 
@@ -24,53 +27,82 @@ const MOST_AIMS: i32 = 2 * PER_DECADE;
 /// Halvings between the last aim with a loop and the first without.
 const HALVINGS: usize = 3;
 
-/// The highest bandwidth of the candidates that miss certain limits and no others.
-type Highest = BTreeMap<Vec<u8>, f64>;
+/// The candidate of the highest bandwidth among those that miss certain limits and no others.
+type Highest = BTreeMap<Vec<u8>, Tried>;
+
+/// A bandwidth with its limits, and the loops that show them.
+pub(super) struct Limited {
+    pub bandwidth: Bandwidth,
+    pub shown_by: Vec<LimitLoops>,
+}
+
+/// A loop above the answer, and its bandwidth.
+#[derive(Clone)]
+struct Higher {
+    rate_rad_s: f64,
+    shown_by: StateSpace,
+}
 
 /// Returns the bandwidth of an answer with its limits.
 ///
 /// # Errors
 /// Those of the design.
-pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<Bandwidth, Error> {
+pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<Limited, Error> {
     let reached = found.judgement.bandwidth_rad_s;
-    let mut limits = scan.summary();
+    let limits = scan.summary();
     // One limit at a time is left out: what misses two is not the answer without either.
     scan.judge_up_to(2);
     let kinds: Vec<LimitKind> = limits.iter().map(|limit| limit.kind).collect();
     let (missed, causes) = side_by_side(scan, found, &kinds)?;
-    let alone = |kind: LimitKind| {
-        let rate = missed.get(&vec![kind as u8]).copied().unwrap_or(0.0);
-        (rate > reached * (1.0 + HIGHER)).then_some(rate)
-    };
-    for limit in &mut limits {
-        limit.lifted_rad_s = match limit.kind {
-            LimitKind::Resonance => causes.structure_rad_s,
-            LimitKind::Margins if causes.structure_rad_s.is_some() || causes.lags_rad_s.is_some() => {
-                causes.lags_rad_s
-            }
-            kind => alone(kind),
+    let mut shown = Vec::new();
+    for mut limit in limits {
+        let lifted = match limit.kind {
+            LimitKind::Resonance => causes.structure.clone(),
+            LimitKind::Margins if causes.structure.is_some() || causes.lags.is_some() => causes.lags.clone(),
+            kind => higher(scan, missed.get(&vec![kind as u8]), reached)?,
         };
+        limit.lifted_rad_s = lifted.as_ref().map(|loop_| loop_.rate_rad_s);
+        let loops =
+            LimitLoops { allowed: scan.shown_by(&limit)?, lifted: lifted.map(|loop_| loop_.shown_by) };
+        shown.push((limit, loops));
     }
     let size = |rate: Option<f64>| rate.unwrap_or(0.0);
-    limits.sort_by(|a, b| {
+    shown.sort_by(|(a, _), (b, _)| {
         let lifted = size(b.lifted_rad_s).total_cmp(&size(a.lifted_rad_s));
         lifted.then(a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s))
     });
+    let (limits, shown_by): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
     let first = limits.first().filter(|limit| limit.lifted_rad_s.is_some()).map(|limit| vec![limit.kind]);
     let limited_by = first.unwrap_or_else(|| together(&missed, limits.iter().map(|limit| limit.kind)));
-    Ok(Bandwidth {
+    let bandwidth = Bandwidth {
         bandwidth_rad_s: reached,
         limited_by,
         limits,
         unknown: scan.unknown.clone(),
         asked_rad_s: scan.circumstances.asked_rad_s,
-    })
+    };
+    Ok(Limited { bandwidth, shown_by })
+}
+
+/// Returns a candidate with its loop if its bandwidth is higher than what is reached.
+fn higher(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<Higher>, Error> {
+    match tried {
+        Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER) => {
+            let rate_rad_s = tried.judgement.bandwidth_rad_s;
+            Ok(Some(Higher { rate_rad_s, shown_by: scan.nominal_loop(tried)? }))
+        }
+        _ => Ok(None),
+    }
 }
 
 /// The fewest limits that only together keep the candidates from being the answer, the highest bandwidth first.
 fn together(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
     let several = missed.iter().filter(|(set, _)| set.len() > 1);
-    let fewest = several.min_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.total_cmp(a.1)));
+    let fewest = several.min_by(|a, b| {
+        a.0.len()
+            .cmp(&b.0.len())
+            .then(b.1.judgement.bandwidth_rad_s.total_cmp(&a.1.judgement.bandwidth_rad_s))
+    });
     match fewest {
         Some((set, _)) => kinds.filter(|kind| set.contains(&(*kind as u8))).collect(),
         // Nothing above the answer is a stable loop.
@@ -78,10 +110,10 @@ fn together(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) ->
     }
 }
 
-/// The bandwidth with a cause of phase lag lifted, rad/s; `None` if it is no higher or there is no such cause.
+/// The loop with a cause of phase lag lifted; `None` if its bandwidth is no higher or there is no such cause.
 struct Causes {
-    structure_rad_s: Option<f64>,
-    lags_rad_s: Option<f64>,
+    structure: Option<Higher>,
+    lags: Option<Higher>,
 }
 
 /// Looks for the bandwidths without each limit, and those with each cause of phase lag lifted: three searches that know nothing of each other.
@@ -99,10 +131,10 @@ fn side_by_side(scan: &mut Scan, found: &Tried, kinds: &[LimitKind]) -> Result<(
         1 => drop(structure.set(given.without_modes(found))),
         _ => drop(lags.set(given.without_lags(found))),
     });
-    let structure_rad_s = structure.into_inner().unwrap_or_else(|| given.without_modes(found))?;
-    let lags_rad_s = lags.into_inner().unwrap_or_else(|| given.without_lags(found))?;
+    let structure = structure.into_inner().unwrap_or_else(|| given.without_modes(found))?;
+    let lags = lags.into_inner().unwrap_or_else(|| given.without_lags(found))?;
     let missed = limits.into_inner().unwrap_or_else(climb_limits)?;
-    Ok((missed, Causes { structure_rad_s, lags_rad_s }))
+    Ok((missed, Causes { structure, lags }))
 }
 
 /// What the searches in other circumstances take from that in the given ones.
@@ -120,28 +152,27 @@ impl<'a> Given<'a> {
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
-    fn without_modes(&self, found: &Tried) -> Result<Option<f64>, Error> {
+    fn without_modes(&self, found: &Tried) -> Result<Option<Higher>, Error> {
         let reached = found.judgement.bandwidth_rad_s;
         let stiff = with_plants(self.circumstances, |plant| stiffened(plant, reached))?;
         if stiff == *self.circumstances { Ok(None) } else { self.above(&stiff, found) }
     }
 
     /// The bandwidth with an ideal sensor and no delay; `None` if it is no higher or they are so already.
-    fn without_lags(&self, found: &Tried) -> Result<Option<f64>, Error> {
+    fn without_lags(&self, found: &Tried) -> Result<Option<Higher>, Error> {
         let mut quick = with_plants(self.circumstances, |plant| Ok(without_lags(plant)))?;
         quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
         if quick == *self.circumstances { Ok(None) } else { self.above(&quick, found) }
     }
 
     /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
-    fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<f64>, Error> {
+    fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<Higher>, Error> {
         let mut lifted = Scan::new(other, self.processors)?;
         lifted.unknown.clone_from(&self.unknown);
         lifted.has_more_phase = self.has_more_phase;
         lifted.judge_up_to(1);
         let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
-        let rate = highest.get(&Vec::new()).copied().unwrap_or(0.0);
-        Ok((rate > found.judgement.bandwidth_rad_s * (1.0 + HIGHER)).then_some(rate))
+        higher(&lifted, highest.get(&Vec::new()), found.judgement.bandwidth_rad_s)
     }
 }
 
@@ -221,9 +252,17 @@ fn has_loop(
         }
         let Some(tried) = scan.attempt_if_worthwhile(aim, shape)? else { continue };
         let missed = scan.missed(&tried.judgement);
-        let known = highest.entry(missed.iter().map(|kind| *kind as u8).collect()).or_insert(0.0);
-        *known = known.max(tried.judgement.bandwidth_rad_s);
-        if missed.iter().all(|kind| left_out.contains(kind)) {
+        let keeps_the_rest = missed.iter().all(|kind| left_out.contains(kind));
+        let known = highest.entry(missed.iter().map(|kind| *kind as u8).collect());
+        let rate = tried.judgement.bandwidth_rad_s;
+        match known {
+            Entry::Occupied(known) if known.get().judgement.bandwidth_rad_s >= rate => {}
+            Entry::Occupied(mut known) => drop(known.insert(tried)),
+            Entry::Vacant(place) => {
+                place.insert(tried);
+            }
+        }
+        if keeps_the_rest {
             return Ok(true);
         }
     }

@@ -78,8 +78,23 @@ pub struct FirstDesign {
     pub judgement: LoopJudgement,
     /// The sampled loops that were judged, broken at the control: that of the plant, then those of the plants with shifted modes.
     pub loops: Vec<StateSpace>,
+    /// The loops that show what each limit allows, in the order of the limits.
+    pub shown_by: Vec<LimitLoops>,
+    /// The margins that the loop had to keep.
+    pub required: RequiredMargins,
+    /// Sample period of the controller, s.
+    pub sample_period_s: f64,
     /// Channels that are measured but have no feedforward, with the reason.
     pub left_out: Vec<Finding>,
+}
+
+/// The sampled loops, broken at the control, whose bandwidths are those of a limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitLoops {
+    /// The loop of the highest bandwidth that keeps the limit; `None` if none was needed to tell, or none keeps it.
+    pub allowed: Option<StateSpace>,
+    /// The loop of the highest bandwidth with the limit lifted; `None` if it would be no higher.
+    pub lifted: Option<StateSpace>,
 }
 
 /// Chooses the weights of a loop.
@@ -104,8 +119,19 @@ pub fn first_design_on(
         let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
         return Err(Error::refused(vec![finding]));
     };
-    let bandwidth = lifted::bandwidth(&mut scan, &found)?;
+    let lifted::Limited { bandwidth, shown_by } = lifted::bandwidth(&mut scan, &found)?;
     let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;
     let loops = scan.loops(&found)?;
-    Ok(FirstDesign { specification, bandwidth, judgement: found.judgement, loops, left_out })
+    let sample_period_s = circumstances.sampling.period_s;
+    let (judgement, required) = (found.judgement, circumstances.margins);
+    Ok(FirstDesign {
+        specification,
+        bandwidth,
+        judgement,
+        loops,
+        shown_by,
+        required,
+        sample_period_s,
+        left_out,
+    })
 }

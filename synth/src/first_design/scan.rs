@@ -328,12 +328,40 @@ impl<'a> Scan<'a> {
             LimitKind::Asked => return self.circumstances.asked_rad_s.unwrap_or(f64::INFINITY),
             _ => {}
         }
-        let all = self.tried.iter().chain(&self.best);
-        if all.clone().all(|tried| self.keeps(kind, &tried.judgement)) {
+        let mut all = self.tried.iter().chain(&self.best);
+        if all.all(|tried| self.keeps(kind, &tried.judgement)) {
             return f64::INFINITY;
         }
-        let keeping = all.filter(|tried| self.keeps(kind, &tried.judgement));
-        keeping.map(|tried| tried.judgement.bandwidth_rad_s).fold(0.0, f64::max)
+        self.highest_keeping(kind).map_or(0.0, |tried| tried.judgement.bandwidth_rad_s)
+    }
+
+    /// The feedback of the highest bandwidth that was seen to keep a limit.
+    fn highest_keeping(&self, kind: LimitKind) -> Option<&Tried> {
+        let keeping = self.tried.iter().chain(&self.best).filter(|tried| self.keeps(kind, &tried.judgement));
+        keeping.max_by(|a, b| a.judgement.bandwidth_rad_s.total_cmp(&b.judgement.bandwidth_rad_s))
+    }
+
+    /// Returns the loop that shows the highest bandwidth that a limit allows; `None` if a formula tells it, if nothing missed the limit, or if nothing
+    /// keeps it.
+    ///
+    /// # Errors
+    /// Those of the design.
+    pub fn shown_by(&self, limit: &Limit) -> Result<Option<StateSpace>, Error> {
+        let is_formula = matches!(limit.kind, LimitKind::SampleRate | LimitKind::Asked);
+        match self.highest_keeping(limit.kind) {
+            Some(tried) if !is_formula && limit.bandwidth_rad_s.is_finite() => {
+                self.nominal_loop(tried).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Returns the sampled loop of a feedback with the plant, broken at the control.
+    ///
+    /// # Errors
+    /// Those of the design.
+    pub fn nominal_loop(&self, tried: &Tried) -> Result<StateSpace, Error> {
+        self.judge.nominal_loop(&self.controller(&tried.weights, tried.position_gain)?)
     }
 
     /// Every limit, the lowest first.

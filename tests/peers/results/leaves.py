@@ -97,6 +97,7 @@ CLASSES = [
     (r"verify\.sight_procedure\..*", DATA),
     (r"verify\.error_budget\.runs\.\d+\.sample_time_s", DATA),
     (r"verify\.error_budget\..*", RECOMPUTED),
+    (r"verify\.adaptation_trials\.bands\..*", DATA),
     (r"verify\.adaptation_trials\..*", RECOMPUTED),
     # design
     (r"certificates\.\d+\.value", RECOMPUTED),
@@ -111,7 +112,9 @@ CLASSES = [
     (r"targets\.(compiled|cores)\..*", "what a compiler and an emulator answered about the generated code"),
     (r"first_design\.(bandwidth_rad_s|gain_margin_db|phase_margin_deg|max_sensitivity\w*|limits\.\d+\.over_reached)", RECOMPUTED),
     (r"first_design\.asked_rad_s", DATA),
-    (r"first_design\.limits\.\d+\.(bandwidth_rad_s|lifted_rad_s)", "the best of some hundred designs of a search, of which the result holds the chosen one"),
+    (rf"first_design\.limits\.\d+\.(lifted_)?shown_by\.({SYSTEM})", DATA),
+    (r"first_design\.limits\.\d+\.(bandwidth_rad_s|lifted_rad_s)", RECOMPUTED),
+    (r"first_design\.(required\.\w+|sample_period_s)", DATA),
 ]
 
 

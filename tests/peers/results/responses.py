@@ -35,11 +35,12 @@ def response_rows(sys_, responses, columns):
         yield from same_response(one, mine)
 
 
-def same_response(one, mine):
+def same_response(one, mine, rounding=0.0):
+    """The largest difference of a response beyond the rounding of terms that cancel, relative to its size."""
     told = np.array(one["real"]) + 1j * np.array(one["imaginary"])
     # where a response passes through nothing, its size there is that of its neighbours
     size = np.maximum(np.abs(told), 1e-12 * np.max(np.abs(told)))
-    yield f"response, {one['name']}", 1.0, 1.0 + float(np.max(np.abs(mine - told) / np.maximum(size, 1e-300))), 1e-6
+    yield f"response, {one['name']}", 1.0, 1.0 + float(np.max(np.maximum(np.abs(mine - told) - rounding, 0.0) / np.maximum(size, 1e-300))), 1e-6
 
 
 def bisect(function, low, high):

@@ -391,3 +391,39 @@ def first_design(found):
     for row in found["limits"]:
         if row["over_reached"] is not None:
             yield f"{row['limit']}: over what was reached", row["over_reached"], row["bandwidth_rad_s"] / found["bandwidth_rad_s"], SUMS
+        yield from limit_rows(found, row)
+    yield "limit that decides", 0.0, float(deciding(found) != found["limited_by"]), 0.0
+
+
+# The ceiling of the bandwidth over the sample rate, and what each fact that is not known leaves of it.
+CEILING, CAUTION = 1.0 / 20.0, 0.7
+
+
+def limit_rows(found, row):
+    """What a limit of the bandwidth allows: by a formula, or as the crossover of the loop that shows it."""
+    name = row["limit"]
+    if name == "sample rate":
+        ceiling = CEILING * 2.0 * math.pi / found["sample_period_s"] * CAUTION ** len(found["unknown"])
+        yield f"{name}: bandwidth", row["bandwidth_rad_s"], ceiling, SUMS
+    elif name == "what is asked for":
+        yield f"{name}: bandwidth", row["bandwidth_rad_s"], found["asked_rad_s"], 0.0
+    elif row["shown_by"]:
+        mine = designs.margins(system(row["shown_by"]))
+        yield f"{name}: bandwidth", row["bandwidth_rad_s"], mine["crossover_rad_s"], MARGINS
+        if name.startswith("margins"):
+            asked = found["required"]
+            keeps = mine["gain_margin_db"] >= asked["gain_margin_db"] - 1e-3 and mine["phase_margin_deg"] >= asked["phase_margin_deg"] - 1e-3
+            keeps = keeps and mine["max_sensitivity"] <= asked["max_sensitivity"] + 1e-3
+            yield f"{name}: kept by the loop that shows it", 1.0, float(keeps), 0.0
+    elif row["bandwidth_rad_s"] is not None:
+        # no loop that was tried keeps the limit
+        yield f"{name}: bandwidth", row["bandwidth_rad_s"], 0.0, 0.0
+    if row["lifted_rad_s"] is not None:
+        mine = designs.margins(system(row["lifted_shown_by"]))
+        yield f"{name}: bandwidth without it", row["lifted_rad_s"], mine["crossover_rad_s"], MARGINS
+
+
+def deciding(found):
+    """The limit whose lifting alone raises the bandwidth most; what is stated where none does, which no single loop shows."""
+    lifted = [row for row in found["limits"] if row["lifted_rad_s"] is not None]
+    return max(lifted, key=lambda row: row["lifted_rad_s"])["limit"] if lifted else found["limited_by"]

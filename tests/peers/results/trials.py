@@ -16,7 +16,10 @@ def rows(found):
         return
     runs = {(one["motion"], one["load"], one["acts"]): np.array(one["hub_rate_rad_s"]) for one in found.get("histories", [])}
     worst = {}
+    after = {(row["motion"], row["load"]): row["without_rad_s"] for row in found["rows"]}
     for row in found["rows"]:
+        ends = [after[row["motion"], load] for load in ("sudden", "slow")]
+        yield f"spread on {row['motion']}", row["spread_rad_s"], 0.0 if None in ends else abs(ends[0] - ends[1]), SUMS
         for key, acts in (("without_rad_s", "none"), ("told_rad_s", "told"), ("with_rad_s", row["method"])):
             name = f"trial on {row['motion']}, load {row['load']}: {acts}"
             rates = runs.get((row["motion"], row["load"], acts))
@@ -29,6 +32,9 @@ def rows(found):
         if ratio > worst.get(row["method"], (0.0, None))[0]:
             worst[row["method"]] = ratio, row
     refused = {one["worst"]["method"]: one for one in found["refused"]}
+    if found.get("bands") and not found["bands"]["is_exported"]:
+        # what is not exported is not refused
+        worst = {}
     for method, (ratio, row) in worst.items():
         yield f"whether {method} is refused", float(method in refused), float(ratio > REFUSED_ABOVE), 0.0
         if method in refused:

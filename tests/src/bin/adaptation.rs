@@ -1,6 +1,7 @@
 //! Trials of the default adaptation on random mechanisms, as a table in Markdown.
 //!
-//! `cargo run --release -p counterpoise-tests --bin adaptation -- 0..12`
+//! `cargo run --release -p counterpoise-tests --bin adaptation -- 0..12 [NOISE]`: with a number, the sensors' noise of the trials has another seed than
+//! that of the trials by which the default was chosen.
 
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
@@ -17,9 +18,10 @@ fn main() -> ExitCode {
         eprintln!("{range}: write FROM..TO, for example 0..12");
         return ExitCode::from(2);
     };
+    let noise = std::env::args().nth(2).and_then(|word| word.parse::<u64>().ok()).unwrap_or(0);
     let cases = Mutex::new(Vec::new());
     in_parallel(to.saturating_sub(from) as usize, &|k| {
-        if let Some(case) = trial(from + k as u64) {
+        if let Some(case) = trial(from + k as u64, noise) {
             cases.lock().unwrap_or_else(PoisonError::into_inner).push(case);
         }
     });
@@ -32,9 +34,9 @@ fn main() -> ExitCode {
 fn print(cases: &[Case]) {
     let is_detailed = std::env::var_os("COUNTERPOISE_EVERY_TRIAL").is_some();
     println!(
-        "| seed | mechanism | hub rate over that without adaptation, worst trial | least share removed | refused |"
+        "| seed | mechanism | acts | hub rate over that without adaptation, worst trial | least share removed | refused |"
     );
-    println!("|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|");
     for case in cases {
         let worst = case.worst().map_or(String::new(), |row| {
             format!(
@@ -45,11 +47,14 @@ fn print(cases: &[Case]) {
                 row.told_rad_s / row.without_rad_s
             )
         });
+        let acts = case.bands.map_or("nowhere".to_owned(), |bands| {
+            format!("above {:.2} m/s^2, beyond {:.1} %", bands.dead_band_m_s2, 100.0 * bands.hold_band)
+        });
         let removed = case
             .least_removed()
             .map_or("the load adds too little".to_owned(), |share| format!("{:.0} %", 100.0 * share));
         println!(
-            "| {} | {} | {worst} | {removed} | {} |",
+            "| {} | {} | {acts} | {worst} | {removed} | {} |",
             case.seed,
             case.drawn,
             if case.is_refused { "yes" } else { "no" }
@@ -67,8 +72,9 @@ fn print(cases: &[Case]) {
     }
     let count = |what: &dyn Fn(&&Case) -> bool| cases.iter().filter(what).count();
     println!(
-        "\n{} mechanisms; never worse than none: {}; at least 80 % removed: {}; refused: {}",
+        "\n{} mechanisms, {} with adaptation; never worse than none: {}; at least 80 % removed: {}; refused: {}",
         cases.len(),
+        count(&|case| case.bands.is_some()),
         count(&|case| case.is_never_worse()),
         count(&|case| case.removes_enough()),
         count(&|case| case.is_refused)
