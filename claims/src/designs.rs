@@ -64,9 +64,9 @@ pub fn designs_on_two_models(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
             ran[0][1],
             ran[1][1]
         ),
-        criteria: designs_criteria(&apart, (radius, (margin_db[0] - margin_db[1]).abs()), &ran),
+        criteria: designs_criteria(&apart, radius, (margin_db[0] - margin_db[1]).abs(), &ran),
         why: String::new(),
-        drawings: designs_on_two_models_figures(bench, fine, (&both, other.verified.controller()))?,
+        drawings: designs_on_two_models_figures(bench, fine, &both, other.verified.controller())?,
     })
 }
 
@@ -83,7 +83,8 @@ fn on_elements(bench: &Bench<'_>, plant: &Plant, controller: &Controller) -> Res
 fn designs_on_two_models_figures(
     bench: &Bench<'_>,
     fine: &Plant,
-    (linear, other): (&[StateSpace; 2], &Controller),
+    linear: &[StateSpace; 2],
+    other: &Controller,
 ) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rate_grid([0.1, 100.0]);
     let names = ["designed on two inertias", "designed on finite elements"];
@@ -129,7 +130,8 @@ const RESIDUAL_ALIKE: f64 = 0.1;
 
 fn designs_criteria(
     apart_db: &[f64],
-    (radius, margins_apart_db): (f64, f64),
+    radius: f64,
+    margins_apart_db: f64,
     ran: &[[f64; 2]; 2],
 ) -> Vec<Criterion> {
     vec![

@@ -94,12 +94,12 @@ pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             ),
         ],
         why: String::new(),
-        drawings: tip_motion_figures((&free, &held), &predicted, first),
+        drawings: tip_motion_figures(&free, &held, &predicted, first),
     })
 }
 
 /// Returns the tip with and without control, and what hub and prediction say of it.
-fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], first: usize) -> Vec<Drawing> {
+fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: usize) -> Vec<Drawing> {
     let at_s = &held.time_s[first..];
     let tip = &held.tip_rate_rad_s[first..];
     let of = |values: &[f64]| points_of(at_s, values.get(first..).unwrap_or(&[]), 1e3);

@@ -169,15 +169,11 @@ pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineErro
     for factor in [0.37, 1.48] {
         let mut parameters = bench.parameters().clone();
         parameters.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= factor);
-        all.push(redesigned(
-            bench,
-            (&format!("out-of-balance x{factor} alone"), &parameters),
-            Source::Heave,
-        )?);
+        all.push(redesigned(bench, &format!("out-of-balance x{factor} alone"), &parameters, Source::Heave)?);
     }
     for name in CONFIGURATIONS {
         let Some(parameters) = configured(bench, name)? else { continue };
-        all.push(redesigned(bench, (name, &parameters), Source::Both)?);
+        all.push(redesigned(bench, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
     let mut designs = vec![(1.0, bench.observed.clone())];
@@ -197,7 +193,8 @@ pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineErro
 /// Returns a design for another mechanism, beside the normal one.
 fn redesigned(
     bench: &Bench<'_>,
-    (name, parameters): (&str, &Parameters),
+    name: &str,
+    parameters: &Parameters,
     source: Source,
 ) -> Result<Redesigned, PipelineError> {
     let mut project = bench.observing_project.clone();

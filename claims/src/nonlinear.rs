@@ -145,7 +145,7 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     // the hub's factor that doubles the inertia of hub and beam together
     let doubled =
         bench.behaviour(&changed(bench, Varied::HubInertia, 1.0 + 1.0 / share)?, &bench.observed)?;
-    let criteria = inertia_criteria(&found, (&doubled, share));
+    let criteria = inertia_criteria(&found, &doubled, share);
     Ok(Claim {
         id: "C10",
         title: "inertia",
@@ -169,7 +169,8 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ),
         drawings: with_family(
             bench,
-            (Varied::HubInertia, "hub inertia"),
+            Varied::HubInertia,
+            "hub inertia",
             over_factor(
                 "hub inertia",
                 &[0.5, 1.0, 2.0],
@@ -182,7 +183,7 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-fn inertia_criteria(found: &[Behaviour], (doubled, share): (&Behaviour, f64)) -> Vec<Criterion> {
+fn inertia_criteria(found: &[Behaviour], doubled: &Behaviour, share: f64) -> Vec<Criterion> {
     let above = |b: &Behaviour| b.overshoot_percent - found[1].overshoot_percent;
     let whole = above(doubled);
     let stays = |b: &Behaviour| (b.residual_rad_s / found[1].residual_rad_s - 1.0).abs();
@@ -229,7 +230,8 @@ fn inertia_criteria(found: &[Behaviour], (doubled, share): (&Behaviour, f64)) ->
 /// Returns the figures over the factor, and the family's time histories.
 fn with_family(
     bench: &Bench<'_>,
-    (varied, name): (Varied, &str),
+    varied: Varied,
+    name: &str,
     figures: Drawing,
     factors: &[f64],
 ) -> Result<Vec<Drawing>, PipelineError> {
@@ -304,14 +306,16 @@ pub fn other_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             .explained_by(0.45, 1.0),
         ],
         why: "what an observer leaves is in proportion to the friction that it cancels: it follows a reversal as late as the gyroscope does. With twice the friction up to twice as much is left, with half the friction down to half".to_owned(),
-        drawings: other_friction_figures(bench, (&factors, &found), (&controllers, &updated))?,
+        drawings: other_friction_figures(bench, &factors, &found, &controllers, &updated)?,
     })
 }
 
 fn other_friction_figures(
     bench: &Bench<'_>,
-    (factors, found): (&[f64], &[Behaviour]),
-    (controllers, updated): (&[Controller], &[Behaviour]),
+    factors: &[f64],
+    found: &[Behaviour],
+    controllers: &[Controller],
+    updated: &[Behaviour],
 ) -> Result<Vec<Drawing>, PipelineError> {
     let after = |of: &dyn Fn(&Behaviour) -> f64| [0.5, 2.0].into_iter().zip(updated.iter().map(of)).collect();
     let name = "observer identified anew";
@@ -377,7 +381,8 @@ pub fn other_backlash(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         why: String::new(),
         drawings: with_family(
             bench,
-            (Varied::Backlash, "backlash"),
+            Varied::Backlash,
+            "backlash",
             over_factor("backlash", &factors, &found, &[], Default::default()),
             &factors,
         )?,

@@ -182,7 +182,7 @@ pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineErr
     let torques = [0.0, 50.0, 100.0, 150.0];
     let (mut rows, mut criteria) = (Vec::new(), Vec::new());
     for hz in BAND_HZ {
-        let ratios = |varied, factors: &[f64]| ratios_db(bench, varied, (factors, hz));
+        let ratios = |varied, factors: &[f64]| ratios_db(bench, varied, factors, hz);
         let backlash = ratios(Varied::Backlash, &[1.0, 2.0, 5.0])?;
         let inertia = ratios(Varied::HubInertia, &added)?;
         let friction = ratios(Varied::PivotFriction, &torques.map(more))?;
@@ -208,12 +208,13 @@ pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         criteria,
         why: String::new(),
         drawings: vec![
-            drawn("friction added at the pivot", Axis::linear("added", "N m"), (&torques, friction)),
-            drawn("backlash", factor_axis("backlash"), (&[1.0, 2.0, 5.0], backlash)),
+            drawn("friction added at the pivot", Axis::linear("added", "N m"), &torques, friction),
+            drawn("backlash", factor_axis("backlash"), &[1.0, 2.0, 5.0], backlash),
             drawn(
                 "the dumb-bells' inertia",
                 Axis::linear("hub inertia", "times the normal"),
-                (&added, inertia),
+                &added,
+                inertia,
             ),
         ],
     })
@@ -254,7 +255,7 @@ fn band_criteria(hz: f64, [backlash, inertia, friction]: [&[f64]; 3]) -> [Criter
     ]
 }
 
-fn drawn(what: &str, x: Axis, (factors, db): (&[f64], &[f64])) -> Drawing {
+fn drawn(what: &str, x: Axis, factors: &[f64], db: &[f64]) -> Drawing {
     let points = factors.iter().copied().zip(db.iter().copied()).collect();
     let panel = panel(
         Axis::linear("DRR in pitch", "dB"),
@@ -273,11 +274,7 @@ fn added_inertia(bench: &Bench<'_>) -> Vec<f64> {
 
 /// Returns the RMS hub rate over RMS pitch rate, dB, with the observed controller and a third of the
 /// procedure's pitch.
-fn ratios_db(
-    bench: &Bench<'_>,
-    varied: Varied,
-    (factors, hz): (&[f64], f64),
-) -> Result<Vec<f64>, PipelineError> {
+fn ratios_db(bench: &Bench<'_>, varied: Varied, factors: &[f64], hz: f64) -> Result<Vec<f64>, PipelineError> {
     let mut small = bench.procedure.clone();
     small.pitch.amplitude /= 3.0;
     small.pitch.frequency_hz = hz;

@@ -235,7 +235,7 @@ pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError
         ),
         criteria,
         why,
-        drawings: compared(&beam, lumped, (low[1], &others))?,
+        drawings: compared(&beam, lumped, low[1], &others)?,
     })
 }
 
@@ -281,7 +281,8 @@ fn heave_explained(
 fn compared(
     beam: &StateSpace,
     lumped: &StateSpace,
-    (low_hz, others): (f64, &[Shared]),
+    low_hz: f64,
+    others: &[Shared],
 ) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();

@@ -40,7 +40,8 @@ type Map = Vec<Vec<(f64, f64)>>;
 fn map(
     bench: &Bench<'_>,
     controller: &Controller,
-    (test, amplitude): (Test, f64),
+    test: Test,
+    amplitude: f64,
     of: &dyn Fn(C64) -> f64,
 ) -> Result<Map, PipelineError> {
     let plant = &bench.designed.modelled.plant;
@@ -67,7 +68,7 @@ fn at_tone(map: &Map) -> Vec<f64> {
     map.iter().map(near).collect()
 }
 
-fn mapped(title: &str, quantity: &str, (map, full, unit): (&Map, f64, &str)) -> Drawing {
+fn mapped(title: &str, quantity: &str, map: &Map, full: f64, unit: &str) -> Drawing {
     let named = AMPLITUDES.iter().map(|share| format!("{:.3} {unit}", share * full));
     let curves = named.zip(map).map(|(name, row)| Curve::points(name, row.clone())).collect();
     drawing(title, frequency_axis(), vec![panel(Axis::linear(quantity, "dB"), curves)])
@@ -79,7 +80,7 @@ fn mapped(title: &str, quantity: &str, (map, full, unit): (&Map, f64, &str)) -> 
 /// Those of the simulator.
 pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let gain = |h: C64| 20.0 * h.norm().log10();
-    let found = map(bench, bench.controller(), (Test::Plant, CONTROL_V), &gain)?;
+    let found = map(bench, bench.controller(), Test::Plant, CONTROL_V, &gain)?;
     Ok(Claim {
         id: "C18",
         title: "plant over amplitude",
@@ -103,7 +104,9 @@ pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         drawings: vec![mapped(
             "Control to hub rate at four amplitudes",
             "hub rate over control",
-            (&found, CONTROL_V, "V"),
+            &found,
+            CONTROL_V,
+            "V",
         )],
     })
 }
@@ -114,10 +117,10 @@ pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 /// Those of the simulator.
 pub fn closed_loop_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let error = |h: C64| 20.0 * (1.0 - h).norm().log10();
-    let closed = |controller| map(bench, controller, (Test::ClosedLoop, DEMAND_RAD_S), &error);
+    let closed = |controller| map(bench, controller, Test::ClosedLoop, DEMAND_RAD_S, &error);
     let (with, without) = (closed(&bench.observed)?, closed(bench.controller())?);
     let quantity = "error over demand";
-    let full = |map| (map, 1e3 * DEMAND_RAD_S, "mrad/s");
+    let drawn = |title, map| mapped(title, quantity, map, 1e3 * DEMAND_RAD_S, "mrad/s");
     Ok(Claim {
         id: "C21",
         title: "closed loop over amplitude",
@@ -150,8 +153,8 @@ pub fn closed_loop_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineEr
         ],
         why: String::new(),
         drawings: vec![
-            mapped("Closed loop with the friction observer, four amplitudes", quantity, full(&with)),
-            mapped("Closed loop without it, four amplitudes", quantity, full(&without)),
+            drawn("Closed loop with the friction observer, four amplitudes", &with),
+            drawn("Closed loop without it, four amplitudes", &without),
         ],
     })
 }
@@ -187,9 +190,9 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     balanced.gearbox.backlash_rad *= SPACER;
     let (motor, pivot) = levels(&balanced);
     let total = motor + pivot;
-    let own = compared(bench, ("the rig", &balanced), total)?;
+    let own = compared(bench, "the rig", &balanced, total)?;
     let half = split(&balanced, 0.5 * total, 0.5 * total);
-    let half = compared(bench, ("half and half", &half), total)?;
+    let half = compared(bench, "half and half", &half, total)?;
     let words = |found: &Compared| {
         let one = |(share, off): (&f64, &f64)| format!("{} {:.1}", ratio(*share), 100.0 * off);
         SPLITS.iter().zip(&found.off).map(one).collect::<Vec<_>>().join(", ")
@@ -252,7 +255,8 @@ fn ratio(share: f64) -> String {
 /// Returns every split beside a mechanism.
 fn compared(
     bench: &Bench<'_>,
-    (name, mechanism): (&str, &Parameters),
+    name: &str,
+    mechanism: &Parameters,
     total: f64,
 ) -> Result<Compared, PipelineError> {
     let rig = triangle(bench, mechanism)?;

@@ -61,7 +61,7 @@ pub fn integral_action(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         why: format!(
             "the steady state is as claimed. At the gain of the same weight the design without integral action is the calmer one and leaves {low:.1} %"
         ),
-        drawings: integral_action_figures(&integral, (&family, high)),
+        drawings: integral_action_figures(&integral, &family, high),
     })
 }
 
@@ -124,10 +124,7 @@ fn lagging(bench: &Bench<'_>) -> Vec<Lagging> {
     GAINS.into_iter().map_while(one).collect()
 }
 
-fn integral_action_figures(
-    integral: &Stages,
-    (family, high): (&[Lagging], Option<&Lagging>),
-) -> Vec<Drawing> {
+fn integral_action_figures(integral: &Stages, family: &[Lagging], high: Option<&Lagging>) -> Vec<Drawing> {
     let response = |designed: &Stages| {
         let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;
         Some(hub_rates(history))

@@ -58,6 +58,15 @@ pub(crate) enum Line {
     Set,
 }
 
+/// An operation with what it read and wrote.
+pub(crate) struct Executed<'a> {
+    /// Its number in its line.
+    pub number: usize,
+    pub operation: &'a Operation,
+    pub read: &'a [f64],
+    pub written: f64,
+}
+
 /// What an operation rounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Rounded {
@@ -73,8 +82,8 @@ pub(crate) trait Arithmetic {
     fn worst(&self) -> Vec<f64>;
     /// Returns what rounded coefficients and readings do to the control of each sample of a run, V.
     fn coefficients(&self, run: &Run) -> Vec<f64>;
-    /// Returns what an operation rounds, given what it reads and writes.
-    fn rounded(&self, which: (Line, usize), operation: &Operation, values: (&[f64], f64)) -> Rounded;
+    /// Returns what an operation of a line rounds as it was executed.
+    fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded;
 }
 
 /// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse

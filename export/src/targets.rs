@@ -159,10 +159,11 @@ impl<'a> TargetRuns<'a> {
 
     /// Returns the figures in double.
     pub fn double(&self) -> TargetFigures {
-        let judged = (Numbers::Double, Deviation::none(self.samples), Measured::default());
+        let predicted = Deviation::none(self.samples);
+        let deviations = Deviations { numbers: Numbers::Double, predicted, measured: Measured::default() };
         let experiments = self.runs.iter().map(|run| run.compared(rms(&run.errors_rad_s))).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
-        with_runs(judged, experiments, closed_loops)
+        with_runs(deviations, experiments, closed_loops)
     }
 
     /// Returns the figures in single precision.
@@ -172,7 +173,8 @@ impl<'a> TargetRuns<'a> {
     pub fn single(&self) -> Result<TargetFigures, counterpoise_verify::Error> {
         let predicted = single_precision(self.controller, &self.known, self.samples);
         let acting = || Box::new(self.controller.runner_in::<f32>()) as Box<dyn Adjustable>;
-        self.figures((Numbers::Single, predicted, self.known.measure(&acting)), &acting)
+        let measured = self.known.measure(&acting);
+        self.figures(Deviations { numbers: Numbers::Single, predicted, measured }, &acting)
     }
 
     /// Returns the fixed-point form with its figures, or why there is none; its control may deviate by at most `allowed_v`.
@@ -185,8 +187,9 @@ impl<'a> TargetRuns<'a> {
             Err(_) => None,
             Ok(form) => {
                 let acting = || Box::new(FixedRunner::new(form)) as Box<dyn Adjustable>;
-                let judged = (Numbers::Fixed, form.deviation, self.known.measure(&acting));
-                Some(self.figures(judged, &acting)?)
+                let (predicted, measured) = (form.deviation, self.known.measure(&acting));
+                let deviations = Deviations { numbers: Numbers::Fixed, predicted, measured };
+                Some(self.figures(deviations, &acting)?)
             }
         };
         Ok(FixedFigures { fixed, figures })
@@ -199,7 +202,7 @@ impl<'a> TargetRuns<'a> {
 
     fn figures(
         &self,
-        judged: (Numbers, Deviation, Measured),
+        deviations: Deviations,
         acting: &dyn Fn() -> Box<dyn Adjustable>,
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
         let mut simulator = Simulator::new(self.plant)?;
@@ -209,7 +212,7 @@ impl<'a> TargetRuns<'a> {
             experiments.push(found.compared(rms(&known.errors_rad_s)));
             closed_loops.push(found.seen);
         }
-        Ok(with_runs(judged, experiments, closed_loops))
+        Ok(with_runs(deviations, experiments, closed_loops))
     }
 }
 
@@ -243,11 +246,19 @@ impl Run {
     }
 }
 
+/// How far the control deviates from the reference in some numbers: what was predicted, and what was measured on recorded readings.
+struct Deviations {
+    numbers: Numbers,
+    predicted: Deviation,
+    measured: Measured,
+}
+
 fn with_runs(
-    (numbers, predicted, measured): (Numbers, Deviation, Measured),
+    deviations: Deviations,
     experiments: Vec<ExperimentFigures>,
     closed_loops: Vec<Record>,
 ) -> TargetFigures {
+    let Deviations { numbers, predicted, measured } = deviations;
     let Measured { largest_v: measured_v, rms_v: measured_rms_v } = measured;
     TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops }
 }

@@ -3,7 +3,7 @@
 //! The window itself does not look: a window that is not touched draws nothing.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use crate::worker::Wake;
@@ -19,16 +19,30 @@ struct WatchState {
     has_ended: bool,
 }
 
+/// What the thread and its owner share.
+#[derive(Default)]
+struct Shared {
+    state: Mutex<WatchState>,
+    /// Told when the watcher ends.
+    end: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, WatchState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// Watches the times of files and folders.
 pub struct ChangeWatcher {
-    shared: Arc<(Mutex<WatchState>, Condvar)>,
+    shared: Arc<Shared>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
 impl ChangeWatcher {
     /// Starts the thread; it watches nothing yet.
     pub fn new(wake: Wake) -> Self {
-        let shared = Arc::new((Mutex::new(WatchState::default()), Condvar::new()));
+        let shared = Arc::new(Shared::default());
         let own = Arc::clone(&shared);
         let thread = std::thread::spawn(move || watch(&own, &wake));
         Self { shared, thread: Some(thread) }
@@ -36,7 +50,7 @@ impl ChangeWatcher {
 
     /// Sets what is watched from now on.
     pub fn set_paths(&self, paths: Vec<PathBuf>) {
-        let mut state = self.shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.shared.lock();
         if state.paths != paths {
             state.times = modification_times(&paths);
             state.paths = paths;
@@ -45,15 +59,15 @@ impl ChangeWatcher {
 
     /// Returns whether anything has changed since the last call.
     pub fn take_change(&self) -> bool {
-        let mut state = self.shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.shared.lock();
         std::mem::take(&mut state.has_changed)
     }
 }
 
 impl Drop for ChangeWatcher {
     fn drop(&mut self) {
-        self.shared.0.lock().unwrap_or_else(PoisonError::into_inner).has_ended = true;
-        self.shared.1.notify_one();
+        self.shared.lock().has_ended = true;
+        self.shared.end.notify_one();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -64,14 +78,14 @@ fn modification_times(paths: &[PathBuf]) -> Vec<Option<SystemTime>> {
     paths.iter().map(|path| std::fs::metadata(path).and_then(|m| m.modified()).ok()).collect()
 }
 
-fn watch(shared: &(Mutex<WatchState>, Condvar), wake: &Wake) {
-    let mut state = shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+fn watch(shared: &Shared, wake: &Wake) {
+    let mut state = shared.lock();
     while !state.has_ended {
-        state = shared.1.wait_timeout(state, INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
+        state = shared.end.wait_timeout(state, INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
         let paths = state.paths.clone();
         drop(state);
         let times = modification_times(&paths);
-        state = shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        state = shared.lock();
         if state.paths == paths && state.times != times {
             (state.times, state.has_changed) = (times, true);
             wake();

@@ -143,7 +143,7 @@ pub fn sym_eigenvalues(A: &Mat) -> Result<Vec<f64>, Error> {
 pub fn sym_gen_eigen(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     check_symmetric("K", K)?;
     check_symmetric("M", M)?;
-    check_shape("M", M, K.shape())?;
+    check_shape("M", M, K.nrows(), K.ncols())?;
     let scale: Vec<f64> =
         M.diagonal().iter().map(|&m| power_of_two(1.0 / m.abs().max(f64::MIN_POSITIVE).sqrt())).collect();
     let scaled = |A: &Mat| Mat::from_fn(A.nrows(), A.ncols(), |i, j| scale[i] * A[(i, j)] * scale[j]);
@@ -269,7 +269,7 @@ pub fn gen_eigenvalues(A: &Mat, E: &Mat) -> Result<Vec<(C64, f64)>, Error> {
     use faer::dyn_stack::{MemBuffer, MemStack};
     use faer::linalg::gevd;
     check_square("A", A)?;
-    check_shape("E", E, A.shape())?;
+    check_shape("E", E, A.nrows(), A.ncols())?;
     let n = A.nrows();
     let mut params: gevd::GevdParams = faer::Auto::<f64>::auto();
     // The blocked QZ of faer 0.24 stalls between n = 75 and 130.
@@ -346,7 +346,7 @@ pub fn rcond_one(A: &Mat) -> f64 {
 /// # Errors
 /// Wrong shapes, entries that are not finite.
 pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
     in_range("the solution by least squares", pinv(A)? * B)
 }
 

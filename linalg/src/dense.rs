@@ -44,6 +44,48 @@ pub fn transpose_times(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     Ok(out)
 }
 
+/// Symmetric products with more rows than this are computed by halves: below, the calls of the kernel cost more than the half that they save.
+pub(crate) const LARGE_SYMMETRIC: usize = 64;
+
+/// Columns of a symmetric product that are computed together.
+const STRIP: usize = 48;
+
+/// Adds to the lower half of `out` that of `A B`; other entries are not determined.
+pub(crate) fn add_lower_half(out: &mut Mat, A: MatRef<'_, f64>, B: MatRef<'_, f64>) {
+    let (n, k) = (A.nrows(), A.ncols());
+    let mut out = view_mut(out);
+    for left in (0..n).step_by(STRIP) {
+        let (rows, cols) = (n - left, STRIP.min(n - left));
+        faer::linalg::matmul::matmul(
+            out.as_mut().submatrix_mut(left, left, rows, cols),
+            faer::Accum::Add,
+            A.submatrix(left, 0, rows, k),
+            B.submatrix(0, left, k, cols),
+            1.0,
+            faer::Par::Seq,
+        );
+    }
+}
+
+/// Copies the lower half of a square matrix to the upper one.
+pub(crate) fn mirror(M: &mut Mat) {
+    let n = M.nrows();
+    for top in (0..n).step_by(STRIP) {
+        for j in top + 1..n {
+            let rows = top..(top + STRIP).min(j);
+            rows.for_each(|i| M[(i, j)] = M[(j, i)]);
+        }
+    }
+}
+
+/// `A B`, which is known to be symmetric; half of it is computed if it is large.
+pub(crate) fn symmetric_product(A: MatRef<'_, f64>, B: &Mat) -> Mat {
+    let mut out = Mat::zeros(A.nrows(), B.ncols());
+    add_lower_half(&mut out, A, view(B));
+    mirror(&mut out);
+    out
+}
+
 /// Solves `A X = B` by LU with partial pivoting; `A` n x n, `B` n x m.
 ///
 /// # Errors
@@ -53,7 +95,7 @@ pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
         return lu_solve(A, B);
     }
     check_square("A", A)?;
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
     let singular = Error::Singular { what: "A", rcond: 0.0 };
     compact::solve(A, B).filter(Mat::is_finite).ok_or(singular)
 }
@@ -79,7 +121,7 @@ pub fn inverse(A: &Mat) -> Result<Mat, Error> {
 
 fn lu_solve<T: Scalar + ComplexField>(A: &Dense<T>, B: &Dense<T>) -> Result<Dense<T>, Error> {
     check_square("A", A)?;
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
     let lu = view(A).partial_piv_lu();
     check_pivots(lu.U())?;
     let mut X = B.clone();
@@ -90,15 +132,15 @@ fn lu_solve<T: Scalar + ComplexField>(A: &Dense<T>, B: &Dense<T>) -> Result<Dens
     Ok(X)
 }
 
-/// The LU factors of a complex matrix, for several right-hand sides one after the other.
-pub(crate) struct ComplexFactors(faer::linalg::solvers::PartialPivLu<C64>);
+/// The LU factors of a matrix, for several right-hand sides one after the other.
+pub(crate) struct Factors<T: Scalar + ComplexField>(faer::linalg::solvers::PartialPivLu<T>);
 
-impl ComplexFactors {
+impl<T: Scalar + ComplexField> Factors<T> {
     /// The factors.
     ///
     /// # Errors
     /// As for [`csolve`].
-    pub(crate) fn of(A: &CMat) -> Result<Self, Error> {
+    pub(crate) fn of(A: &Dense<T>) -> Result<Self, Error> {
         check_square("A", A)?;
         let lu = view(A).partial_piv_lu();
         check_pivots(lu.U())?;
@@ -109,8 +151,8 @@ impl ComplexFactors {
     ///
     /// # Errors
     /// As for [`csolve`].
-    pub(crate) fn solve(&self, mut B: CMat) -> Result<CMat, Error> {
-        check_shape("B", &B, (self.0.U().nrows(), B.ncols()))?;
+    pub(crate) fn solve(&self, mut B: Dense<T>) -> Result<Dense<T>, Error> {
+        check_shape("B", &B, self.0.U().nrows(), B.ncols())?;
         self.0.solve_in_place(view_mut(&mut B));
         if B.is_finite() { Ok(B) } else { Err(Error::Singular { what: "A", rcond: 0.0 }) }
     }
@@ -187,4 +229,18 @@ pub fn cdet(A: &CMat) -> Result<C64, Error> {
     check_square("A", A)?;
     let value = view(A).determinant();
     if value.is_nan() { Err(Error::OutOfRange { what: "the determinant" }) } else { Ok(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_a_symmetric_product_is_the_whole() {
+        for n in [1, 2, STRIP - 1, STRIP, STRIP + 1, 2 * STRIP + 7] {
+            let A = Mat::from_fn(n, n + 3, |i, j| ((5 * i + 3 * j) % 11) as f64 - 5.0);
+            // Small whole numbers: every order of the sums gives the same.
+            assert_eq!(symmetric_product(view(&A), &A.t()), &A * A.t(), "{n}");
+        }
+    }
 }

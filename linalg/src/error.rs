@@ -136,11 +136,12 @@ pub enum Error {
 pub(crate) fn check_shape<T: Scalar>(
     what: &'static str,
     matrix: &Dense<T>,
-    needed: (usize, usize),
+    needed_rows: usize,
+    needed_cols: usize,
 ) -> Result<(), Error> {
     let (rows, cols) = matrix.shape();
-    if (rows, cols) != needed {
-        return Err(Error::Shape { what, rows, cols, needed_rows: needed.0, needed_cols: needed.1 });
+    if (rows, cols) != (needed_rows, needed_cols) {
+        return Err(Error::Shape { what, rows, cols, needed_rows, needed_cols });
     }
     check_finite(what, matrix)
 }

@@ -147,7 +147,7 @@ vectorised! {
 /// Wrong shapes, entries that are not finite.
 pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
     let balanced = balance(A)?;
     let worthwhile = balanced.A.norm_one() <= EXPM_BALANCE_GAIN * A.norm_one();
     if !worthwhile {
@@ -188,7 +188,7 @@ fn held(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
 /// Wrong shapes, entries that are not finite.
 pub fn van_loan_cost(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     let n = A.nrows();
     let halvings = (A.norm_one() * h).log2().ceil().clamp(0.0, 60.0) as i32;
     let step = h * (-halvings as f64).exp2();
@@ -226,7 +226,7 @@ pub fn van_loan_noise(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
 /// As for [`van_loan_cost`].
 pub fn van_loan_accumulated(A: &Mat, Q: &Mat, h: f64) -> Result<Mat, Error> {
     check_square("A", A)?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     let n = A.nrows();
     let halvings = (A.norm_one() * h).log2().ceil().clamp(0.0, 60.0) as i32;
     let mut step = h * (-halvings as f64).exp2();

@@ -3,6 +3,7 @@
 //! Products are split into slices whose products are exact in double precision, so that the fast kernels do the work.
 //! Source: Ozaki, Ogita, Oishi and Rump, Error-free transformations of matrix multiplication, Numer. Algorithms 59 (2012).
 
+use crate::dense::{LARGE_SYMMETRIC, add_lower_half, mirror, view};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 
@@ -50,14 +51,56 @@ impl Extended {
 
     /// The product with an error of about 2^-95 times the norms.
     pub(crate) fn times(&self, other: &Self) -> Self {
-        let mut product = exact_product(&self.high, &other.high);
+        let product = exact_product(&self.high, &other.high);
+        self.with_low_parts(other, product, Extent::Whole)
+    }
+
+    /// The same of two matrices whose product is symmetric: half of it is computed if it is large.
+    pub(crate) fn symmetric_times(&self, other: &Self) -> Self {
+        if self.high.nrows() <= LARGE_SYMMETRIC {
+            return self.times(other);
+        }
+        let half = sliced_product(&self.high, &other.high, Extent::LowerHalf);
+        let mut product = self.with_low_parts(other, half, Extent::LowerHalf);
+        mirror(&mut product.high);
+        product.low.as_mut().into_iter().for_each(mirror);
+        product
+    }
+
+    /// Adds what the low parts make of a product of the high ones.
+    fn with_low_parts(&self, other: &Self, mut product: Self, extent: Extent) -> Self {
         if let (Some(sum), Some(low)) = (product.low.as_mut(), other.low.as_ref()) {
-            *sum += &(&self.high * low);
+            extent.add_sum(sum, &self.high, low);
         }
         if let (Some(sum), Some(low)) = (product.low.as_mut(), self.low.as_ref()) {
-            *sum += &(low * &other.high);
+            extent.add_sum(sum, low, &other.high);
         }
         product
+    }
+}
+
+/// Which entries of a product are computed.
+#[derive(Clone, Copy)]
+enum Extent {
+    Whole,
+    LowerHalf,
+}
+
+impl Extent {
+    /// Adds `A B` to a sum of such products.
+    fn add(self, sum: &mut Mat, A: &Mat, B: &Mat) {
+        match self {
+            Self::Whole => sum.add_product(A, B),
+            Self::LowerHalf => add_lower_half(sum, view(A), view(B)),
+        }
+    }
+
+    /// Adds `A B`, summed apart, to a matrix of another size.
+    fn add_sum(self, sum: &mut Mat, A: &Mat, B: &Mat) {
+        match self {
+            Self::Whole => *sum += &(A * B),
+            Self::LowerHalf => add_lower_half(sum, view(A), view(B)),
+        }
     }
 }
 
@@ -94,7 +137,7 @@ pub(crate) fn exact_product(A: &Mat, B: &Mat) -> Extended {
         renormalise(&mut high, &mut low);
         return Extended { high, low: Some(low) };
     }
-    sliced_product(A, B)
+    sliced_product(A, B, Extent::Whole)
 }
 
 vectorised! {
@@ -117,7 +160,7 @@ vectorised! {
 }
 
 /// The same by slices and fast products.
-fn sliced_product(A: &Mat, B: &Mat) -> Extended {
+fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> Extended {
     // The two products of the first slices with the second ones are summed exactly, too: twice as many terms.
     let inner = 2.0 * A.ncols().max(1) as f64;
     let bits = ((53.0 - inner.log2().ceil()) / 2.0).floor() as i32;
@@ -125,12 +168,12 @@ fn sliced_product(A: &Mat, B: &Mat) -> Extended {
         (slices(A, &row_exponents(A), bits, Side::Left), slices(B, &column_exponents(B), bits, Side::Right));
     let empty = || Mat::zeros(A.nrows(), B.ncols());
     let (mut high, mut middle, mut low) = (empty(), empty(), empty());
-    high.add_product(&a.first, &b.first);
-    middle.add_product(&a.first, &b.second);
-    middle.add_product(&a.second, &b.first);
-    low.add_product(&a.second, &b.rest);
-    low.add_product(&a.third, B);
-    low.add_product(&a.first, &b.third);
+    extent.add(&mut high, &a.first, &b.first);
+    extent.add(&mut middle, &a.first, &b.second);
+    extent.add(&mut middle, &a.second, &b.first);
+    extent.add(&mut low, &a.second, &b.rest);
+    extent.add(&mut low, &a.third, B);
+    extent.add(&mut low, &a.first, &b.third);
     accumulate(&mut high, &mut low, &middle);
     renormalise(&mut high, &mut low);
     Extended { high, low: Some(low) }
@@ -215,9 +258,24 @@ mod tests {
         let entry = |i: usize, j: usize| ((1_i64 << 49) + (i * 7919 + j * 104_729) as i64 * 999_983) as f64;
         let A = Mat::from_fn(9, 7, entry);
         let B = Mat::from_fn(7, 5, |i, j| -entry(j, i));
-        for product in [exact_product(&A, &B), sliced_product(&A, &B)] {
+        for product in [exact_product(&A, &B), sliced_product(&A, &B, Extent::Whole)] {
             check(&A, &B, &product);
         }
+    }
+
+    #[test]
+    fn half_of_a_symmetric_product_is_as_exact() {
+        let n = LARGE_SYMMETRIC + 9;
+        let entry =
+            |i: usize, j: usize| ((1_i64 << 49) + ((i * 7919 + j * 104_729) % 997) as i64 * 999_983) as f64;
+        let A = Extended {
+            high: Mat::from_fn(n, n, entry),
+            low: Some(Mat::from_fn(n, n, |i, j| entry(j, i) * 1e-17)),
+        };
+        let (half, whole) = (A.t().symmetric_times(&A), A.t().times(&A));
+        let difference = half.add(&whole.neg()).collapse().norm_fro();
+        assert!(difference < 1e-29 * whole.high.norm_fro(), "{difference}");
+        assert_eq!(half.high, half.high.t());
     }
 
     fn check(A: &Mat, B: &Mat, product: &Extended) {

@@ -21,10 +21,10 @@ pub fn gsylvester(A: &Mat, B: &Mat, C: &Mat, D: &Mat, E: &Mat) -> Result<Mat, Er
     let (m, n) = E.shape();
     check_square("A", A)?;
     check_square("B", B)?;
-    for (what, matrix, needed) in
-        [("A", A, (m, m)), ("B", B, (n, n)), ("C", C, (m, m)), ("D", D, (n, n)), ("E", E, (m, n))]
+    for (what, matrix, rows, columns) in
+        [("A", A, m, m), ("B", B, n, n), ("C", C, m, m), ("D", D, n, n), ("E", E, m, n)]
     {
-        check_shape(what, matrix, needed)?;
+        check_shape(what, matrix, rows, columns)?;
     }
     let reduced = Reduced::of(A, B, C, D)?;
     let mut X = Extended::from(reduced.solve(E)?);

@@ -36,8 +36,8 @@ pub fn gdlyap(A: &Mat, E: &Mat, Q: &Mat) -> Result<Mat, Error> {
 
 fn lyapunov(A: &Mat, E: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
-    check_shape("E", E, A.shape())?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("E", E, A.nrows(), A.ncols())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     check_regular(E)?;
     let reduced = solve(E, A)?;
     let standard = |Q: &Mat| -> Result<Mat, Error> {
@@ -119,8 +119,8 @@ pub fn gdare(A: &Mat, E: &Mat, B: &Mat, weights: &Weights) -> Result<Outcome<Ric
 
 fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &Weights, kind: Kind) -> Result<Outcome<Riccati>, Error> {
     check_square("A", A)?;
-    check_shape("E", E, A.shape())?;
-    check_shape("Q", weights.Q, A.shape())?;
+    check_shape("E", E, A.nrows(), A.ncols())?;
+    check_shape("Q", weights.Q, A.nrows(), A.ncols())?;
     check_regular(E)?;
     let from_right = |M: &Mat| -> Result<Mat, Error> { Ok(solve(&E.t(), &M.t())?.t()) };
     let reduced = from_right(A)?;

@@ -9,7 +9,7 @@ use crate::error::{Error, check_shape, check_square, in_range};
 use crate::hammarling_leaf;
 use crate::kernel::vectorised;
 use crate::mat::{C64, CMat, Mat};
-use crate::schur::{Schur, blocks, schur};
+use crate::schur::{DiagonalBlock, Schur, blocks, schur};
 use crate::spectrum::Spectrum;
 use crate::stability::Boundary;
 use crate::sylvester::Kind;
@@ -99,7 +99,7 @@ impl Prepared {
 
     /// A square factor of the solution of the equation with `A` and `B B'`.
     fn reached(&self, B: &Mat) -> Result<Mat, Error> {
-        check_shape("B", B, (self.scale.len(), B.ncols()))?;
+        check_shape("B", B, self.scale.len(), B.ncols())?;
         let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
         let inner = inner(&self.form.T, &narrow(&(self.form.U.t() * &scaled))?, self.kind)?;
         in_range("the factor of a Gramian", self.outer(&inner, |i| self.scale[i]))
@@ -109,7 +109,7 @@ impl Prepared {
     /// columns in reverse.
     fn seen(&self, C: &Mat) -> Result<Mat, Error> {
         let n = self.scale.len();
-        check_shape("C", C, (C.nrows(), n))?;
+        check_shape("C", C, C.nrows(), n)?;
         let scaled = Mat::from_fn(n, C.nrows(), |i, j| C[(j, i)] * self.scale[i]);
         let reduced = narrow(&(self.form.U.t() * &scaled))?;
         let T = Mat::from_fn(n, n, |i, j| self.form.T[(n - 1 - j, n - 1 - i)]);
@@ -205,7 +205,7 @@ impl Turn {
 fn complex_form(form: &Mat) -> (CMat, Vec<Turn>) {
     let mut T = form.to_complex();
     let mut turns = Vec::new();
-    for (k, size) in blocks(form) {
+    for DiagonalBlock { start: k, size } in blocks(form) {
         if size == 2 {
             let (a, b, c) = (form[(k, k)], form[(k, k + 1)], form[(k + 1, k)]);
             let omega = (b.abs() * c.abs()).sqrt();

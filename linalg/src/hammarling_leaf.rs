@@ -25,7 +25,7 @@ vectorised! {
         for (index, block) in all.iter().enumerate().rev() {
             let own = if block.size == 1 { real(T, &B, block.at) } else { pair(T, &B, block.at) };
             if let Some(own) = own {
-                column(T, (&mut B, &mut R), (&all[..index], block.at), &own);
+                column(T, &mut B, &mut R, &all[..index], block.at, &own);
             }
         }
         R
@@ -53,9 +53,9 @@ fn real(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
     Some(Own { rho: [[size / gain, 0.0], [0.0; 2]], alpha: Block::real(T[(k, k)]), beta: vec![beta] })
 }
 
-/// The columns of `R` of one block, and what they take out of the right-hand side.
+/// The columns of `R` of the block at `k`, and what they take out of the right-hand side; `above` are the blocks above it.
 #[inline(always)]
-fn column(T: &Mat, (B, R): (&mut Mat, &mut Mat), (above, k): (&[Block], usize), own: &Own) {
+fn column(T: &Mat, B: &mut Mat, R: &mut Mat, above: &[Block], k: usize, own: &Own) {
     let size = own.alpha.size;
     let mut r = Mat::zeros(k, size);
     for c in 0..size {
@@ -105,17 +105,24 @@ fn pair(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
     first.iter_mut().zip(&beta2).for_each(|(e, &f)| *e -= rho12 * f);
     let size = length(&first);
     let beta1: Vec<C64> = first.iter().map(|e| if size > 0.0 { e * (gain / size) } else { *e }).collect();
-    Some(made_real([x, w], [a, omega], (size / gain, rho12, rho22), (&beta1, &beta2)))
+    let factor = ComplexFactor { rho11: size / gain, rho12, rho22, beta1, beta2 };
+    Some(made_real([x, w], [a, omega], &factor))
 }
 
-/// `Z [p q; 0 s] = rho Q` with a real `rho` and a unitary `Q`; `alpha` and `beta` turned by `Q` and brought to standard form.
+/// A complex pair's own factor `[rho11 rho12; 0 rho22]` in complex triangular form, and the rows of its `beta`.
+struct ComplexFactor {
+    rho11: f64,
+    rho12: C64,
+    rho22: f64,
+    beta1: Vec<C64>,
+    beta2: Vec<C64>,
+}
+
+/// `Z [rho11 rho12; 0 rho22] = rho Q` with a real `rho` and a unitary `Q`; `alpha` and `beta` turned by `Q` and brought to standard form.
 #[inline(always)]
-fn made_real(
-    [x, w]: [f64; 2],
-    [a, omega]: [f64; 2],
-    (p, q, s): (f64, C64, f64),
-    (beta1, beta2): (&[C64], &[C64]),
-) -> Own {
+fn made_real([x, w]: [f64; 2], [a, omega]: [f64; 2], factor: &ComplexFactor) -> Own {
+    let (p, q, s) = (factor.rho11, factor.rho12, factor.rho22);
+    let (beta1, beta2) = (&factor.beta1, &factor.beta2);
     let j = C64::new(0.0, 1.0);
     let upper = [C64::from(x * p), q * x + j * (w * s)];
     let lower = [j * (w * p), j * w * q + x * s];

@@ -1,5 +1,6 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
+use crate::dense::{LARGE_SYMMETRIC, symmetric_product, view};
 use crate::error::{Error, check_shape, check_square, in_range};
 use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
@@ -75,7 +76,7 @@ fn separation(A: &Mat, kind: Kind) -> Result<f64, Error> {
 
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     let balanced = crate::balance::balance(A)?;
     let d = &balanced.scale;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
@@ -146,6 +147,10 @@ impl Operator {
     /// `X` with `operator(X) + Q = 0` for a symmetric `Q`.
     pub(crate) fn solve(&self, Q: &Mat) -> Mat {
         let U = &self.form.U;
+        if U.nrows() > LARGE_SYMMETRIC {
+            let inner = self.solve_inner(&symmetric_product(view(U).transpose(), &(Q * U)));
+            return symmetric_product(view(&(U * &inner)), &U.t());
+        }
         let inner = self.solve_inner(&(U.t() * Q * U));
         U * &inner * U.t()
     }

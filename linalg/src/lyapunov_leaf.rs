@@ -5,7 +5,7 @@
 
 use crate::kernel::vectorised;
 use crate::mat::Mat;
-use crate::schur::blocks;
+use crate::schur::{DiagonalBlock, blocks};
 use crate::small::solve_complete;
 
 vectorised! {
@@ -15,7 +15,7 @@ vectorised! {
         let m = T.nrows();
         for right in columns.iter().rev() {
             for column in right.range() {
-                take_columns(S, X, (right.end(), column), m);
+                take_columns(S, X, right.end(), column, m);
             }
             climb(T, X, &rows, right);
         }
@@ -28,8 +28,8 @@ vectorised! {
         let all = diagonal(T);
         for (index, right) in all.iter().enumerate().rev() {
             for column in right.range() {
-                take_columns(T, X, (right.end(), column), right.end());
-                take_rows_below(T, X, (right.end(), column));
+                take_columns(T, X, right.end(), column, right.end());
+                take_rows_below(T, X, right.end(), column);
             }
             climb(T, X, &all[..=index], right);
             for column in right.range() {
@@ -41,7 +41,7 @@ vectorised! {
 
 /// The columns from `end` on, which are known, taken out of the first `height` rows of `column`.
 #[inline(always)]
-fn take_columns(S: &Mat, X: &mut Mat, (end, column): (usize, usize), height: usize) {
+fn take_columns(S: &Mat, X: &mut Mat, end: usize, column: usize, height: usize) {
     let (ld, n) = X.shape();
     let (before, known) = X.as_mut_slice().split_at_mut(end * ld);
     let target = &mut before[column * ld..column * ld + height];
@@ -55,7 +55,7 @@ fn take_columns(S: &Mat, X: &mut Mat, (end, column): (usize, usize), height: usi
 
 /// The rows of `column` from `end` on, known by symmetry, taken out of those above.
 #[inline(always)]
-fn take_rows_below(T: &Mat, X: &mut Mat, (end, column): (usize, usize)) {
+fn take_rows_below(T: &Mat, X: &mut Mat, end: usize, column: usize) {
     let (above, known) = X.column_mut(column).split_at_mut(end);
     for (l, &factor) in (end..T.nrows()).zip(known.iter()) {
         if factor != 0.0 {
@@ -118,7 +118,7 @@ impl Block {
 const ROUND: f64 = 8.0;
 
 pub(crate) fn diagonal(T: &Mat) -> Vec<Block> {
-    let block = |(k, size): (usize, usize)| {
+    let block = |DiagonalBlock { start: k, size }| {
         if size == 1 {
             return Block { at: k, ..Block::real(T[(k, k)]) };
         }
@@ -130,14 +130,22 @@ pub(crate) fn diagonal(T: &Mat) -> Vec<Block> {
     blocks(T).into_iter().map(block).collect()
 }
 
-/// `s p + t q = P`, `s q - t p = Q`.
-#[inline(always)]
-pub(crate) fn turned(s: f64, t: f64, (P, Q): (f64, f64)) -> (f64, f64) {
-    // Divided by the larger first: the squares of large rates stay in range.
-    let size = s.abs().max(t.abs());
-    let (c, d) = (s / size, t / size);
-    let whole = (c * c + d * d) * size;
-    ((c * P - d * Q) / whole, (c * Q + d * P) / whole)
+/// The matrix `[s t; -t s]`: a scaled rotation.
+pub(crate) struct Rotation {
+    pub(crate) s: f64,
+    pub(crate) t: f64,
+}
+
+impl Rotation {
+    /// The solution p, q of `s p + t q = P`, `s q - t p = Q`.
+    #[inline(always)]
+    pub(crate) fn solve(&self, P: f64, Q: f64) -> (f64, f64) {
+        // Divided by the larger first: the squares of large rates stay in range.
+        let size = self.s.abs().max(self.t.abs());
+        let (c, d) = (self.s / size, self.t / size);
+        let whole = (c * c + d * d) * size;
+        ((c * P - d * Q) / whole, (c * Q + d * P) / whole)
+    }
 }
 
 #[inline(always)]
@@ -146,11 +154,11 @@ fn solve_block(X: &mut Mat, left: &Block, right: &Block) {
     match (left.size, right.size) {
         (1, 1) => X[(i, j)] /= s,
         (2, 1) => {
-            let (p, q) = turned(s, left.rate, (X[(i, j)], X[(i + 1, j)] / left.scale));
+            let (p, q) = Rotation { s, t: left.rate }.solve(X[(i, j)], X[(i + 1, j)] / left.scale);
             (X[(i, j)], X[(i + 1, j)]) = (p, q * left.scale);
         }
         (1, 2) => {
-            let (p, q) = turned(s, right.rate, (X[(i, j)], X[(i, j + 1)] / right.scale));
+            let (p, q) = Rotation { s, t: right.rate }.solve(X[(i, j)], X[(i, j + 1)] / right.scale);
             (X[(i, j)], X[(i, j + 1)]) = (p, q * right.scale);
         }
         _ if left.is_round() && right.is_round() => rotate(X, left, right),
@@ -162,18 +170,23 @@ fn solve_block(X: &mut Mat, left: &Block, right: &Block) {
 #[inline(always)]
 fn rotate(X: &mut Mat, left: &Block, right: &Block) {
     let s = left.entries[0] + right.entries[0];
-    solve_apart(X, left, right, [(s, right.rate - left.rate), (s, right.rate + left.rate)]);
+    solve_apart(
+        X,
+        left,
+        right,
+        [Rotation { s, t: right.rate - left.rate }, Rotation { s, t: right.rate + left.rate }],
+    );
 }
 
-/// Two pairs in scaled coordinates, in which the four unknowns split into two complex numbers: the `s` and `t` of [`turned`] for each.
+/// Two pairs in scaled coordinates, in which the four unknowns split into two complex numbers, each with its rotation.
 #[inline(always)]
-pub(crate) fn solve_apart(X: &mut Mat, left: &Block, right: &Block, [first, second]: [(f64, f64); 2]) {
+pub(crate) fn solve_apart(X: &mut Mat, left: &Block, right: &Block, [first, second]: [Rotation; 2]) {
     let (i, j) = (left.at, right.at);
     let (g, h) = (left.scale, right.scale);
     let (e11, e21) = (X[(i, j)], X[(i + 1, j)] / g);
     let (e12, e22) = (X[(i, j + 1)] / h, X[(i + 1, j + 1)] / (g * h));
-    let (p, q) = turned(first.0, first.1, (e11 + e22, e12 - e21));
-    let (u, v) = turned(second.0, second.1, (e11 - e22, e12 + e21));
+    let (p, q) = first.solve(e11 + e22, e12 - e21);
+    let (u, v) = second.solve(e11 - e22, e12 + e21);
     X[(i, j)] = 0.5 * (p + u);
     X[(i + 1, j)] = 0.5 * (v - q) * g;
     X[(i, j + 1)] = 0.5 * (q + v) * h;

@@ -21,7 +21,7 @@ use crate::tolerance::{PENCIL_APART, PENCIL_CONVERGED, PENCIL_REAL, PENCIL_SWEEP
 /// Wrong shapes, or entries that are not finite.
 pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64>>, Error> {
     check_square("M", M)?;
-    check_shape("E", &Mat::col(E), (M.nrows(), 1))?;
+    check_shape("E", &Mat::col(E), M.nrows(), 1)?;
     if let Some(roots) = simple_roots(M, E, starts) {
         return Ok(Some(paired(roots)));
     }

@@ -230,8 +230,8 @@ impl Column {
 
 /// `x += factor v`, entry by entry.
 #[inline(always)]
-fn add_multiple(x: (&mut [f64], &mut [f64]), v: (&[f64], &[f64]), factor: Long) {
-    let entries = x.0.iter_mut().zip(x.1).zip(v.0.iter().zip(v.1));
+fn add_multiple(x_high: &mut [f64], x_low: &mut [f64], v_high: &[f64], v_low: &[f64], factor: Long) {
+    let entries = x_high.iter_mut().zip(x_low).zip(v_high.iter().zip(v_low));
     for ((high, low), (&a, &b)) in entries {
         let sum = Long { high: *high, low: *low }.plus_product(Long { high: a, low: b }, factor);
         (*high, *low) = (sum.high, sum.low);
@@ -240,7 +240,7 @@ fn add_multiple(x: (&mut [f64], &mut [f64]), v: (&[f64], &[f64]), factor: Long) 
 
 vectorised! {
     fn add_into<'a>(high: &'a mut Mat, low: &'a mut Mat, other: &'a Mat, rest: &'a Mat, sign: f64) -> () {
-        add_multiple((high.as_mut_slice(), low.as_mut_slice()), (other.as_slice(), rest.as_slice()), Long { high: sign, low: 0.0 });
+        add_multiple(high.as_mut_slice(), low.as_mut_slice(), other.as_slice(), rest.as_slice(), Long { high: sign, low: 0.0 });
     }
 }
 
@@ -251,7 +251,7 @@ vectorised! {
             for k in 0..A.ncols() {
                 let factor = Long { high: B[(k, j)], low: b[(k, j)] };
                 if factor.high != 0.0 {
-                    add_multiple((&mut *out.0, &mut *out.1), (A.column(k), a.column(k)), factor);
+                    add_multiple(&mut *out.0, &mut *out.1, A.column(k), a.column(k), factor);
                 }
             }
         }
@@ -265,7 +265,7 @@ vectorised! {
             let factor = Long { high: -high[(k, j)], low: -low[(k, j)] };
             if factor.high != 0.0 {
                 let target = (&mut high.column_mut(j)[rows.clone()], &mut low.column_mut(j)[rows.clone()]);
-                add_multiple(target, (&multipliers.high, &multipliers.low), factor);
+                add_multiple(target.0, target.1, &multipliers.high, &multipliers.low, factor);
             }
         }
     }

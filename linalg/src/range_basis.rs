@@ -49,7 +49,7 @@ impl RangeBasis {
     /// # Errors
     /// Another number of rows.
     pub fn transpose_times(&self, A: &Mat) -> Result<Mat, Error> {
-        check_shape("A", A, (self.rows, A.ncols()))?;
+        check_shape("A", A, self.rows, A.ncols())?;
         let mut out = A.clone();
         reflect_rows(&self.reflectors, &mut out);
         let k = self.top.nrows();
@@ -64,7 +64,7 @@ impl RangeBasis {
     /// # Errors
     /// Another number of columns.
     pub fn times(&self, A: &Mat) -> Result<Mat, Error> {
-        check_shape("A", A, (A.nrows(), self.rows))?;
+        check_shape("A", A, A.nrows(), self.rows)?;
         let mut out = A.clone();
         reflect_columns(&self.reflectors, &mut out);
         let k = self.top.nrows();

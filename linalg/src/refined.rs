@@ -1,6 +1,6 @@
 //! The transfer matrix `C (sI - A)^-1 B + D` at one point, by residuals in twice the working precision.
 
-use crate::dense::ComplexFactors;
+use crate::dense::Factors;
 use crate::error::{Error, check_shape, check_square};
 use crate::mat::{C64, CMat, Mat};
 use crate::precise::Precise;
@@ -32,13 +32,13 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
     let Realisation { A, B, C, D } = system;
     check_square("A", A)?;
     let (n, m, p) = (A.nrows(), B.ncols(), C.nrows());
-    check_shape("B", B, (n, m))?;
-    check_shape("C", C, (p, n))?;
-    check_shape("D", D, (p, m))?;
+    check_shape("B", B, n, m)?;
+    check_shape("C", C, p, n)?;
+    check_shape("D", D, p, m)?;
     let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
     let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
     let (Re, Im) = (Precise::identity(n, s.re).minus(&Precise::from(A)), Precise::identity(n, s.im));
-    let factors = ComplexFactors::of(&shifted)?;
+    let factors = Factors::of(&shifted)?;
     let mut rest = (Precise::from(B), Precise::from(&Mat::zeros(n, m)));
     let mut X = (Precise::from(&Mat::zeros(n, m)), Precise::from(&Mat::zeros(n, m)));
     let mut last = f64::INFINITY;

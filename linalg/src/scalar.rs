@@ -56,7 +56,7 @@ impl Scalar for f64 {
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         if m * k * n < LARGE_PRODUCT {
-            return small_gemm_f64((m, k, n), a, b, c);
+            return small_gemm_f64(m, k, n, a, b, c);
         }
         faer::linalg::matmul::matmul(
             faer::MatMut::from_column_major_slice_mut(c, m, n),
@@ -86,7 +86,7 @@ impl Scalar for C64 {
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         if m * k * n < LARGE_PRODUCT {
-            return small_gemm_c64((m, k, n), a, b, c);
+            return small_gemm_c64(m, k, n, a, b, c);
         }
         faer::linalg::matmul::matmul(
             faer::MatMut::from_column_major_slice_mut(c, m, n),
@@ -129,19 +129,19 @@ vectorised! {
 const LARGE_PRODUCT: usize = 16 * 16 * 16;
 
 vectorised! {
-    fn small_gemm_f64<'a>(shape: (usize, usize, usize), a: &'a [f64], b: &'a [f64], c: &'a mut [f64]) -> () {
-        small_gemm(shape, a, b, c);
+    fn small_gemm_f64<'a>(m: usize, k: usize, n: usize, a: &'a [f64], b: &'a [f64], c: &'a mut [f64]) -> () {
+        small_gemm(m, k, n, a, b, c);
     }
 }
 
 vectorised! {
-    fn small_gemm_c64<'a>(shape: (usize, usize, usize), a: &'a [C64], b: &'a [C64], c: &'a mut [C64]) -> () {
-        small_gemm(shape, a, b, c);
+    fn small_gemm_c64<'a>(m: usize, k: usize, n: usize, a: &'a [C64], b: &'a [C64], c: &'a mut [C64]) -> () {
+        small_gemm(m, k, n, a, b, c);
     }
 }
 
 #[inline(always)]
-fn small_gemm<T: Scalar>((m, k, n): (usize, usize, usize), a: &[T], b: &[T], c: &mut [T]) {
+fn small_gemm<T: Scalar>(m: usize, k: usize, n: usize, a: &[T], b: &[T], c: &mut [T]) {
     if m == 0 {
         return;
     }
@@ -177,7 +177,7 @@ mod tests {
         let a = Mat::from_fn(33, 41, entry);
         let b = Mat::from_fn(41, 29, entry);
         let mut expected = Mat::zeros(33, 29);
-        small_gemm((33, 41, 29), a.as_slice(), b.as_slice(), expected.as_mut_slice());
+        small_gemm(33, 41, 29, a.as_slice(), b.as_slice(), expected.as_mut_slice());
         assert_eq!(&a * &b, expected);
     }
 }

@@ -12,7 +12,7 @@ pub(crate) fn solve_complete(A: &mut [[f64; 4]; 4], b: &mut [f64; 4], n: usize) 
     let floor = (EPS * largest).max(f64::MIN_POSITIVE / EPS);
     let mut order = [0, 1, 2, 3];
     for k in 0..n {
-        pivot(A, b, &mut order, (k, n));
+        pivot(A, b, &mut order, k, n);
         if A[k][k].abs() < floor {
             A[k][k] = floor;
         }
@@ -34,7 +34,7 @@ pub(crate) fn solve_complete(A: &mut [[f64; 4]; 4], b: &mut [f64; 4], n: usize) 
 
 /// Brings the largest entry of the trailing block to (k, k).
 #[inline(always)]
-fn pivot(A: &mut [[f64; 4]; 4], b: &mut [f64; 4], order: &mut [usize; 4], (k, n): (usize, usize)) {
+fn pivot(A: &mut [[f64; 4]; 4], b: &mut [f64; 4], order: &mut [usize; 4], k: usize, n: usize) {
     let (mut row, mut col) = (k, k);
     for i in k..n {
         for j in k..n {

@@ -4,7 +4,7 @@
 //! two complex numbers, one multiplied by `1 - l m` and one by `1 - l conj(m)`; no pivots are looked for.
 
 use crate::kernel::vectorised;
-use crate::lyapunov_leaf::{Block, diagonal, solve_apart, solve_together, turned};
+use crate::lyapunov_leaf::{Block, Rotation, diagonal, solve_apart, solve_together};
 use crate::mat::Mat;
 
 vectorised! {
@@ -109,12 +109,12 @@ fn solve_block(X: &mut Mat, left: &Block, right: &Block) {
         (1, 1) => X[(i, j)] /= s,
         (2, 1) => {
             let t = -left.rate * right.entries[0];
-            let (p, q) = turned(s, t, (X[(i, j)], X[(i + 1, j)] / left.scale));
+            let (p, q) = Rotation { s, t }.solve(X[(i, j)], X[(i + 1, j)] / left.scale);
             (X[(i, j)], X[(i + 1, j)]) = (p, q * left.scale);
         }
         (1, 2) => {
             let t = -left.entries[0] * right.rate;
-            let (p, q) = turned(s, t, (X[(i, j)], X[(i, j + 1)] / right.scale));
+            let (p, q) = Rotation { s, t }.solve(X[(i, j)], X[(i, j + 1)] / right.scale);
             (X[(i, j)], X[(i, j + 1)]) = (p, q * right.scale);
         }
         _ if left.is_round() && right.is_round() => rotate(X, left, right),
@@ -126,7 +126,10 @@ fn solve_block(X: &mut Mat, left: &Block, right: &Block) {
 #[inline(always)]
 fn rotate(X: &mut Mat, left: &Block, right: &Block) {
     let ((a, w), (b, v)) = ((left.entries[0], left.rate), (right.entries[0], right.rate));
-    let apart = [(1.0 - a * b - w * v, w * b - a * v), (1.0 - a * b + w * v, -(w * b + a * v))];
+    let apart = [
+        Rotation { s: 1.0 - a * b - w * v, t: w * b - a * v },
+        Rotation { s: 1.0 - a * b + w * v, t: -(w * b + a * v) },
+    ];
     solve_apart(X, left, right, apart);
 }
 

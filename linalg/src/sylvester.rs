@@ -5,7 +5,7 @@
 use crate::error::{Error, check_shape, check_square, in_range};
 use crate::kernel::vectorised;
 use crate::mat::{C64, Mat};
-use crate::schur::{Schur, blocks, schur};
+use crate::schur::{DiagonalBlock, Schur, blocks, schur};
 use crate::tolerance::EPS;
 
 /// Which of the two equations.
@@ -52,7 +52,7 @@ pub fn dsylvester(A: &Mat, B: &Mat, C: &Mat) -> Result<Mat, Error> {
 fn solve_by_schur(A: &Mat, B: &Mat, C: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_square("B", B)?;
-    check_shape("C", C, (A.nrows(), B.nrows()))?;
+    check_shape("C", C, A.nrows(), B.nrows())?;
     solve_with_forms(&schur(A)?, &schur(B)?, C, kind)
 }
 
@@ -131,12 +131,13 @@ vectorised! {
     /// Column block by column block from the left, row block by row block from below.
     fn base<'a>(A: &'a Mat, B: &'a Mat, C: &'a mut Mat, kind: Kind) -> () {
         let rows = blocks(A);
-        for (j, width) in blocks(B) {
+        for right in blocks(B) {
+            let (j, width) = (right.start, right.size);
             let known = right_hand_side(A, B, C, j, width, kind);
             (0..width).for_each(|l| C.column_mut(j + l).copy_from_slice(known.column(l)));
-            for &(i, height) in rows.iter().rev() {
-                solve_block(A, B, C, (i, height), (j, width), kind);
-                eliminate(A, B, C, (i, height), (j, width), kind);
+            for &left in rows.iter().rev() {
+                solve_block(A, B, C, left, right, kind);
+                eliminate(A, B, C, left, right, kind);
             }
         }
     }
@@ -175,16 +176,10 @@ fn upper_times(A: &Mat, X: &Mat) -> Mat {
     out
 }
 
-/// The block (i, j) by a system of one, two or four unknowns.
+/// The block of the rows of `left` and the columns of `right` by a system of one, two or four unknowns.
 #[inline(always)]
-fn solve_block(
-    A: &Mat,
-    B: &Mat,
-    C: &mut Mat,
-    (i, height): (usize, usize),
-    (j, width): (usize, usize),
-    kind: Kind,
-) {
+fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, left: DiagonalBlock, right: DiagonalBlock, kind: Kind) {
+    let (DiagonalBlock { start: i, size: height }, DiagonalBlock { start: j, size: width }) = (left, right);
     if height == 1 && width == 1 {
         let pivot =
             if kind == Kind::Continuous { A[(i, i)] + B[(j, j)] } else { A[(i, i)] * B[(j, j)] - 1.0 };
@@ -192,49 +187,47 @@ fn solve_block(
         return;
     }
     let unknowns = height * width;
-    let (mut system, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
+    let mut x = [0.0; 4];
+    for q in 0..width {
+        (0..height).for_each(|p| x[q * height + p] = C[(i + p, j + q)]);
+    }
+    let mut system = kronecker_system(A, B, left, right, kind);
+    crate::small::solve_complete(&mut system, &mut x, unknowns);
+    (0..unknowns).for_each(|row| C[(i + row % height, j + row / height)] = x[row]);
+}
+
+/// The matrix of the unknowns of one block, which are counted column by column.
+#[inline(always)]
+fn kronecker_system(
+    A: &Mat,
+    B: &Mat,
+    left: DiagonalBlock,
+    right: DiagonalBlock,
+    kind: Kind,
+) -> [[f64; 4]; 4] {
+    let (DiagonalBlock { start: i, size: height }, DiagonalBlock { start: j, size: width }) = (left, right);
+    let mut system = [[0.0; 4]; 4];
     for q in 0..width {
         for p in 0..height {
             let row = q * height + p;
-            right[row] = C[(i + p, j + q)];
-            kronecker_row(A, B, &mut system, row, (i, p, height), (j, q, width), kind);
+            if kind == Kind::Continuous {
+                (0..height).for_each(|l| system[row][q * height + l] += A[(i + p, i + l)]);
+                (0..width).for_each(|l| system[row][l * height + p] += B[(j + l, j + q)]);
+                continue;
+            }
+            for l in 0..width {
+                (0..height).for_each(|k| system[row][l * height + k] = A[(i + p, i + k)] * B[(j + l, j + q)]);
+            }
+            system[row][row] -= 1.0;
         }
     }
-    crate::small::solve_complete(&mut system, &mut right, unknowns);
-    (0..unknowns).for_each(|row| C[(i + row % height, j + row / height)] = right[row]);
-}
-
-#[inline(always)]
-fn kronecker_row(
-    A: &Mat,
-    B: &Mat,
-    system: &mut [[f64; 4]; 4],
-    row: usize,
-    (i, p, height): (usize, usize, usize),
-    (j, q, width): (usize, usize, usize),
-    kind: Kind,
-) {
-    if kind == Kind::Continuous {
-        (0..height).for_each(|l| system[row][q * height + l] += A[(i + p, i + l)]);
-        (0..width).for_each(|l| system[row][l * height + p] += B[(j + l, j + q)]);
-        return;
-    }
-    for l in 0..width {
-        (0..height).for_each(|k| system[row][l * height + k] = A[(i + p, i + k)] * B[(j + l, j + q)]);
-    }
-    system[row][row] -= 1.0;
+    system
 }
 
 /// Takes the block just solved out of the rows above it.
 #[inline(always)]
-fn eliminate(
-    A: &Mat,
-    B: &Mat,
-    C: &mut Mat,
-    (i, height): (usize, usize),
-    (j, width): (usize, usize),
-    kind: Kind,
-) {
+fn eliminate(A: &Mat, B: &Mat, C: &mut Mat, left: DiagonalBlock, right: DiagonalBlock, kind: Kind) {
+    let (DiagonalBlock { start: i, size: height }, DiagonalBlock { start: j, size: width }) = (left, right);
     for l in 0..width {
         for k in 0..height {
             let factor = match kind {

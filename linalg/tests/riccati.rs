@@ -138,6 +138,23 @@ fn discrete_tends_to_continuous() {
 }
 
 #[test]
+fn a_large_discrete_equation_is_that_of_its_parts() {
+    // Ninety scalar equations in coordinates that a reflection mixes: the products of large problems are computed by halves.
+    let n = 90;
+    let v = Mat::from_fn(n, 1, |i, _| 1.0 + (i % 5) as f64);
+    let reflection = Mat::eye(n) - (&v * v.t()).scale(2.0 / v.norm_fro().powi(2));
+    let mixed = |d: &[f64]| (&reflection * &Mat::diag(d) * &reflection).symmetric_part();
+    let poles: Vec<f64> = (0..n).map(|k| 0.2 + 1.5 * k as f64 / n as f64).collect();
+    let scalar = |a: f64| 0.5 * (a * a + (a.powi(4) + 4.0).sqrt());
+    let solution =
+        dare(&mixed(&poles), &Mat::eye(n), &Mat::eye(n), &Mat::eye(n), None).unwrap().solved().unwrap();
+    let exact = mixed(&poles.iter().map(|&a| scalar(a)).collect::<Vec<f64>>());
+    let error = (&solution.X - &exact).norm_fro() / exact.norm_fro();
+    assert!(error < 1e-14, "{error}");
+    assert!(solution.certificate.relative_residual < 1e-15);
+}
+
+#[test]
 fn bad_input_is_an_error() {
     let (A, B, I) = (Mat::eye(2), Mat::col(&[1.0, 1.0]), Mat::eye(1));
     assert!(care(&A, &B, &Mat::eye(3), &I, None).is_err());

@@ -13,12 +13,11 @@ pub(crate) struct Asymptotes {
 }
 
 impl Asymptotes {
-    /// Returns the asymptotes of a loop whose zeros are known, and its response between two frequencies in
-    /// rad/s.
+    /// Returns the asymptotes of a loop whose zeros are known, and its response from `low` to `high`, rad/s.
     ///
     /// # Errors
     /// Returns [`Error::Matrix`] if poles cannot be computed.
-    pub(crate) fn of(g: &StateSpace, zeros: &[C64], (low, high): (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn of(g: &StateSpace, zeros: &[C64], low: f64, high: f64) -> Result<Self, Error> {
         Ok(Self { roots: Zpk::with_zeros(g, zeros.to_vec())?, low, high })
     }
 

@@ -4,8 +4,8 @@ use crate::error::During;
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::tolerance::{
-    CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS, NEAR_AXIS_NORM,
-    PRECISE_SIZE, SUMMITS,
+    CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, HIGHEST_RISE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS,
+    NEAR_AXIS_NORM, PRECISE_SIZE, SUMMITS,
 };
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
@@ -80,7 +80,7 @@ pub(crate) fn climb_between(best: &mut Peak, response: &Response, rates: &[f64])
     let above = rates.iter().copied().filter(|&rate| rate > best.rate_rad_s).fold(f64::INFINITY, f64::min);
     let high = if above.is_finite() { above } else { 2.0 * best.rate_rad_s };
     if best.rate_rad_s.is_finite() && high > below {
-        *best = climb(response, (below, high), *best)?;
+        *best = climb(response, below, high, *best, best.value)?;
     }
     Ok(())
 }
@@ -106,7 +106,8 @@ pub(crate) fn search_everywhere(
         if best.value >= values[k] && (low..=high).contains(&best.rate_rad_s) {
             continue;
         }
-        let top = climb(response, (low, high), Peak { value: values[k], rate_rad_s: rates[k] })?;
+        let start = Peak { value: values[k], rate_rad_s: rates[k] };
+        let top = climb(response, low, high, start, found.value)?;
         found = if top.value > found.value { top } else { found };
     }
     let risen = found.value > best.value * (1.0 + tolerance);
@@ -130,8 +131,8 @@ fn summits(values: &[f64], limit: f64) -> Vec<usize> {
     places
 }
 
-/// Returns the top of the hill between two frequencies, from a point on it.
-fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak, Error> {
+/// Returns the top of the hill between two frequencies, from a point on it, or a point of a hill that stays below `wanted`.
+fn climb(response: &Response, low: f64, high: f64, top: Peak, wanted: f64) -> Result<Peak, Error> {
     let end =
         |rate_rad_s| if rate_rad_s == top.rate_rad_s { top } else { Peak { value: f64::NAN, rate_rad_s } };
     let mut hill = Hill { low: end(low), top, high: end(high) };
@@ -144,7 +145,7 @@ fn climb(response: &Response, (low, high): (f64, f64), top: Peak) -> Result<Peak
         // The highest comes first: the others are then its neighbours.
         points.sort_by(|a, b| b.value.total_cmp(&a.value));
         points.into_iter().for_each(|point| hill.insert(point));
-        if hill.is_flat() {
+        if hill.is_flat() || hill.stays_below(wanted) {
             break;
         }
         // A round about a vertex that does not enclose the peak closely is followed by an even one.
@@ -197,6 +198,13 @@ impl Hill {
             (false, true) => self.high = point,
             (false, false) => self.low = point,
         }
+    }
+
+    /// Returns whether the hill is far from reaching a value ([`HIGHEST_RISE`]).
+    fn stays_below(&self, wanted: f64) -> bool {
+        let rise = self.top.value - self.low.value.min(self.high.value);
+        let is_known = !self.low.value.is_nan() && !self.high.value.is_nan();
+        is_known && self.top.value + HIGHEST_RISE * rise < wanted
     }
 
     /// Returns whether the values differ by rounding only.

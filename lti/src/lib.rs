@@ -31,6 +31,7 @@ mod asymptotes;
 mod bounds;
 pub mod components;
 pub mod connect;
+mod crossings;
 pub mod delay;
 pub mod delayed_hold;
 pub mod delayed_margins;

@@ -97,7 +97,8 @@ mod tests {
         let simulated = dense(
             &A,
             &B,
-            (&Mat::from_blocks(&[&[&Q, &S], &[&S.t(), &R]]), &W),
+            &Mat::from_blocks(&[&[&Q, &S], &[&S.t(), &R]]),
+            &W,
             &(&stacked * &X * stacked.t()),
             T,
         );
@@ -110,7 +111,7 @@ mod tests {
 
     /// Returns the mean of the continuous cost over a period, by Simpson's rule on the covariance of [x; u]
     /// in 800 steps.
-    fn dense(A: &Mat, B: &Mat, (weight, W): (&Mat, &Mat), start: &Mat, T: f64) -> f64 {
+    fn dense(A: &Mat, B: &Mat, weight: &Mat, W: &Mat, start: &Mat, T: f64) -> f64 {
         let (n, steps) = (A.nrows(), 800);
         let h = T / f64::from(steps);
         let g = StateSpace::new(A.clone(), B.clone(), Mat::eye(n), Mat::zeros(n, 1), Timebase::Continuous)

@@ -13,9 +13,9 @@ pub fn balance(g: &StateSpace) -> (StateSpace, Vec<f64>) {
     let mut T = vec![1.0; n];
     let mut scaled = g.clone();
     let weight = |norm: f64| if norm > 0.0 { g.A.norm_max() / norm } else { 0.0 };
-    let weights = (weight(g.B.norm_max()), weight(g.C.norm_max()));
+    let (of_inputs, of_outputs) = (weight(g.B.norm_max()), weight(g.C.norm_max()));
     for _ in 0..SCALING_SWEEPS {
-        let step: Vec<f64> = sweep(&mut scaled, weights);
+        let step: Vec<f64> = sweep(&mut scaled, of_inputs, of_outputs);
         if step.iter().all(|&f| f == 1.0) {
             break;
         }
@@ -24,8 +24,8 @@ pub fn balance(g: &StateSpace) -> (StateSpace, Vec<f64>) {
     (scaled, T)
 }
 
-/// Carries out one sweep of scaling in place, with the weights of B and C; returns each state's factor.
-fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
+/// Carries out one sweep of scaling in place, with the weights of the input matrix B and of the output matrix C; returns each state's factor.
+fn sweep(g: &mut StateSpace, of_inputs: f64, of_outputs: f64) -> Vec<f64> {
     let n = g.order();
     let mut factors = vec![1.0; n];
     for i in 0..n {
@@ -35,10 +35,10 @@ fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
             row += g.A[(i, j)].abs();
         }
         if column == 0.0 {
-            column = c * g.C.column(i).iter().map(|x| x.abs()).sum::<f64>();
+            column = of_outputs * g.C.column(i).iter().map(|x| x.abs()).sum::<f64>();
         }
         if row == 0.0 {
-            row = b * (0..g.inputs()).map(|j| g.B[(i, j)].abs()).sum::<f64>();
+            row = of_inputs * (0..g.inputs()).map(|j| g.B[(i, j)].abs()).sum::<f64>();
         }
         let own = g.A[(i, i)].abs();
         let f = factor(column, row, own);

@@ -1,14 +1,13 @@
-//! A loop's response on a grid that is as fine as the loop asks for, with crossings and extremes refined on it.
+//! A loop's response on a grid that is as fine as the loop asks for, with its extremes refined on it.
 
 use crate::asymptotes::Asymptotes;
 use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CERTAIN_GAIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, KNOWN_AT_REST, LEAST_GAIN,
-    LEVEL_AT_REST, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, REAL_AT_REST, SCAN_BEYOND, SCAN_PER_DECADE,
-    SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, SIGN_SAMPLES,
-    ZOOMS,
+    AT_ORIGIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP,
+    SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP,
+    SCAN_TO_NYQUIST, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -21,15 +20,15 @@ pub(crate) struct Scan {
     delay_s: f64,
     /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one from the gain at that end of
     /// the grid.
-    limits: Limits,
+    pub limits: Limits,
     pub points: Vec<Point>,
 }
 
 /// The response far beyond the ends of a grid, where it has reached its limit.
 #[derive(Default)]
-struct Limits {
-    low: Option<Point>,
-    high: Option<Point>,
+pub(crate) struct Limits {
+    pub low: Option<Point>,
+    pub high: Option<Point>,
 }
 
 impl Scan {
@@ -92,7 +91,7 @@ impl Scan {
         };
         let asymptotes = match self.asymptotes.take() {
             Some(known) => known,
-            None => Asymptotes::of(g, &zeros(g)?, (first.rate, last.rate))?,
+            None => Asymptotes::of(g, &zeros(g)?, first.rate, last.rate)?,
         };
         let rates = asymptotes.down_to(LEAST_GAIN, last);
         self.asymptotes = Some(asymptotes);
@@ -106,7 +105,7 @@ impl Scan {
         let (Some(first), Some(last)) = (self.points.first().copied(), self.points.last().copied()) else {
             return Ok(());
         };
-        let asymptotes = Asymptotes::of(g, zeros, (first.rate, last.rate))?;
+        let asymptotes = Asymptotes::of(g, zeros, first.rate, last.rate)?;
         let mut rates = asymptotes.beyond(first, last, g.timebase);
         let goes_below = rates.first().is_some_and(|&rate| rate < first.rate);
         if goes_below && first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
@@ -174,7 +173,7 @@ impl Scan {
     }
 
     /// Returns the response at the given frequencies, without those that are poles.
-    fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
+    pub fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
         let values = self.response.scalar_at_all(rates);
         let exact = |rate: f64, value: C64| match &self.asymptotes {
             Some(asymptotes) if asymptotes.is_beyond(rate) => asymptotes.at(rate),
@@ -191,17 +190,6 @@ impl Scan {
         points.filter(|point| point.value.re.is_finite() && point.value.im.is_finite()).collect()
     }
 
-    /// Returns where a real function of the response changes sign.
-    pub fn crossings(&self, of: impl Fn(C64) -> f64) -> Vec<Point> {
-        let mut found = Vec::new();
-        for w in self.points.windows(2) {
-            if (of(w[0].value) < 0.0) != (of(w[1].value) < 0.0) {
-                found.push(self.bisect(w[0], w[1], &of));
-            }
-        }
-        found
-    }
-
     /// Returns how much rounding may change the response at a frequency.
     pub fn rounding_at(&self, point: Point) -> f64 {
         match &self.asymptotes {
@@ -211,91 +199,6 @@ impl Scan {
             }
             _ => self.response.rounding_at(point.rate),
         }
-    }
-
-    /// Returns where the response crosses the real axis: where its imaginary part changes sign from one run of points to the next, each with a
-    /// point at which rounding does not decide the sign. A response that is real, or zero, to rounding crosses nothing.
-    pub fn axis_crossings(&self) -> Vec<Point> {
-        let is_below = |point: &Point| point.value.im < 0.0;
-        let mut runs = Vec::new();
-        let mut start = 0;
-        for run in self.points.chunk_by(|a, b| is_below(a) == is_below(b)) {
-            runs.push((start, run));
-            start += run.len();
-        }
-        if runs.len() < 2 {
-            return Vec::new();
-        }
-        let is_certain = |point: Point| {
-            let im = point.value.im.abs();
-            // no rounding is smaller than that of the value, which costs nothing to know
-            im > CERTAIN_SIGN * 0.5 * f64::EPSILON * point.value.norm()
-                && im > CERTAIN_SIGN * self.rounding_at(point)
-        };
-        runs.retain(|(_, run)| candidates(run).into_iter().any(is_certain));
-        let mut found = Vec::new();
-        for pair in runs.windows(2) {
-            let ((start, left), (next, right)) = (pair[0], pair[1]);
-            if is_below(&left[0]) != is_below(&right[0]) {
-                let [a, b] =
-                    self.bracket(self.points[start + left.len() - 1], self.points[next], &|L: C64| L.im);
-                let nearest = if a.value.im.abs() < b.value.im.abs() { a } else { b };
-                // Through a pole or a zero on the axis the response jumps to the other side.
-                let is_continuous = (a.value - b.value).norm() <= a.value.norm();
-                let is_known = nearest.value.norm() > CERTAIN_GAIN * self.rounding_at(nearest);
-                found.extend((is_continuous && is_known).then_some(nearest));
-            }
-        }
-        found
-    }
-
-    /// Returns the limit of the response at rest, where poles and zeros at zero frequency cancel so that it cannot be evaluated there; `None`
-    /// if the response has no finite limit other than zero. The real part is L(0) + O(w^2), extrapolated from the lowest frequency that rounding
-    /// leaves known and twice it.
-    pub fn limit_at_rest(&self) -> Option<Point> {
-        let is_rough = |point: &Point| self.rounding_at(*point) > KNOWN_AT_REST * point.value.re.abs();
-        let first = self.points.get(self.points.partition_point(is_rough))?.rate;
-        let [a, b] = self.evaluate(&[first, 2.0 * first])[..] else { return None };
-        let is_level = (b.value.re - a.value.re).abs() <= LEVEL_AT_REST * a.value.re.abs();
-        let is_real = a.value.im.abs() <= REAL_AT_REST * a.value.re.abs();
-        let limit = (4.0 * a.value.re - b.value.re) / 3.0;
-        (is_level && is_real).then_some(Point { rate: 0.0, value: C64::new(limit, 0.0) })
-    }
-
-    /// Returns where the gain crosses one, on the grid and between it and the limits beyond its ends.
-    pub fn unit_crossings(&self) -> Vec<Point> {
-        let excess = |L: C64| L.norm() - 1.0;
-        let mut found = Vec::new();
-        if let (Some(limit), Some(&first)) = (self.limits.low, self.points.first()) {
-            found.push(self.bisect(limit, first, &excess));
-        }
-        found.extend(self.crossings(excess));
-        if let (Some(limit), Some(&last)) = (self.limits.high, self.points.last()) {
-            found.push(self.bisect(last, limit, &excess));
-        }
-        found
-    }
-
-    /// Returns the point between a and b where the sign changes.
-    fn bisect(&self, a: Point, b: Point, of: &impl Fn(C64) -> f64) -> Point {
-        let [a, b] = self.bracket(a, b, of);
-        if of(a.value).abs() < of(b.value).abs() { a } else { b }
-    }
-
-    /// Returns the neighbours between which the sign changes, between a and b: seven points inside the interval at a time.
-    fn bracket(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> [Point; 2] {
-        let below = of(a.value) < 0.0;
-        for _ in 0..ZOOMS {
-            if b.rate - a.rate <= f64::EPSILON * b.rate {
-                break;
-            }
-            let inside = self.evaluate(&between(a.rate, b.rate));
-            let change = inside.iter().position(|point| (of(point.value) < 0.0) != below);
-            let last = change.map_or(inside.last(), |at| if at == 0 { None } else { inside.get(at - 1) });
-            b = change.and_then(|at| inside.get(at)).copied().unwrap_or(b);
-            a = last.copied().unwrap_or(a);
-        }
-        [a, b]
     }
 
     /// Returns the largest value of a function of the response.
@@ -332,24 +235,8 @@ impl Scan {
     }
 }
 
-/// Returns points of a run at which the sign of the imaginary part may be the most certain: where it is largest beside the value, and alone,
-/// and at evenly spread logarithms of the frequency, because points crowd where rounding makes the response rough.
-fn candidates(run: &[Point]) -> Vec<Point> {
-    let share = |point: &Point| point.value.im.abs() / point.value.norm().max(f64::MIN_POSITIVE);
-    let largest = run.iter().max_by(|a, b| a.value.im.abs().total_cmp(&b.value.im.abs()));
-    let steepest = run.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-    let (low, high) = (run.first().map_or(0.0, |p| p.rate), run.last().map_or(0.0, |p| p.rate));
-    let spread = (0..=SIGN_SAMPLES).filter_map(|k| {
-        let rate = low * (high / low).powf(k as f64 / SIGN_SAMPLES as f64);
-        run.get(run.partition_point(|point| point.rate < rate))
-    });
-    let mut found: Vec<Point> = steepest.into_iter().chain(largest).chain(spread).copied().collect();
-    found.dedup_by(|b, a| b.rate == a.rate);
-    found
-}
-
 /// Seven frequencies inside an interval.
-fn between(low: f64, high: f64) -> Vec<f64> {
+pub(crate) fn between(low: f64, high: f64) -> Vec<f64> {
     (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect()
 }
 

@@ -53,10 +53,10 @@ impl StateSpace {
     /// [`Error::Period`] where a sample period is not positive.
     pub fn new(A: Mat, B: Mat, C: Mat, D: Mat, timebase: Timebase) -> Result<Self, Error> {
         let n = A.nrows();
-        check("A", A.shape(), (n, n))?;
-        check("B", B.shape(), (n, B.ncols()))?;
-        check("C", C.shape(), (C.nrows(), n))?;
-        check("D", D.shape(), (C.nrows(), B.ncols()))?;
+        check_shape("A", &A, n, n)?;
+        check_shape("B", &B, n, B.ncols())?;
+        check_shape("C", &C, C.nrows(), n)?;
+        check_shape("D", &D, C.nrows(), B.ncols())?;
         for (what, matrix) in [("A", &A), ("B", &B), ("C", &C), ("D", &D)] {
             if !matrix.is_finite() {
                 return Err(Error::NotFinite { what });
@@ -107,6 +107,7 @@ impl StateSpace {
     }
 }
 
-fn check(what: &'static str, found: (usize, usize), expected: (usize, usize)) -> Result<(), Error> {
+fn check_shape(what: &'static str, matrix: &Mat, rows: usize, columns: usize) -> Result<(), Error> {
+    let (found, expected) = (matrix.shape(), (rows, columns));
     if found == expected { Ok(()) } else { Err(Error::Shape { what, found, expected }) }
 }

@@ -58,6 +58,10 @@ pub const SUMMITS: usize = 4;
 /// A summit of the sampled response below this share of the peak is not climbed.
 pub const LOW_SUMMIT: f64 = 0.1;
 
+/// A hill rises above the highest of three points on it by less than this times the difference between that and the lowest. A parabola through points at
+/// even distances rises by an eighth of it at most; the rest is for uneven distances and for hills that are no parabolas.
+pub const HIGHEST_RISE: f64 = 3.0;
+
 /// Rounds of a climb at most: an even one shrinks the interval at least fourfold, so that the peak is flat to rounding at the end; rounds
 /// about the vertex of a parabola take three or four.
 pub const CLIMB_ROUNDS: usize = 15;

@@ -5,6 +5,7 @@ use crate::error::During;
 use crate::response::Response;
 use crate::root_order::sort_roots;
 use crate::roots::{poles, zeros};
+use crate::scaling::balance;
 use crate::tolerance::{CONJUGATE, GAIN_POINTS, KNOWN_GAIN};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
@@ -52,7 +53,7 @@ impl Zpk {
     pub(crate) fn with_zeros(g: &StateSpace, zeros: Vec<C64>) -> Result<Self, Error> {
         let mut zpk = Self { zeros, poles: poles(g)?, gain: 1.0, timebase: g.timebase };
         let response = Response::of(g)?;
-        let away = zpk.point_for_gain(&response);
+        let away = zpk.point_for_gain(&response, balance(g).0.A.norm_max());
         let value = response.at_points(&[away])?[0][(0, 0)];
         zpk.gain = (value / zpk.at(away)).re;
         if zpk.gain.is_nan() {
@@ -65,8 +66,9 @@ impl Zpk {
     }
 
     /// Returns a point at which the gain is read off: at twice the largest root, if the response is known there; otherwise the best known of points
-    /// between the roots, because a response that falls off fast cancels to rounding far from them.
-    fn point_for_gain(&self, response: &Response) -> C64 {
+    /// between the roots, because a response that falls off fast cancels to rounding far from them; if none is known there, as of poles at the origin
+    /// that rounding left traces of, the best up to the size of the couplings of the states.
+    fn point_for_gain(&self, response: &Response, coupling: f64) -> C64 {
         let roots = || self.zeros.iter().chain(&self.poles);
         let largest = roots().map(|r| r.norm()).fold(0.0, f64::max);
         let away = if largest > 0.0 { 2.0 * largest } else { 1.0 };
@@ -79,7 +81,9 @@ impl Zpk {
             return first;
         }
         let is_apart = |s: &C64| roots().all(|root| (s - root).norm() > 0.1 * s.norm());
-        let points = (0..GAIN_POINTS).map(|k| C64::new(away * 0.25_f64.powi(k), 0.0)).filter(is_apart);
+        let inward = (0..GAIN_POINTS).map(|k| away * 0.25_f64.powi(k));
+        let outward = (1..GAIN_POINTS).map(|k| away * 4f64.powi(k)).take_while(|s| *s <= 4.0 * coupling);
+        let points = inward.chain(outward).map(|s| C64::new(s, 0.0)).filter(is_apart);
         let mut best = (f64::INFINITY, first);
         for s in points {
             let error = error(s);

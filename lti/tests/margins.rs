@@ -154,3 +154,13 @@ fn the_disk_margin_lies_within_the_classical_ones() {
     assert!(disk.phase_deg <= found.phase_margin().unwrap().deg);
     assert!(disk.alpha > 0.2 && disk.alpha < 0.4, "{disk:?}");
 }
+
+#[test]
+fn a_double_integrator_in_rotated_coordinates_with_a_zero_at_the_origin_crosses_one() {
+    // 16 / s in two states: rounding leaves poles of 2e-17, at whose frequencies the response is not known.
+    let A = Mat::from_rows(&[&[-0.125, 0.125], &[-0.125, 0.125]]);
+    let (B, C) = (Mat::col(&[-1.0, -1.0]), Mat::row(&[16.0, -32.0]));
+    let found = margins(&StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap()).unwrap();
+    assert_eq!(found.phase.len(), 1, "{found:?}");
+    assert!((found.phase[0].rate_rad_s - 16.0).abs() < 1e-9 && (found.phase[0].deg - 90.0).abs() < 1e-9);
+}

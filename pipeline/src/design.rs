@@ -14,12 +14,12 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, describe_weights, every_target, export_by, half_step_v,
-    path_forms, project_hash,
+    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms, project_hash,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
+use crate::wording::weights::describe_weights;
 use crate::{
     Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, choose_and_tune, model,
     project_procedure, reduce, run_observed, studies, synthesise, verify_on,

@@ -101,11 +101,22 @@ fn plant_responses(modelled: &Modelled, reduced: &Reduced) -> Result<Vec<PlantRe
         (LinearPlant::PITCH_RATE, "pitch rate"),
     ];
     let one = |(input, name): (usize, &'static str)| {
-        let at = (LinearPlant::HUB_RATE, input);
         Ok(PlantResponse {
             input: name,
-            full: response(&format!("full plant, order {}", full.order()), full, at, &WIDE)?,
-            reduced: response(&format!("design plant, order {}", small.order()), small, at, &WIDE)?,
+            full: response(
+                &format!("full plant, order {}", full.order()),
+                full,
+                LinearPlant::HUB_RATE,
+                input,
+                &WIDE,
+            )?,
+            reduced: response(
+                &format!("design plant, order {}", small.order()),
+                small,
+                LinearPlant::HUB_RATE,
+                input,
+                &WIDE,
+            )?,
         })
     };
     inputs.into_iter().map(one).collect()
@@ -114,14 +125,15 @@ fn plant_responses(modelled: &Modelled, reduced: &Reduced) -> Result<Vec<PlantRe
 fn response(
     name: &str,
     system: &StateSpace,
-    element: (usize, usize),
+    output: usize,
+    input: usize,
     grid: &Grid,
 ) -> Result<FrequencyResponse, PipelineError> {
     let hz = grid.frequencies_hz();
     let rates: Vec<f64> = hz.iter().map(|f| std::f64::consts::TAU * f).collect();
     let all = Response::of(system)?.at_all(&rates)?;
     let points: Vec<[f64; 3]> =
-        hz.iter().zip(&all).map(|(f, h)| [*f, h[element].re, h[element].im]).collect();
+        hz.iter().zip(&all).map(|(f, h)| [*f, h[(output, input)].re, h[(output, input)].im]).collect();
     Ok(FrequencyResponse { name: name.to_owned(), points: Array2::from(points) })
 }
 
@@ -166,7 +178,7 @@ fn controller_families(balance: &[Entry]) -> Result<Vec<ControllerFamily>, Pipel
         let systems: Option<Vec<(&str, StateSpace)>> =
             balance.iter().map(|entry| Some((entry.name.as_str(), of(&entry.design)?))).collect();
         let Some(systems) = systems else { continue };
-        let curve = |(state, system): &(&str, StateSpace)| response(state, system, (0, input), &CONTROL_BAND);
+        let curve = |(state, system): &(&str, StateSpace)| response(state, system, 0, input, &CONTROL_BAND);
         let curves = systems.iter().map(curve).collect::<Result<Vec<_>, _>>()?;
         all.push(ControllerFamily { name, unit, curves });
     }

@@ -12,7 +12,7 @@
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
 //! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`loop_view`](mod@loop_view), [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
-//! [`exchange`] (systems and responses for other programs), [`results`].
+//! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
 //! ```
 //! use counterpoise_pipeline::{PipelineError, model};
@@ -50,6 +50,7 @@ pub mod synth;
 mod tolerance;
 pub mod tuning;
 pub mod verify;
+pub mod wording;
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_synth::FirstDesign;

@@ -32,6 +32,7 @@ use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::Trials;
 use crate::studies::comparison::Comparison;
+use crate::wording::acceptance::Traceable;
 use crate::{Designed, Modelled, Reduced, Synthesised};
 
 /// A complex number as real and imaginary part.
@@ -416,7 +417,7 @@ impl VerifyResult {
             let (verdict, value, limit, why) = match verdict {
                 Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
                 Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
-                Verdict::NotApplicable { why } => ("not applicable", None, None, Some(why.clone())),
+                Verdict::NotApplicable { why } => ("not applicable", None, None, Some(why.to_string())),
             };
             VerdictResult {
                 figure: requirement.figure.key_in(controlled),

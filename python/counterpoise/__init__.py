@@ -26,7 +26,9 @@ from .numerics import (
     lyap,
     margin,
     margins,
+    poles,
     riccati,
+    zeros,
 )
 from .progress import ProgressBar
 from .project import Finding, Project
@@ -55,6 +57,8 @@ __all__ = [
     "lyap",
     "margin",
     "margins",
+    "poles",
     "riccati",
     "write_controller",
+    "zeros",
 ]

@@ -28,22 +28,64 @@ class Riccati:
     certificate: dict[str, Any]
 
 
+def _real(name: str, value: Any) -> np.ndarray:
+    """Returns an array of doubles. NumPy alone would drop imaginary parts and masks."""
+    try:
+        array = np.asarray(value)
+        if np.ma.is_masked(value):
+            raise NumericalError(f"{name} has masked entries: fill them first")
+        if np.iscomplexobj(array):
+            if np.any(array.imag != 0):
+                raise NumericalError(f"{name} is complex; its entries must be real")
+            array = array.real
+        return array.astype(float)
+    except NumericalError:
+        raise
+    except (TypeError, ValueError, OverflowError) as why:
+        raise NumericalError(f"{name} is not an array of real numbers: {why}") from None
+
+
 def _matrix(name: str, value: Any) -> np.ndarray:
-    array = np.atleast_2d(np.asarray(value, dtype=float))
+    array = np.atleast_2d(_real(name, value))
     if array.ndim != 2:
         raise NumericalError(f"{name} must be a matrix; it has {array.ndim} dimensions")
     return array
+
+
+def _columns(name: str, value: Any) -> np.ndarray:
+    """Returns a matrix; a list of numbers is one column, as python-control reads it."""
+    array = _real(name, value)
+    return array.reshape(-1, 1) if array.ndim == 1 else _matrix(name, array)
 
 
 def _optional(name: str, value: Any) -> np.ndarray | None:
     return None if value is None else _matrix(name, value)
 
 
+def _count(name: str, value: Any) -> int:
+    try:
+        count = int(value)
+        is_count = count == value and 0 <= count < 2**31
+    except (TypeError, ValueError, OverflowError):
+        is_count = False
+    if not is_count:
+        raise NumericalError(f"{name} must be a whole number that is not negative; it is {value!r}")
+    return count
+
+
+def _number(name: str, value: Any) -> float:
+    array = _real(name, value)
+    if array.size != 1:
+        raise NumericalError(f"{name} must be one number; it has {array.size}")
+    return float(array.reshape(()))
+
+
 def riccati(A, B, Q, R=None, S=None, E=None, *, discrete: bool = False) -> Riccati:
     """Solves A'XE + E'XA - (E'XB + S) R^-1 (B'XE + S') + Q = 0, or its discrete counterpart, with a certificate."""
-    A, B, Q = _matrix("A", A), _matrix("B", B), _matrix("Q", Q)
+    A, B, Q = _matrix("A", A), _columns("B", B), _matrix("Q", Q)
     R = np.eye(B.shape[1]) if R is None else _matrix("R", R)
-    X, poles, gain, certificate = _native.riccati(A, B, Q, R, _optional("S", S), _optional("E", E), _time(discrete))
+    S = None if S is None else _columns("S", S)
+    X, poles, gain, certificate = _native.riccati(A, B, Q, R, S, _optional("E", E), _time(discrete))
     return Riccati(X, gain, poles, certificate)
 
 
@@ -87,22 +129,39 @@ def _system(sys) -> tuple:
         import control
 
         sys = control.ss(sys)
-    period = None if sys.dt in (None, 0) else (1.0 if sys.dt is True else float(sys.dt))
-    n, (p, m) = np.shape(sys.A)[0], np.shape(sys.D)
-    A, B, C, D = (np.asarray(part, dtype=float) for part in (sys.A, sys.B, sys.C, sys.D))
-    return A.reshape(n, n), B.reshape(n, m), C.reshape(p, n), D.reshape(p, m), period
+    period = None if sys.dt in (None, 0) else (1.0 if sys.dt is True else _number("dt", sys.dt))
+    A, B, C = (_real(name, getattr(sys, name)) for name in "ABC")
+    D = _matrix("D", sys.D)
+    n, (p, m) = (A.shape[0] if A.ndim else 1), D.shape
+    try:
+        return A.reshape(n, n), B.reshape(n, m), C.reshape(p, n), D.reshape(p, m), period
+    except ValueError:
+        shapes = ", ".join(f"{name} {M.shape}" for name, M in zip("ABCD", (A, B, C, D), strict=True))
+        raise NumericalError(f"the matrices of the system do not fit: {shapes}") from None
 
 
 def _control(matrices, dt):
     import control
 
+    if 0 in matrices[-1].shape:
+        raise NumericalError("python-control has no systems without inputs or without outputs, so that none can be returned")
     return control.ss(*matrices, 0 if dt is None else dt)
 
 
 def linfnorm(sys, tol: float = 1e-10):
     """Returns the largest gain over frequency, and that frequency in rad/s, as `control.linfnorm` does."""
-    low, _, rate = _native.peak_gain(_system(sys), tol)
+    low, _, rate = _native.peak_gain(_system(sys), _number("tol", tol))
     return low, rate
+
+
+def poles(sys) -> np.ndarray:
+    """Returns the poles: the eigenvalues of A, by real and then by imaginary part."""
+    return _native.poles(_system(sys))
+
+
+def zeros(sys) -> np.ndarray:
+    """Returns the finite invariant zeros, by real and then by imaginary part; decoupling zeros are among them."""
+    return _native.zeros(_system(sys))
 
 
 def h2norm(sys) -> float:
@@ -133,23 +192,24 @@ def balred(sys, orders, method: str = "truncate"):
     if method not in ("truncate", "matchdc"):
         raise NumericalError(f"method '{method}': write 'truncate' or 'matchdc'")
     if np.ndim(orders) > 0:
-        return [balred(sys, int(order), method) for order in orders]
+        return [balred(sys, order, method) for order in orders]
     given = _system(sys)
     kept = _native.Kept.ZeroFrequency if method == "matchdc" else _native.Kept.HighFrequencies
-    reduced, _, _, _ = _native.balanced_reduction(given, int(orders), kept)
+    reduced, _, _, _ = _native.balanced_reduction(given, _count("the order", orders), kept)
     return _control(reduced, given[-1])
 
 
 def h2syn(P, nmeas: int, ncon: int):
     """Returns the controller u = K y that makes the H2 norm from w to z smallest, for the last `nmeas` outputs and `ncon` inputs of P."""
-    K, _ = _native.h2_synthesis(_continuous(P), nmeas, ncon)
+    K, _ = _native.h2_synthesis(_continuous(P), _count("nmeas", nmeas), _count("ncon", ncon))
     return _control(K, None)
 
 
 def hinfsyn(P, nmeas: int, ncon: int, tolerance: float = 1e-4):
     """Returns K, the closed loop, its norm and the largest bound found not to be reachable; the norm is within `tolerance` of the smallest."""
     given = _continuous(P)
-    K, norm, unreachable = _native.hinf_synthesis(given, nmeas, ncon, tolerance)
+    counts = _count("nmeas", nmeas), _count("ncon", ncon)
+    K, norm, unreachable = _native.hinf_synthesis(given, *counts, _number("the tolerance", tolerance))
     controller = _control(K, None)
     closed = _control(given[:4], None).lft(controller)
     return controller, closed, norm, unreachable

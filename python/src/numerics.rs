@@ -6,6 +6,7 @@ use counterpoise_linalg::riccati::Outcome;
 use counterpoise_linalg::{
     C64, Mat, Riccati, Weights, care, dare, dlyap, dsylvester, gcare, gdare, gdlyap, glyap, lyap, sylvester,
 };
+use counterpoise_lti as lti;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, linfnorm_bounds, margins};
 use counterpoise_reduce::{Method, Order, balred};
 use counterpoise_synth::{Generalised, h2syn, hinfsyn};
@@ -52,6 +53,8 @@ pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(peak_gain, module)?)?;
     module.add_function(wrap_pyfunction!(h2_norm, module)?)?;
     module.add_function(wrap_pyfunction!(loop_margins, module)?)?;
+    module.add_function(wrap_pyfunction!(poles, module)?)?;
+    module.add_function(wrap_pyfunction!(zeros, module)?)?;
     module.add_function(wrap_pyfunction!(balanced_reduction, module)?)?;
     module.add_function(wrap_pyfunction!(h2_synthesis, module)?)?;
     module.add_function(wrap_pyfunction!(hinf_synthesis, module)?)
@@ -180,6 +183,20 @@ fn peak_gain(py: Python<'_>, given: Given<'_>, tolerance: f64) -> PyResult<(f64,
 fn h2_norm(py: Python<'_>, given: Given<'_>) -> PyResult<f64> {
     let g = given.system()?;
     py.detach(|| h2norm(&g)).map_err(numerical)
+}
+
+/// The poles.
+#[pyfunction]
+fn poles<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Complex<'py>> {
+    let g = given.system()?;
+    Ok(complex(py, &py.detach(|| lti::poles(&g)).map_err(numerical)?))
+}
+
+/// The finite invariant zeros.
+#[pyfunction]
+fn zeros<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Complex<'py>> {
+    let g = given.system()?;
+    Ok(complex(py, &py.detach(|| lti::zeros(&g)).map_err(numerical)?))
 }
 
 /// All margins of a loop of one input and output under negative feedback.

@@ -42,9 +42,9 @@ pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
     let size = |M: &Mat| M.norm_fro().max(f64::MIN_POSITIVE);
     // What is left of a matrix after the first staircase may be rounding alone, so both are judged by the whole system.
     let sizes = (size(&scaled.A), size(&scaled.B), size(&scaled.C));
-    let reached = reachable(&scaled, (sizes.0, sizes.1), tolerance, &mut gap)?;
+    let reached = reachable(&scaled, sizes.0, sizes.1, tolerance, &mut gap)?;
     let unreachable = g.order() - reached.order();
-    let seen = reachable(&reached.dual(), (sizes.0, sizes.2), tolerance, &mut gap)?.dual();
+    let seen = reachable(&reached.dual(), sizes.0, sizes.2, tolerance, &mut gap)?.dual();
     let unseen = reached.order() - seen.order();
     let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
     let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };
@@ -73,17 +73,17 @@ impl Gap {
     }
 }
 
-/// Returns the reachable part: each stair holds the states that the one before it drives. `scale` and `inputs` are the sizes of
-/// A and B.
+/// Returns the reachable part: each stair holds the states that the one before it drives. The sizes are the norms of A and B.
 fn reachable(
     g: &StateSpace,
-    (scale, inputs): (f64, f64),
+    A_size: f64,
+    B_size: f64,
     tolerance: f64,
     gap: &mut Gap,
 ) -> Result<StateSpace, Error> {
     let (n, p) = (g.order(), g.outputs());
     let (mut A, mut B, mut C) = (g.A.clone(), g.B.clone(), g.C.clone());
-    let (mut done, mut driving) = (0, B.scale(1.0 / inputs));
+    let (mut done, mut driving) = (0, B.scale(1.0 / B_size));
     loop {
         let rows = n - done;
         if rows == 0 || driving.ncols() == 0 {
@@ -100,7 +100,7 @@ fn reachable(
         A = &U.t() * &(&A * &U);
         B = &U.t() * &B;
         C = &C * &U;
-        driving = A.block(done + rank, done, rows - rank, rank).scale(1.0 / scale);
+        driving = A.block(done + rank, done, rows - rank, rank).scale(1.0 / A_size);
         done += rank;
     }
     let (A, B) = (A.block(0, 0, done, done), B.block(0, 0, done, g.inputs()));

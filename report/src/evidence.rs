@@ -138,12 +138,11 @@ fn margin_table(found: &Verification) -> Table {
 }
 
 fn step_section(found: &Verification) -> Section {
-    let control =
-        step_column(found, ("Control during the step", "control", "V"), |history| &history.control_v);
+    let control = step_column(found, "Control during the step", "control", "V", |history| &history.control_v);
     let controlled = found.controlled();
     let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
     let title = format!("{} during the step", capitalise_first(&name));
-    let tip = step_column(found, (&title, &name, unit), |history| &history.tip_rate_rad_s);
+    let tip = step_column(found, &title, &name, unit, |history| &history.tip_rate_rad_s);
     Section::new(&format!("Step of the demanded {}", controlled.name()))
         .showing(step_figure(found, 220.0))
         .showing(control)
@@ -181,7 +180,9 @@ pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
 
 fn step_column(
     found: &Verification,
-    (title, label, unit): (&str, &str, &str),
+    title: &str,
+    label: &str,
+    unit: &str,
     column: fn(&History) -> &Vec<f64>,
 ) -> Option<Figure> {
     steps(found).next()?;
@@ -333,7 +334,7 @@ pub fn figure_section(found: &Verification) -> Section {
     for measured in &found.figures {
         let value = match &measured.value {
             Value::Is(number) => Cell::number(*number),
-            Value::Absent { why } => Cell::text(why.clone()),
+            Value::Absent { why } => Cell::text(why.to_string()),
         };
         let (name, key) = (
             Cell::text(measured.figure.name(found.controlled())),

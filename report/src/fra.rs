@@ -55,16 +55,22 @@ fn headline(maps: &[Map]) -> Headline {
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
 }
 
+/// The points of one amplitude; of a recording the amplitude is NaN.
+struct Family<'a> {
+    amplitude: f64,
+    points: Vec<&'a Point>,
+}
+
 /// Returns the points of each amplitude, in the order of the map.
-fn families(map: &Map) -> Vec<(f64, Vec<&Point>)> {
-    let mut out: Vec<(f64, Vec<&Point>)> = Vec::new();
+fn families(map: &Map) -> Vec<Family<'_>> {
+    let mut out: Vec<Family<'_>> = Vec::new();
     if map.recording.is_some() {
-        return vec![(f64::NAN, map.points.iter().collect())];
+        return vec![Family { amplitude: f64::NAN, points: map.points.iter().collect() }];
     }
     for point in &map.points {
         match out.last_mut() {
-            Some((amplitude, points)) if *amplitude == point.amplitude => points.push(point),
-            _ => out.push((point.amplitude, vec![point])),
+            Some(family) if family.amplitude == point.amplitude => family.points.push(point),
+            _ => out.push(Family { amplitude: point.amplitude, points: vec![point] }),
         }
     }
     out
@@ -94,11 +100,11 @@ fn overview(map: &Map, command: &str) -> Figure {
     let mut curves: Vec<BodeCurve> = families
         .iter()
         .zip(Colour::CYCLE)
-        .map(|((amplitude, points), colour)| {
-            curve(&label(map, *amplitude), colour, points, |p| Some(p.response))
+        .map(|(family, colour)| {
+            curve(&label(map, family.amplitude), colour, &family.points, |p| Some(p.response))
         })
         .collect();
-    if let Some((_, points)) = families.first() {
+    if let Some(Family { points, .. }) = families.first() {
         curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed());
     }
     let figure =
@@ -148,8 +154,8 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
     (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
 }
 
-fn beside_models(map: &Map, (amplitude, points): &(f64, Vec<&Point>), colour: Colour) -> Figure {
-    let name = label(map, *amplitude);
+fn beside_models(map: &Map, family: &Family<'_>, colour: Colour) -> Figure {
+    let (name, points) = (label(map, family.amplitude), &family.points);
     let mut described = curve("describing function", Colour::Second, points, |p| p.describing);
     described.dash = Dash::Dotted;
     if colour == Colour::Second {
@@ -167,7 +173,7 @@ fn beside_models(map: &Map, (amplitude, points): &(f64, Vec<&Point>), colour: Co
 fn harmonics(map: &Map, command: &str) -> Figure {
     let of = |y: fn(&Point) -> f64| -> Vec<Series> {
         let families = families(map);
-        let series = families.iter().zip(Colour::CYCLE).map(|((amplitude, points), colour)| {
+        let series = families.iter().zip(Colour::CYCLE).map(|(Family { amplitude, points }, colour)| {
             let line = points.iter().map(|p| (p.frequency_hz, y(p)));
             Series::solid(&label(map, *amplitude), colour, line)
         });
@@ -189,9 +195,9 @@ fn db(h: [f64; 2]) -> f64 {
 /// Returns the largest difference of gain between amplitudes at one frequency, dB.
 fn widest_spread(map: &Map) -> f64 {
     let families = families(map);
-    let count = families.iter().map(|(_, points)| points.len()).min().unwrap_or(0);
+    let count = families.iter().map(|family| family.points.len()).min().unwrap_or(0);
     let spread = |k: usize| {
-        let gains = families.iter().map(|(_, points)| points[k].gain_db);
+        let gains = families.iter().map(|family| family.points[k].gain_db);
         gains.clone().fold(f64::MIN, f64::max) - gains.fold(f64::MAX, f64::min)
     };
     (0..count).map(spread).fold(0.0, f64::max)
@@ -223,7 +229,7 @@ fn extremes(map: &Map) -> Table {
         "Each amplitude; linear, describing: how far those models are off, median of the gain",
         &columns,
     );
-    for (amplitude, points) in families(map) {
+    for Family { amplitude, points } in families(map) {
         let highest = points.iter().max_by(|a, b| a.gain_db.total_cmp(&b.gain_db));
         let off = |of: fn(&Point) -> Option<[f64; 2]>| {
             let distance = |p: &&Point| of(p).map(|h| (db(h) - p.gain_db).abs());

@@ -58,11 +58,8 @@ fn nearest(found: &Destabilising) -> String {
         .iter()
         .map(|(varied, factor)| format!("{} x {}", varied.key(), short_number(*factor)))
         .collect();
-    for (name, error) in ["plant's input", "hub gyroscope"].iter().zip(found.errors) {
-        if error.norm() > 0.0 {
-            parts.push(format!("{name} off by {}", polar(error.to_polar())));
-        }
-    }
+    let errors = gain_errors(found, ["plant's input", "hub gyroscope"]);
+    parts.extend(errors.map(|(name, error)| format!("{name} off by {error}")));
     format!(
         "nearest limit that was found: {} times the ranges, oscillating at {} Hz: {}; the loop closed with it has a pole of modulus {:.6}",
         short_number(found.scale),
@@ -72,9 +69,15 @@ fn nearest(found: &Destabilising) -> String {
     )
 }
 
-/// Returns a complex relative error from its modulus and angle in radians.
-fn polar((modulus, angle): (f64, f64)) -> String {
-    format!("{} % at {:.0} deg", short_number(100.0 * modulus), angle.to_degrees())
+/// Returns the errors of gain that are not zero, as modulus and angle, each with its name.
+fn gain_errors(
+    found: &Destabilising,
+    names: [&'static str; 2],
+) -> impl Iterator<Item = (&'static str, String)> {
+    names.into_iter().zip(found.errors).filter(|(_, error)| error.norm() > 0.0).map(|(name, error)| {
+        let (modulus, angle_rad) = error.to_polar();
+        (name, format!("{} % at {:.0} deg", short_number(100.0 * modulus), angle_rad.to_degrees()))
+    })
 }
 
 /// Returns the section: the lines, the bounds over frequency, the nearest mechanism.
@@ -117,11 +120,8 @@ fn table(found: &Destabilising) -> Table {
     for (varied, factor) in &found.factors {
         table.rows.push(vec![Cell::text(varied.key()), Cell::number(*factor)]);
     }
-    for (name, error) in ["error at the plant's input", "error of the hub gyroscope"].iter().zip(found.errors)
-    {
-        if error.norm() > 0.0 {
-            table.rows.push(vec![Cell::text(*name), Cell::text(polar(error.to_polar()))]);
-        }
+    for (name, error) in gain_errors(found, ["error at the plant's input", "error of the hub gyroscope"]) {
+        table.rows.push(vec![Cell::text(name), Cell::text(error)]);
     }
     table
 }

@@ -1,5 +1,6 @@
 //! The first screen of a verification's report.
 
+use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
     Verdict, Verification,
@@ -102,7 +103,7 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
             Cell::Verdict(Tone::Bad, "fails".to_owned()),
         ),
         Verdict::NotApplicable { why } => {
-            ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, why.clone()))
+            ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, why.to_string()))
         }
     };
     let basis = Cell::text(found.acceptance(&requirement.figure).basis);

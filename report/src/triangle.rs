@@ -14,7 +14,13 @@ const MODELS: [(Model, &str, Colour, Dash); 2] = [
 
 /// Draws hub rate, error and control while the demand is a triangle, and control against rate. Returns `None` if no triangle was run.
 pub fn triangle_section(found: &Verification) -> Option<Section> {
-    let runs: Vec<Run<'_>> = MODELS.iter().filter_map(|dress| run(found, dress)).collect();
+    let runs: Vec<Run<'_>> = MODELS
+        .iter()
+        .filter_map(|&(model, name, colour, dash)| {
+            let history = found.history(model, Experiment::Triangle)?;
+            Some(Run { history, name, colour, dash })
+        })
+        .collect();
     let first = runs.first()?.history;
     let text = "With a triangle, control against hub rate shows the out-of-balance as an offset, Coulomb friction as a step at zero rate, \
                 viscous friction as the slope of the lobes and inertia as the width of the loop.";
@@ -36,14 +42,6 @@ impl Run<'_> {
     fn series(&self, points: Vec<(f64, f64)>) -> Series {
         Series::new(self.name, self.colour, self.dash, points)
     }
-}
-
-fn run<'a>(
-    found: &'a Verification,
-    (model, name, colour, dash): &(Model, &'static str, Colour, Dash),
-) -> Option<Run<'a>> {
-    let history = found.history(*model, Experiment::Triangle)?;
-    Some(Run { history, name, colour: *colour, dash: *dash })
 }
 
 fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) -> Figure {

@@ -228,7 +228,7 @@ impl Sensing {
         self.platform_gyro.state = [start.rate, 0.0];
         let felt = match self.axis {
             AccelerometerAxis::Vertical => start.heave,
-            AccelerometerAxis::Elevated => along_normal(motion, 0.0, hub_angle_rad.sin_cos().into()),
+            AccelerometerAxis::Elevated => along_normal(motion, 0.0, SinCos::of(hub_angle_rad)),
         };
         self.accelerometer.state = [felt, 0.0];
         if let Some(surge) = &mut self.surge {
@@ -273,7 +273,7 @@ impl Sensing {
             felt = [0, 1, 2, 3].map(|k| heave[k] + arm * motion.pitch_acceleration_at(nodes[k]));
         }
         if self.axis == AccelerometerAxis::Elevated {
-            let hub = SinCos::from(hub_angle_rad.sin_cos());
+            let hub = SinCos::of(hub_angle_rad);
             felt = crate::engine::moments::NODES.map(|node| along_normal(motion, node, hub));
         }
         self.platform_gyro.filter.advance(0, &mut self.platform_gyro.state, &rate);

@@ -148,17 +148,19 @@ pub struct SettingsFile {
     pub content: Vec<u8>,
 }
 
-/// Returns the files for the settings of the user and, if one is open, of the project.
-pub fn settings_files(
+/// Returns the file for the settings of the user.
+pub fn user_settings_file(state: &Path, settings: &UserSettings) -> Option<SettingsFile> {
+    Some(SettingsFile { path: user_path(state), content: serde_json::to_vec_pretty(settings).ok()? })
+}
+
+/// Returns the file for the settings of the project at a path.
+pub fn project_settings_file(
     state: &Path,
-    user: &UserSettings,
-    project: Option<(&Path, &ProjectSettings)>,
-) -> Vec<SettingsFile> {
-    let user = serde_json::to_vec_pretty(user).ok().map(|content| (user_path(state), content));
-    let project = project.and_then(|(path, settings)| {
-        Some((project_path(state, path), serde_json::to_vec_pretty(settings).ok()?))
-    });
-    [user, project].into_iter().flatten().map(|(path, content)| SettingsFile { path, content }).collect()
+    project: &Path,
+    settings: &ProjectSettings,
+) -> Option<SettingsFile> {
+    let content = serde_json::to_vec_pretty(settings).ok()?;
+    Some(SettingsFile { path: project_path(state, project), content })
 }
 
 /// Writes settings. An error of the disk is ignored: the defaults are used the next time.
@@ -196,7 +198,11 @@ mod tests {
         let mut user = UserSettings { zoom: Some(1.25), ..UserSettings::default() };
         user.update_from(&view);
         let settings = ProjectSettings::of_view(&view);
-        write_settings(&settings_files(state.path(), &user, Some((project, &settings))));
+        let files = [
+            user_settings_file(state.path(), &user).unwrap(),
+            project_settings_file(state.path(), project, &settings).unwrap(),
+        ];
+        write_settings(&files);
         assert_eq!(UserSettings::load(state.path()), user);
         assert_eq!(ProjectSettings::load(state.path(), project), Some(settings));
         assert_eq!(ProjectSettings::load(state.path(), Path::new("other.toml")), None);

@@ -117,7 +117,7 @@ impl Normal {
         let P = &self.P;
         let ((z1, w1), n) = (self.split(), P.A.nrows());
         let (m2, p2) = (P.B2.ncols(), P.C2.nrows());
-        let Some(D) = DirectPaths::of(&P.D11, (z1, w1), bound)? else { return Ok(None) };
+        let Some(D) = DirectPaths::of(&P.D11, z1, w1, bound)? else { return Ok(None) };
         let (F12, F2) = (F.block(w1, 0, p2, n), F.block(w1 + p2, 0, m2, n));
         let (L12, L2) = (L.block(0, z1, n, m2), L.block(0, z1 + m2, n, p2));
         let B = P.B1.hstack(&P.B2);
@@ -149,7 +149,7 @@ struct DirectPaths {
 }
 
 impl DirectPaths {
-    fn of(D11: &Mat, (z1, w1): (usize, usize), bound: f64) -> Result<Option<Self>, Error> {
+    fn of(D11: &Mat, z1: usize, w1: usize, bound: f64) -> Result<Option<Self>, Error> {
         let (m2, p2) = (D11.nrows() - z1, D11.ncols() - w1);
         let (D1111, D1112) = (D11.block(0, 0, z1, w1), D11.block(0, w1, z1, p2));
         let (D1121, D1122) = (D11.block(z1, 0, m2, w1), D11.block(z1, w1, m2, p2));

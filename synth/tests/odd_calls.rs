@@ -92,7 +92,7 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
         ("observer_controller", Box::new(|| judge(observer_controller(&g, &h.C, &h.B)))),
         ("lqg_ltr", Box::new(|| judge(lqg_ltr(&g, &h, x, y)))),
         ("Rational", Box::new(|| judge(w.rational().realise()))),
-        ("Weight", Box::new(|| drop((w.realise(), w.realise_inverse(), w.magnitude(x), w.meaning("rate"))))),
+        ("Weight", Box::new(|| drop((w.realise(), w.realise_inverse(), w.magnitude(x), w.shape())))),
         ("fit_table", Box::new(|| judge(fit_table(&table, controls)))),
         ("of no table", Box::new(|| judge(fit_table(&[], measurements)))),
         (

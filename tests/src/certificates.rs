@@ -99,10 +99,11 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let still = |_: f64| Platform::default();
     let moving = |t: f64| moved(&procedure, t);
     let exported = (&modelled.parameters, controller);
-    let rest = run(&truth, exported, (&still, Start::Rest), &mut dice);
-    let motion = run(&truth, exported, (&moving, Start::Rest), &mut dice);
+    let rest = run(&truth, exported.0, exported.1, &still, Start::Rest, &mut dice);
+    let motion = run(&truth, exported.0, exported.1, &moving, Start::Rest, &mut dice);
     let certificate = found.cases[0].clone();
-    let kicked = start(&certificate).map(|start| run(&truth, exported, (&still, start), &mut dice));
+    let kicked =
+        start(&certificate).map(|start| run(&truth, exported.0, exported.1, &still, start, &mut dice));
     Some(Row { seed, blocks, certificate, rest, motion, kicked })
 }
 
@@ -235,15 +236,18 @@ fn moved(procedure: &Procedure, t: f64) -> Platform {
 /// The exported controller on the independent simulator, with noise and converters. Once it has settled, the motion starts.
 fn run(
     truth: &Machine,
-    (p, controller): (&Parameters, &Controller),
-    (platform, start): (&dyn Fn(f64) -> Platform, Start),
+    p: &Parameters,
+    controller: &Controller,
+    platform: &dyn Fn(f64) -> Platform,
+    start: Start,
     dice: &mut Dice,
 ) -> Seen {
     let (period, mut runner, mut x) = (p.interface.sample_period_s, controller.runner(), truth.at_rest());
     let samples = ((SETTLE_S + RUN_S) / period) as usize;
     let mut rates = Vec::with_capacity(samples);
     let ideal = |s: &Option<counterpoise_models::Sensor>| {
-        s.as_ref().map_or((1.0, 0.0), |s| (s.scale_v_unit, s.noise_rms))
+        let ideal = Channel { volts: 1.0, noise: 0.0 };
+        s.as_ref().map_or(ideal, |s| Channel { volts: s.scale_v_unit, noise: s.noise_rms })
     };
     let others = [ideal(&p.sensors.motor_tachometer), ideal(&p.sensors.hub_resolver)];
     let settled = (SETTLE_S / period) as usize;
@@ -258,8 +262,9 @@ fn run(
             x[BEAM_RATE] += kick_rad_s;
         }
         let bits = p.interface.input_bits;
-        let sensed =
-            |gyro: &Gyro, value: f64, dice: &mut Dice| read((gyro.volts, gyro.noise), value, bits, dice);
+        let sensed = |gyro: &Gyro, value: f64, dice: &mut Dice| {
+            read(Channel { volts: gyro.volts, noise: gyro.noise }, value, bits, dice)
+        };
         let readings: [f64; READINGS] = [
             0.0,
             sensed(&truth.hub_gyro, x[10], dice),
@@ -306,7 +311,14 @@ fn quantised(value: f64, bits: u32) -> f64 {
     ((value / step).round() * step).clamp(-10.0, 10.0)
 }
 
-fn read((volts, noise): (f64, f64), value: f64, bits: u32, dice: &mut Dice) -> f64 {
+/// What a sensor makes of a unit, V, and its noise, units.
+#[derive(Clone, Copy)]
+struct Channel {
+    volts: f64,
+    noise: f64,
+}
+
+fn read(Channel { volts, noise }: Channel, value: f64, bits: u32, dice: &mut Dice) -> f64 {
     quantised((value + noise * dice.normal()) * volts, bits) / volts
 }
 

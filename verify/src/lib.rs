@@ -6,8 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
-//! [`acceptance`] (requirements traced to runs and to tests on the machine),
+//! [`nonlinear`], [`unmeasured`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -18,7 +17,6 @@
 //! ```
 #![allow(non_snake_case)]
 
-pub mod acceptance;
 pub mod certificate;
 pub mod coincidence;
 pub mod difference;
@@ -41,6 +39,7 @@ pub mod spectral;
 mod spelling;
 pub mod structured;
 pub mod tolerance;
+pub mod unmeasured;
 pub mod verification;
 
 pub use coincidence::Coincidence;
@@ -59,6 +58,7 @@ pub use measure::{Measured, Value};
 pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use sight_options::LineOfSight;
+pub use unmeasured::Unmeasured;
 pub use verification::{
     Evidence, FrequencyFigures, Verification, VerifiedController, frequency_figures, linear_plant, verify,
     verify_linear, verify_watched,

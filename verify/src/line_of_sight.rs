@@ -11,7 +11,7 @@ use crate::history::{Experiment, History, integrated};
 use crate::measure::{Measured, Value};
 use crate::signals::rms;
 use crate::signals::statistics::centred;
-use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source};
+use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source, Unmeasured};
 
 impl Procedure {
     /// Returns the time at the beginning that the figures of the line of sight leave out, s.
@@ -119,24 +119,22 @@ pub(crate) fn figures(history: &History, procedure: &Procedure, loop_holds: Loop
     let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
     if let Some(why) = loop_holds.unlike_sight() {
         let absent =
-            |figure| Measured { figure: Figure::Sight(figure), value: Value::Absent { why: why.to_owned() } };
+            |figure| Measured { figure: Figure::Sight(figure), value: Value::Absent { why: why.clone() } };
         return asked.map(absent).collect();
     }
     let values = values(history, procedure.sight_settle_s(), sight);
     let value = |figure: SightFigure| {
         let found = values.iter().find(|(known, _)| *known == figure).map(|(_, value)| *value);
-        found.map_or_else(|| Value::Absent { why: "the run is too short for it".to_owned() }, Value::Is)
+        found.map_or(Value::Absent { why: Unmeasured::ShortRun }, Value::Is)
     };
     asked.map(|figure| Measured { figure: Figure::Sight(figure), value: value(figure) }).collect()
 }
 
 /// Returns why a figure that a project's `[verify.line_of_sight]` does not have was not measured.
-pub(crate) fn missing_section(figure: SightFigure) -> &'static str {
+pub(crate) fn missing_section(figure: SightFigure) -> Unmeasured {
     match figure {
-        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => {
-            "this figure was not measured: the project has no [verify.line_of_sight.coincidence]"
-        }
-        _ => "this figure was not measured: the project has no [verify.line_of_sight.optics]",
+        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => Unmeasured::NoCoincidence,
+        _ => Unmeasured::NoOptics,
     }
 }
 
@@ -173,15 +171,11 @@ pub(crate) enum LoopHolds {
 
 impl LoopHolds {
     /// Returns why a loop holds no line of sight; `None` if it does.
-    fn unlike_sight(self) -> Option<&'static str> {
+    fn unlike_sight(self) -> Option<Unmeasured> {
         match self {
             Self::InertialRate => None,
-            Self::Position => {
-                Some("the loop holds a position on the platform: its line of sight moves with it")
-            }
-            Self::Effort => {
-                Some("the loop holds a torque, a force or a current: nothing holds a line of sight")
-            }
+            Self::Position => Some(Unmeasured::HoldsPosition),
+            Self::Effort => Some(Unmeasured::HoldsEffort),
         }
     }
 }

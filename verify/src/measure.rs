@@ -5,7 +5,9 @@ use counterpoise_lti::{GainChange, Margins};
 use crate::history::{Experiment, History};
 use crate::signals::statistics::centred;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
-use crate::{Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure};
+use crate::{
+    Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure, Unmeasured,
+};
 
 /// What a figure turned out to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,7 +17,7 @@ pub enum Value {
     /// There is no such number.
     Absent {
         /// Why.
-        why: String,
+        why: Unmeasured,
     },
 }
 
@@ -29,8 +31,8 @@ pub struct Measured {
 }
 
 impl Value {
-    fn of(number: Option<f64>, why: &str) -> Self {
-        number.filter(|v| !v.is_nan()).map_or_else(|| Value::Absent { why: why.to_owned() }, Value::Is)
+    fn of(number: Option<f64>, why: Unmeasured) -> Self {
+        number.filter(|v| !v.is_nan()).map_or(Value::Absent { why }, Value::Is)
     }
 }
 
@@ -94,7 +96,9 @@ fn step_of(history: &History) -> Vec<Measured> {
     let control = peak(&history.control_v);
     let all: Vec<(StepFigure, Value)> = match found {
         Ok(found) => step_values(&found, control),
-        Err(error) => vec![(StepFigure::Overshoot, Value::Absent { why: error.to_string() })],
+        Err(error) => {
+            vec![(StepFigure::Overshoot, Value::Absent { why: Unmeasured::StepResponse(Box::new(error)) })]
+        }
     };
     all.into_iter()
         .map(|(figure, value)| Measured { figure: Figure::Step(history.model, figure), value })
@@ -102,12 +106,15 @@ fn step_of(history: &History) -> Vec<Measured> {
 }
 
 fn step_values(found: &StepFigures, control_peak_v: f64) -> Vec<(StepFigure, Value)> {
-    let some = |number: f64| Value::of(Some(number), "not a number");
+    let some = |number: f64| Value::of(Some(number), Unmeasured::NotANumber);
     vec![
         (StepFigure::Overshoot, some(found.overshoot_percent)),
-        (StepFigure::RiseTime, Value::of(found.rise_time_s, "the hub never reaches 90 % of the demand")),
-        (StepFigure::PeakTime, Value::of(found.peak_time_s, "the hub never exceeds the demand")),
-        (StepFigure::SettlingTime, Value::of(found.settling_time_s.or(Some(f64::INFINITY)), "")),
+        (StepFigure::RiseTime, Value::of(found.rise_time_s, Unmeasured::NoRise)),
+        (StepFigure::PeakTime, Value::of(found.peak_time_s, Unmeasured::NoPeak)),
+        (
+            StepFigure::SettlingTime,
+            Value::of(found.settling_time_s.or(Some(f64::INFINITY)), Unmeasured::NotANumber),
+        ),
         (StepFigure::SteadyStateError, some(found.steady_state_error_percent)),
         (StepFigure::ControlPeak, some(control_peak_v)),
     ]
@@ -118,7 +125,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
     let first = history.index_at(settle_s);
     let of = |column: &[f64], what: fn(&[f64]) -> f64| {
         let number = column.get(first..).filter(|part| !part.is_empty()).map(what);
-        Value::of(number, "not computed on this plant")
+        Value::of(number, Unmeasured::NoSuchSignal)
     };
     let all = [
         (Quantity::HubRms, of(&history.hub_rate_rad_s, rms)),
@@ -141,14 +148,14 @@ fn rejection_of(history: &History, source: Source, first: usize) -> Value {
     let motion = if source == Source::Heave { &history.heave_m_s2 } else { &history.pitch_rate_rad_s };
     let size = |column: &[f64]| column.get(first..).filter(|part| !part.is_empty()).map(rms);
     let ratio = size(&history.hub_rate_rad_s).zip(size(motion)).filter(|(_, moved)| *moved > 0.0);
-    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), "the platform does not move")
+    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), Unmeasured::PlatformStill)
 }
 
 fn triangle_of(history: &History, settle_s: f64) -> Vec<Measured> {
     let first = history.index_at(settle_s).min(history.time_s.len());
     let both = history.demand_rad_s[first..].iter().zip(&history.hub_rate_rad_s[first..]);
     let error: Vec<f64> = both.map(|(demand, hub)| demand - hub).collect();
-    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), "the record is empty");
+    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), Unmeasured::EmptyRecord);
     let all = [
         (TriangleFigure::ErrorRms, some(rms(&error))),
         (TriangleFigure::ErrorPeak, some(peak(&error))),
@@ -164,7 +171,7 @@ fn rest_of(history: &History) -> Vec<Measured> {
         history.travel_rad.last().zip(history.travel_rad.get(half)).map(|(end, start)| (end - start).abs());
     let all = [
         (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s[half..]))),
-        (RestFigure::Drift, Value::of(drift, "the record is empty")),
+        (RestFigure::Drift, Value::of(drift, Unmeasured::EmptyRecord)),
     ];
     all.into_iter().map(|(figure, value)| Measured { figure: Figure::Rest(figure), value }).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{Error, Figure};
+use crate::{Error, Figure, Unmeasured};
 
 /// The side on which a figure has to stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ pub enum Verdict {
     /// The figure could not be measured on this plant or with this controller.
     NotApplicable {
         /// Why.
-        why: String,
+        why: Unmeasured,
     },
 }
 
@@ -103,7 +103,7 @@ impl Requirement {
     pub fn judge(&self, value: f64) -> Verdict {
         let room = self.limit.distance_to_limit(value);
         if room.is_nan() {
-            Verdict::NotApplicable { why: "it could not be measured".to_owned() }
+            Verdict::NotApplicable { why: Unmeasured::NoValue }
         } else if room >= 0.0 {
             Verdict::Holds { value, limit: self.limit, margin: room }
         } else {

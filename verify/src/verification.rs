@@ -7,7 +7,6 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
-use crate::acceptance::Acceptance;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
@@ -16,7 +15,8 @@ use crate::linear::frequency::rejections;
 use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
 use crate::{
-    ARRANGEMENTS, Arrangement, Error, Figure, Model, Procedure, Requirement, Source, Verdict, nonlinear,
+    ARRANGEMENTS, Arrangement, Error, Figure, Model, Procedure, Requirement, Source, Unmeasured, Verdict,
+    nonlinear,
 };
 
 /// What was measured, how it was judged, and what it was read from.
@@ -81,11 +81,6 @@ impl VerifiedController {
 }
 
 impl Verification {
-    /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
-    pub fn acceptance(&self, figure: &Figure) -> Acceptance {
-        Acceptance::of(figure, &self.evidence.procedure, self.controlled())
-    }
-
     /// What the loop controls.
     pub fn controlled(&self) -> ControlledQuantity {
         self.evidence.controlled
@@ -121,23 +116,17 @@ impl Verification {
     }
 
     /// Why a figure was not measured.
-    fn not_run(&self, figure: Figure) -> &'static str {
+    fn not_run(&self, figure: Figure) -> Unmeasured {
         let simulated = self.evidence.histories.iter().any(|history| history.model == Model::Nonlinear);
         match figure {
-            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => {
-                "this experiment was not run: the verification has no road"
-            }
-            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => {
-                "this figure was not measured: the project has no [verify.line_of_sight]"
-            }
+            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => Unmeasured::NoRoad,
+            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => Unmeasured::NoLineOfSight,
             Figure::Sight(figure)
                 if self.evidence.procedure.line_of_sight.is_some_and(|sight| !sight.has(figure)) =>
             {
                 line_of_sight::missing_section(figure)
             }
-            Figure::Triangle(..) if !self.saw_a_triangle() => {
-                "this experiment was not run: the verification has no triangle"
-            }
+            Figure::Triangle(..) if !self.saw_a_triangle() => Unmeasured::NoTriangle,
             Figure::Step(Model::Nonlinear, _)
             | Figure::Triangle(Model::Nonlinear, _)
             | Figure::Disturbance(Model::Nonlinear, ..)
@@ -145,9 +134,9 @@ impl Verification {
             | Figure::Sight(_)
                 if !simulated =>
             {
-                "this experiment was not run: the linear plant alone was verified"
+                Unmeasured::LinearPlantAlone
             }
-            _ => "this experiment was not run",
+            _ => Unmeasured::NotRun,
         }
     }
 
@@ -169,7 +158,7 @@ impl Verification {
         {
             Some(Value::Is(number)) => requirement.judge(*number),
             Some(Value::Absent { why }) => Verdict::NotApplicable { why: why.clone() },
-            None => Verdict::NotApplicable { why: self.not_run(requirement.figure).to_owned() },
+            None => Verdict::NotApplicable { why: self.not_run(requirement.figure) },
         };
         self.verdicts =
             requirements.iter().map(|requirement| (requirement.clone(), verdict(requirement))).collect();

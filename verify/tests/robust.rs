@@ -4,8 +4,8 @@
 use crate::support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Layout, Points, Sense, Variation, Varied, configurations, figures_of, merge,
-    one_at_a_time, ranking, summary, worst_case,
+    Campaign, Distribution, Family, Layout, Points, Sense, Variation, Varied, configurations, figures_of,
+    merge, one_at_a_time, ranking, summary, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
@@ -88,7 +88,7 @@ fn families_and_configurations_are_measured() {
         Figure::from_key("phase_margin_deg").unwrap(),
         Figure::from_key("nonlinear_step_overshoot_percent").unwrap(),
     ];
-    let families = [(Varied::Inertia, vec![0.5, 1.0, 2.0])];
+    let families = [Family { parameter: Varied::Inertia, factors: vec![0.5, 1.0, 2.0] }];
     let members = one_at_a_time(&rig(), &controller(), &short(), &figures, &families).unwrap();
     assert_eq!(members.len(), 3);
     assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short(), &figures).unwrap());

@@ -13,6 +13,7 @@ use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::studies::advice::Kept;
 use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
+use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::describe_refusal;

@@ -89,7 +89,7 @@ impl From<LoopName> for Around {
 const CONTROL_AMPLITUDES_V: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 const RATE_AMPLITUDES_RAD_S: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
 /// Lowest and highest frequency in Hz, and the number of frequencies, by default.
-const FREQUENCIES: (f64, f64, usize) = (0.3, 30.0, 25);
+const FREQUENCIES: LogarithmicRange = LogarithmicRange { from_hz: 0.3, to_hz: 30.0, count: 25 };
 /// Most frequencies of one map.
 const MOST_FREQUENCIES: usize = 10_000;
 
@@ -200,7 +200,7 @@ fn plan(options: &FraOptions) -> Result<Plan> {
     let amplitudes = if options.amplitudes.is_empty() { usual.to_vec() } else { options.amplitudes.clone() };
     let frequencies_hz = match &options.frequencies {
         Some(text) => frequencies(text)?,
-        None if options.recording.is_empty() => logarithmic(FREQUENCIES),
+        None if options.recording.is_empty() => FREQUENCIES.frequencies_hz(),
         None => {
             bail!("--recording needs --frequencies: the frequencies in Hz at which the recording was excited")
         }
@@ -219,7 +219,7 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
         [list] => list.split(',').map(number).collect(),
         [from, to, count] => match count.trim().parse::<usize>() {
             Ok(count) if (2..=MOST_FREQUENCIES).contains(&count) => {
-                Ok(logarithmic((number(from)?, number(to)?, count)))
+                Ok(LogarithmicRange { from_hz: number(from)?, to_hz: number(to)?, count }.frequencies_hz())
             }
             _ => bail!("--frequencies {text}: COUNT must be a whole number from 2 to {MOST_FREQUENCIES}"),
         },
@@ -227,9 +227,18 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
     }
 }
 
-fn logarithmic((from, to, count): (f64, f64, usize)) -> Vec<f64> {
-    let step = (to / from).ln() / (count - 1) as f64;
-    (0..count).map(|k| from * (step * k as f64).exp()).collect()
+/// Frequencies at a constant ratio, both ends included.
+struct LogarithmicRange {
+    from_hz: f64,
+    to_hz: f64,
+    count: usize,
+}
+
+impl LogarithmicRange {
+    fn frequencies_hz(&self) -> Vec<f64> {
+        let step = (self.to_hz / self.from_hz).ln() / (self.count - 1) as f64;
+        (0..self.count).map(|k| self.from_hz * (step * k as f64).exp()).collect()
+    }
 }
 
 fn print(map: &Map) {

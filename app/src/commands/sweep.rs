@@ -67,12 +67,12 @@ struct Named {
 pub fn run(options: &SweepOptions) -> Done {
     let named = prepare(options)?;
     if let Some(index) = options.sample {
-        return one_sample(&named, (index, &options.factors), &options.results);
+        return one_sample(&named, index, &options.factors, &options.results);
     }
     if let Some(shard) = &options.shard {
-        let (shard, of) = shard_of(shard)?;
-        let pace = pace(options, named.campaign.shard(shard, of)?.len())?;
-        run_shard(&named, &options.output, (shard, of), &pace)?;
+        let shard = shard_of(shard)?;
+        let pace = pace(options, named.campaign.shard(shard.index, shard.count)?.len())?;
+        run_shard(&named, &options.output, shard, &pace)?;
         print_cost(options, pace.finish());
         return Ok(Exit::SUCCESS);
     }
@@ -118,21 +118,28 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
     Ok(Named { designed, campaign, name, families, identity, stability })
 }
 
-fn shard_of(text: &str) -> Result<(usize, usize)> {
+/// One of the parts into which a campaign is divided.
+#[derive(Clone, Copy)]
+struct Shard {
+    index: usize,
+    count: usize,
+}
+
+fn shard_of(text: &str) -> Result<Shard> {
     let usage = || format!("--shard {text}: write K/N, for example 17/400 (the first is 0)");
     let (k, n) = text.split_once('/').with_context(usage)?;
     let (k, n): (usize, usize) = (k.parse().with_context(usage)?, n.parse().with_context(usage)?);
     match n {
         0 => bail!("--shard {text}: there must be at least 1 shard"),
         _ if k >= n => bail!("--shard {text}: of {n} shards the first is 0 and the last is {}", n - 1),
-        _ => Ok((k, n)),
+        _ => Ok(Shard { index: k, count: n }),
     }
 }
 
 /// Runs a shard unless its file is there and whole.
-fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &Pace) -> Result<()> {
-    let range = named.campaign.shard(shard, of)?;
-    let path = shards::shard_path(folder, shard, of);
+fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &Pace) -> Result<()> {
+    let range = named.campaign.shard(shard.index, shard.count)?;
+    let path = shards::shard_path(folder, shard.index, shard.count);
     if path.exists() {
         let there = shards::read_shard(&path, &named.campaign, &named.name);
         if there.is_ok_and(|samples| samples.iter().map(|sample| sample.index).eq(range.clone())) {
@@ -154,16 +161,16 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
     let pace = pace(options, named.campaign.len())?;
     let _watch = interrupt::watch_interrupts();
-    for shard in 0..count {
+    for index in 0..count {
         if interrupt::is_stop_requested() {
             pace.finish();
             let kept = options.output.display();
             return Err(Interrupted(format!(
-                "stopped after {shard} of {count} shards, which are kept in {kept}; the same command goes on from there"
+                "stopped after {index} of {count} shards, which are kept in {kept}; the same command goes on from there"
             ))
             .into());
         }
-        run_shard(named, &options.output, (shard, count), &pace)?;
+        run_shard(named, &options.output, Shard { index, count }, &pace)?;
     }
     Ok(pace.finish())
 }
@@ -261,7 +268,7 @@ struct One {
     figures: Vec<(String, f64)>,
 }
 
-fn one_sample(named: &Named, (index, changed): (usize, &[String]), results: &Results) -> Done {
+fn one_sample(named: &Named, index: usize, changed: &[String], results: &Results) -> Done {
     if index >= named.campaign.len() {
         bail!("the campaign has {} samples: the last is {}", named.campaign.len(), named.campaign.len() - 1);
     }

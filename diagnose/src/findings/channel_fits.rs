@@ -19,7 +19,7 @@ pub struct ChannelFit {
 pub type Channels = BTreeMap<&'static str, ChannelFit>;
 
 /// Returns the RMS over the recordings, channel by channel.
-pub(crate) fn channels(score: &Score) -> Channels {
+pub(crate) fn fits_by_channel(score: &Score) -> Channels {
     let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
     for cell in &score.cells {
         let sum = sums.entry(cell.channel).or_default();

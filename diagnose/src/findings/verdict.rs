@@ -4,7 +4,7 @@ use crate::findings::answer::{
     Answer, Basis, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue, Name, NearestEffect,
     NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
 };
-use crate::findings::channel_fits::channels;
+use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
 use crate::fitting::score::score;
 use crate::library::{Component, Effect, EffectName, Parameter};
@@ -268,7 +268,7 @@ impl Evidence<'_> {
     }
 
     fn fit_table(&self) -> FitTable {
-        let before = channels(&self.search.baseline.score);
+        let before = fits_by_channel(&self.search.baseline.score);
         let Some(accepted) = self.named() else {
             return FitTable {
                 after: before.clone(),
@@ -280,9 +280,9 @@ impl Evidence<'_> {
         let held_out_before = score(&self.search.baseline.fitted, &accepted.held_out_parts);
         FitTable {
             before,
-            after: channels(&accepted.whole),
-            held_out_before: held_out_before.as_ref().map(channels).unwrap_or_default(),
-            held_out_after: channels(&accepted.held_out),
+            after: fits_by_channel(&accepted.whole),
+            held_out_before: held_out_before.as_ref().map(fits_by_channel).unwrap_or_default(),
+            held_out_after: fits_by_channel(&accepted.held_out),
         }
     }
 

@@ -91,7 +91,7 @@ pub fn parameters_of(effects: &[&'static Effect]) -> Vec<&'static Parameter> {
 }
 
 /// Returns the mechanism with the parameters of several effects set.
-pub fn applied(base: &Parameters, effects: &[&'static Effect], values: &[f64]) -> Parameters {
+pub fn apply_effects(base: &Parameters, effects: &[&'static Effect], values: &[f64]) -> Parameters {
     let mut changed = base.clone();
     for (parameter, &value) in parameters_of(effects).iter().zip(values) {
         parameter.write(&mut changed, value);
@@ -234,7 +234,7 @@ impl Problem<'_> {
             }
         }
         let values: Vec<f64> = free.iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
-        let parameters = applied(self.base, &self.effects, &values);
+        let parameters = apply_effects(self.base, &self.effects, &values);
         let effects = self.effects.clone();
         let assessments = self.assessments_at(&parameters, &now, &near);
         Some(Fit {
@@ -255,7 +255,7 @@ impl Problem<'_> {
         values: &[f64],
         known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),
     ) -> Option<Vec<Assessment>> {
-        let parameters = applied(self.base, &self.effects, values);
+        let parameters = apply_effects(self.base, &self.effects, values);
         let recordings = &self.selection.recordings;
         let one = |index: usize| match known(index) {
             Some(near) => self.simulator.assess_near(&parameters, index, near),
@@ -269,7 +269,7 @@ impl Problem<'_> {
     fn at(&self, x: &[f64], near: &[Assessment], shifts: &[StartShift]) -> Option<Vec<Vec<f64>>> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
-        let parameters = applied(self.base, &self.effects, &values);
+        let parameters = apply_effects(self.base, &self.effects, &values);
         let of_recordings = (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k]));
         let mut all = of_recordings.collect::<Option<Vec<_>>>()?;
         if !self.preferences.is_empty() {
@@ -323,7 +323,7 @@ impl Problem<'_> {
     fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
-        let parameters = applied(self.base, &self.effects, &values);
+        let parameters = apply_effects(self.base, &self.effects, &values);
         let is_free = |&(place, freedom): &(usize, usize)| {
             start_has(&parameters, freedom) && !(freedom == START_ANGLE && self.keeps_angle(&near[place]))
         };
@@ -384,7 +384,7 @@ impl Problem<'_> {
             free.iter().enumerate().map(|(k, free)| from_variable(free, moved(k))).collect()
         };
         let moved: Vec<Parameters> =
-            (0..free.len()).map(|j| applied(self.base, &self.effects, &values(j))).collect();
+            (0..free.len()).map(|j| apply_effects(self.base, &self.effects, &values(j))).collect();
         let places =
             (0..near.len()).flat_map(|place| moved.iter().map(move |parameters| (place, parameters)));
         let variants: Vec<(usize, Variant)> = places

@@ -4,7 +4,7 @@
 use counterpoise_linalg::inverse;
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
 
-use crate::findings::channel_fits::{Channels, channels};
+use crate::findings::channel_fits::{Channels, fits_by_channel};
 use crate::fitting::output_error::{
     Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };
@@ -501,9 +501,9 @@ impl LearningTask<'_> {
             worst_held_out: [candidate.held_out_before.worst(), candidate.held_out.worst()],
             power_left: power_left(candidate),
             place_probability: 1.0,
-            after: channels(&candidate.whole),
-            held_out_before: channels(&candidate.held_out_before),
-            held_out_after: channels(&candidate.held_out),
+            after: fits_by_channel(&candidate.whole),
+            held_out_before: fits_by_channel(&candidate.held_out_before),
+            held_out_after: fits_by_channel(&candidate.held_out),
         })
     }
 

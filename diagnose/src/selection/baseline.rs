@@ -30,8 +30,9 @@ impl Searcher<'_> {
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
         let fit = self.fit(Vec::new(), &[], &selection, &sought);
         let again = fit.and_then(|fit| self.assess_model(self.base, &|r| fit.assessment(r)));
-        let better =
-            |(was, now): (&Assessment, Assessment)| if level(&now) < level(was) { now } else { was.clone() };
+        let better = |(was, now): (&Assessment, Assessment)| {
+            if log_excess(&now) < log_excess(was) { now } else { was.clone() }
+        };
         let fitted = again.map_or_else(|| sought.clone(), |a| sought.iter().zip(a).map(better).collect());
         let score = score(&fitted, &whole_parts(self.simulator.count()))?;
         Some(Baseline { sought, fitted, score })
@@ -39,6 +40,6 @@ impl Searcher<'_> {
 }
 
 /// Returns the sum of ln(excess) over a recording's channels.
-pub(crate) fn level(judged: &Assessment) -> f64 {
+pub(crate) fn log_excess(judged: &Assessment) -> f64 {
     (0..judged.channels.len()).map(|c| judged.excess(c).max(f64::MIN_POSITIVE).ln()).sum()
 }

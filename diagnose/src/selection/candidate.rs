@@ -119,7 +119,7 @@ impl Candidate {
 
 /// Ranks candidates, best first, with each set of effects once: by the likelihood of all data, every channel weighted by its worth
 /// to the one that is nearest to the floor.
-pub(crate) fn ranked(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
+pub(crate) fn rank_candidates(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     candidates.sort_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
     if let Some(nearest) = candidates.first().cloned() {
         candidates.sort_by(|a, b| a.behind(&nearest).total_cmp(&b.behind(&nearest)));

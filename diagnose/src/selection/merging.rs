@@ -1,6 +1,6 @@
 //! A simpler model in place of what a stepwise search finds: one effect for two of one component.
 
-use crate::fitting::output_error::{FitSelection, applied, parameters_of};
+use crate::fitting::output_error::{FitSelection, apply_effects, parameters_of};
 use crate::library::Effect;
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
@@ -24,7 +24,7 @@ impl Searcher<'_> {
 
     fn merge_pair(&self, best: &Candidate, pair: [usize; 2], search: &SearchOutcome) -> Option<Candidate> {
         let kept = effects_except(best, pair);
-        let model = applied(self.base, &kept.effects, &kept.values);
+        let model = apply_effects(self.base, &kept.effects, &kept.values);
         let judged = self.assess_model(&model, &|r| best.assessments.get(r))?;
         let (simulator, pool, sizes) = (self.simulator, self.pool, self.sizes);
         let scene = ScreeningContext {

@@ -9,7 +9,7 @@ use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
 use crate::library::{Component, Effect, EffectName, Mapping, find_effects, find_scan_range};
-use crate::selection::perturbations::{Perturbation, ripple, towards};
+use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple_perturbation};
 use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
 use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
@@ -37,7 +37,7 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
         (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
     }
     let best = if parameter.mapping == Mapping::Whole { best.round() } else { best };
-    let perturbation = towards(effect, scene.base, &[best]);
+    let perturbation = perturbation_towards(effect, scene.base, &[best]);
     (perturbation.directions[0][0] != 0.0).then_some(perturbation)
 }
 
@@ -90,7 +90,7 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
     let orders = per_motor_turn
         .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
         .filter(|order| at_pivot || (is_seen(order) && is_sampled(order)));
-    let scan: Vec<Perturbation> = orders.map(|order| ripple(effect, order)).collect();
+    let scan: Vec<Perturbation> = orders.map(|order| ripple_perturbation(effect, order)).collect();
     let signatures =
         map(scene.pool, scan.len(), |t| measure_signature(scene, &here, &scan[t], &one, Span::Head));
     let share = |l: &Option<EffectSignature>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);

@@ -32,7 +32,7 @@ pub(crate) enum Combination {
 }
 
 /// Returns how far each direction of a perturbation may be followed.
-pub(crate) fn limits(perturbation: &Perturbation, sizes: Sizes) -> Vec<[f64; 2]> {
+pub(crate) fn step_limits(perturbation: &Perturbation, sizes: Sizes) -> Vec<[f64; 2]> {
     let both = |limit: f64| [-limit, limit];
     let far = |direction: &Vec<f64>| {
         let moved =
@@ -58,7 +58,12 @@ pub(crate) fn first_change(perturbation: &Perturbation) -> f64 {
     (there - from_variable(parameter, perturbation.origin[0])).abs()
 }
 
-pub(crate) fn moved(base: &Parameters, perturbation: &Perturbation, direction: &[f64]) -> Parameters {
+/// Returns the mechanism a step away along a perturbation.
+pub(crate) fn apply_perturbation(
+    base: &Parameters,
+    perturbation: &Perturbation,
+    direction: &[f64],
+) -> Parameters {
     let x = perturbation.origin.iter().zip(direction).map(|(a, b)| a + b);
     let values: Vec<f64> =
         perturbation.effect.parameters.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
@@ -97,7 +102,7 @@ pub(crate) fn perturbations_of(
         return [1, 2, 4, 8].into_iter().map(towards).collect();
     }
     if !effect.starts.is_empty() {
-        let all = effect.starts.iter().map(|start| towards(effect, base, start));
+        let all = effect.starts.iter().map(|start| perturbation_towards(effect, base, start));
         let mut all: Vec<Perturbation> =
             all.filter(|perturbation| perturbation.directions[0][0] != 0.0).collect();
         if is_centred(effect) && origin[0] == 0.0 {
@@ -111,7 +116,7 @@ pub(crate) fn perturbations_of(
     if let ([parameter], false) = (free, sizes.typical)
         && parameter.mapping == Mapping::Log
     {
-        let far = |factor: &f64| towards(effect, base, &[parameter.read(base) * factor]);
+        let far = |factor: &f64| perturbation_towards(effect, base, &[parameter.read(base) * factor]);
         all.extend(
             SCALED_FACTORS.iter().map(far).filter(|perturbation| perturbation.directions[0][0] != 0.0),
         );
@@ -126,7 +131,11 @@ fn is_centred(effect: &Effect) -> bool {
 
 /// Returns the perturbation from the model as it is towards a start: the shape parameters (all but the first) take the start's
 /// values, the first one moves towards it.
-pub(crate) fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Perturbation {
+pub(crate) fn perturbation_towards(
+    effect: &'static Effect,
+    base: &Parameters,
+    start: &[f64],
+) -> Perturbation {
     let target: Vec<f64> = effect.parameters.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
     let mut origin = target.clone();
     origin[0] = to_variable(&effect.parameters[0], effect.parameters[0].read(base));
@@ -135,7 +144,7 @@ pub(crate) fn towards(effect: &'static Effect, base: &Parameters, start: &[f64])
     Perturbation { effect, origin, directions: vec![direction], combine: Combination::Towards }
 }
 
-pub(crate) fn ripple(effect: &'static Effect, order: f64) -> Perturbation {
+pub(crate) fn ripple_perturbation(effect: &'static Effect, order: f64) -> Perturbation {
     let free = effect.parameters;
     let origin = vec![0.0, to_variable(&free[1], order), 0.0];
     let quarter = to_variable(&free[2], std::f64::consts::FRAC_PI_2);

@@ -1,7 +1,7 @@
 //! What is done to accepted effects: they are fitted to everything, refined, exchanged for better ones, and dropped if the others
 //! explain as much without them.
 
-use crate::fitting::output_error::{Fit, FitSelection, applied, parameters_of};
+use crate::fitting::output_error::{Fit, FitSelection, apply_effects, parameters_of};
 use crate::library::{Effect, find_refinement};
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
@@ -140,7 +140,7 @@ impl Searcher<'_> {
         effects.remove(index);
         let recordings = (0..self.simulator.count()).collect();
         let selection = FitSelection::searching(recordings);
-        let kept = applied(self.base, &effects, &start);
+        let kept = apply_effects(self.base, &effects, &start);
         let fit = self.fit(effects, &start, &selection, &[])?;
         let (again, as_it_is) = (self.replace_fit(candidate, fit)?, self.score_model(&kept)?);
         if as_it_is.level() < again.whole.level() {

@@ -8,7 +8,7 @@ use crate::fitting::output_error::from_variable;
 use crate::fitting::score::{RecordingPart, score};
 use crate::library::Effect;
 use crate::selection::parameter_scan::{scan_parameter, scan_ripple_orders};
-use crate::selection::perturbations::{Combination, Perturbation, moved, perturbations_of};
+use crate::selection::perturbations::{Combination, Perturbation, apply_perturbation, perturbations_of};
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weighted,
 };
@@ -74,7 +74,7 @@ fn gone_there(
     perturbation: &Perturbation,
     mut seen: EffectSignature,
 ) -> EffectSignature {
-    let parameters = moved(scene.base, perturbation, &perturbation.directions[0]);
+    let parameters = apply_perturbation(scene.base, perturbation, &perturbation.directions[0]);
     let Some(here) = distance(scene.judged).map(|here| here.max(f64::MIN_POSITIVE)) else { return seen };
     let cells: usize = scene.judged.iter().map(|judged| judged.channels.len()).sum();
     let mut judged: Vec<Option<Assessment>> = vec![None; scene.judged.len()];

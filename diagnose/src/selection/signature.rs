@@ -10,7 +10,9 @@ use counterpoise_models::Parameters;
 use crate::fitting::output_error::{from_variable, to_variable};
 use crate::library::{Effect, Parameter};
 use crate::recording::series::{dot, rms};
-use crate::selection::perturbations::{Perturbation, first_change, limits, moved, start_values};
+use crate::selection::perturbations::{
+    Perturbation, apply_perturbation, first_change, start_values, step_limits,
+};
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::{Assessment, ChannelResidual, Pool, SimulatorAccess, Span};
 use crate::tolerance::EXPLAINED;
@@ -154,7 +156,7 @@ pub(crate) fn measure_signature(
     span: Span,
 ) -> Option<EffectSignature> {
     let signature = |direction: &Vec<f64>| -> Option<Residuals> {
-        let parameters = moved(scene.base, perturbation, direction);
+        let parameters = apply_perturbation(scene.base, perturbation, direction);
         let mut out = vec![Vec::new(); scene.judged.len()];
         for &r in recordings {
             let there = scene.simulator.residuals(&parameters, r, span, &scene.judged[r])?;
@@ -163,7 +165,7 @@ pub(crate) fn measure_signature(
         out.iter().flatten().all(|d| d.is_finite()).then_some(out)
     };
     let signatures: Vec<Residuals> = perturbation.directions.iter().map(signature).collect::<Option<_>>()?;
-    let limits = limits(perturbation, scene.sizes);
+    let limits = step_limits(perturbation, scene.sizes);
     let (coefficients, explained) = regress(here, &signatures, &limits)?;
     let start = start_values(perturbation, &coefficients, limits[0][1]);
     let size = (0..scene.judged.len()).map(|r| rms(&signatures[0][r])).collect();

@@ -3,8 +3,8 @@
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::assess;
 use crate::library::Effect;
-use crate::selection::baseline::{Baseline, level};
-use crate::selection::candidate::{Candidate, ranked};
+use crate::selection::baseline::{Baseline, log_excess};
+use crate::selection::candidate::{Candidate, rank_candidates};
 use crate::selection::hose_spring::spring_in_place_of_hose;
 use crate::selection::pairs::rank_pairs;
 use crate::selection::parameter_scan::scan_backlash;
@@ -86,7 +86,7 @@ impl Searcher<'_> {
     /// textbook values may be thrown off so far by an estimate that its decay hides everything else: fitted ones serve then.
     pub(crate) fn run_first_stage(&self, plain: &Baseline) -> Stage {
         let thrown_off = |(sought, fitted): (&Assessment, &Assessment)| {
-            level(sought) > level(fitted) + THROWN_OFF * sought.channels.len() as f64
+            log_excess(sought) > log_excess(fitted) + THROWN_OFF * sought.channels.len() as f64
         };
         let hides = !self.sizes.typical && plain.sought.iter().zip(&plain.fitted).any(thrown_off);
         let from = if hides || is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
@@ -134,9 +134,9 @@ impl Searcher<'_> {
             let spring = spring_in_place_of_hose(&candidates, taken.len(), self.simulator.count());
             candidates.extend(self.fit_candidates(present, &spring.into_iter().collect::<Vec<_>>(), judged));
         }
-        let (candidates, others) = finalists(ranked(candidates));
+        let (candidates, others) = split_finalists(rank_candidates(candidates));
         let finalists = self.refit_finalists(present, candidates, judged);
-        Stage { candidates: ranked(finalists.into_iter().chain(others).collect()), signatures }
+        Stage { candidates: rank_candidates(finalists.into_iter().chain(others).collect()), signatures }
     }
 
     /// Returns the effects that are fitted.
@@ -235,7 +235,7 @@ impl Searcher<'_> {
 }
 
 /// Splits ranked candidates into those that are worth a fit to every recording, and the others.
-pub(crate) fn finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
+pub(crate) fn split_finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
     let Some(best) = candidates.first() else { return (candidates, Vec::new()) };
     let limit = best.whole.level() + FINAL_REACH[usize::from(!best.explains())];
     let near = candidates.iter().take(FINALISTS).take_while(|c| c.whole.level() < limit).count();

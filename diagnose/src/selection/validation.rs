@@ -3,7 +3,7 @@
 use crate::fitting::null_gain::mean_null_gain;
 use crate::fitting::output_error::{Fit, FitSelection};
 use crate::fitting::score::{Score, score};
-use crate::selection::baseline::level;
+use crate::selection::baseline::log_excess;
 use crate::selection::candidate::{Candidate, whole_parts};
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, map_with_progress};
@@ -68,7 +68,7 @@ impl Searcher<'_> {
         let near = candidate.assessments.get(left_out)?;
         let sought = self.simulator.assess_near(&fit.parameters, left_out, near)?;
         let given = self.simulator.assess_from(&fit.parameters, left_out, near)?;
-        Some(if level(&given) < level(&sought) { given } else { sought })
+        Some(if log_excess(&given) < log_excess(&sought) { given } else { sought })
     }
 
     /// Predicts the rest of a recording by the candidate fitted to its first part and to that of the others.

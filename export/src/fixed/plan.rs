@@ -52,7 +52,7 @@ pub fn plan_fixed_point(
         deviation: Deviation::none(samples),
         states: states.clone(),
     };
-    fixed.deviation = predict(&fixed, ranges, (errors, &set), samples);
+    fixed.deviation = predict(&fixed, ranges, errors, &set, samples);
     let worst_v = fixed.deviation.worst_v;
     if worst_v <= allowed_v {
         return Ok(fixed);

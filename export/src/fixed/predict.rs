@@ -8,13 +8,16 @@ use crate::fixed::format::{to_integer, unit};
 use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::Run;
-use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
+use crate::rounding::{
+    Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
+};
 
 /// Returns how far the control can be from the reference.
 pub(crate) fn predict(
     fixed: &Fixed,
     ranges: &Ranges,
-    (errors, set): (Vec<OperationError>, &Writer<'_>),
+    errors: Vec<OperationError>,
+    set: &Writer<'_>,
     samples: usize,
 ) -> Deviation {
     let controller = &fixed.controller;
@@ -90,12 +93,8 @@ impl Arithmetic for Quantised<'_> {
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
     /// the sign of the quotient.
-    fn rounded(
-        &self,
-        (line, number): (Line, usize),
-        operation: &Operation,
-        (read, value): (&[f64], f64),
-    ) -> Rounded {
+    fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded {
+        let Executed { number, operation, read, written: value } = *executed;
         let error = match line {
             Line::Step => self.errors[number],
             Line::Set => self.set[number],

@@ -123,13 +123,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn put(
-        &mut self,
-        operation: FixedOperation,
-        (into, bits): (Slot, i32),
-        span: Span,
-        error: OperationError,
-    ) {
+    fn put(&mut self, operation: FixedOperation, into: Slot, bits: i32, span: Span, error: OperationError) {
         if let Slot::Local(i) = into {
             self.locals[i] = bits;
             self.spans[i] = span;
@@ -141,28 +135,28 @@ impl<'a> Writer<'a> {
     fn one(&mut self, operation: &Operation, seen: f64) -> Result<(), FixedError> {
         match operation {
             Operation::Sum { into, constant, terms } => self.sum(*into, constant.unwrap_or(0.0), terms, seen),
-            Operation::Product { into, a, b } => self.product(*into, (*a, *b), seen),
-            Operation::Quotient { into, above, below } => self.quotient(*into, (*above, *below), seen),
+            Operation::Product { into, a, b } => self.product(*into, *a, *b, seen),
+            Operation::Quotient { into, above, below } => self.quotient(*into, *above, *below, seen),
             Operation::Magnitude { into, of } => {
                 let (bits, span) = (self.bits(*of), Span { low: 0, high: self.span(*of).size() });
                 let magnitude = FixedOperation::Magnitude { into: *into, of: *of };
-                self.put(magnitude, (*into, bits), span, OperationError::default());
+                self.put(magnitude, *into, bits, span, OperationError::default());
                 Ok(())
             }
             Operation::Clamp { into, of, low, high } => {
-                self.clamp(*into, *of, (*low, *high));
+                self.clamp(*into, *of, *low, *high);
                 Ok(())
             }
         }
     }
 
-    fn clamp(&mut self, into: Slot, of: Slot, (low, high): (f64, f64)) {
+    fn clamp(&mut self, into: Slot, of: Slot, low: f64, high: f64) {
         let bits = self.bits(of);
         let (low, high) = (to_integer(low, bits), to_integer(high, bits));
         let within = |value: i128| value.clamp(i128::from(low), i128::from(high));
         let span = Span { low: within(self.span(of).low), high: within(self.span(of).high) };
         let clamp = FixedOperation::Clamp { into, of, low, high };
-        self.put(clamp, (into, bits), span, OperationError::default());
+        self.put(clamp, into, bits, span, OperationError::default());
     }
 
     fn sum(&mut self, into: Slot, constant: f64, terms: &[Term], seen: f64) -> Result<(), FixedError> {
@@ -194,7 +188,7 @@ impl<'a> Writer<'a> {
             if shift > 0 { OperationError::nearest(0.5 * unit(bits)) } else { OperationError::default() };
         let error = OperationError { worst: rounding.worst + worst, ..rounding };
         let sum = FixedOperation::Sum { into, constant: start, terms: factors, shift };
-        self.put(sum, (into, bits), span.narrowed(shift), error);
+        self.put(sum, into, bits, span.narrowed(shift), error);
         Ok(())
     }
 
@@ -224,7 +218,7 @@ impl<'a> Writer<'a> {
         each.fold((start, start.size()), |(sum, size), term| (sum.plus(term), size + term.size()))
     }
 
-    fn product(&mut self, into: Slot, (a, b): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
+    fn product(&mut self, into: Slot, a: Slot, b: Slot, seen: f64) -> Result<(), FixedError> {
         let span = if a == b { self.span(a).squared() } else { self.span(a).times(self.span(b)) };
         let both = self.bits(a) + self.bits(b);
         let bits = self.target(into, seen, self.size(a) * self.size(b)).min(both);
@@ -233,7 +227,7 @@ impl<'a> Writer<'a> {
         }
         let shift = (both - bits) as u32;
         let product = FixedOperation::Product { into, a, b, shift };
-        self.put(product, (into, bits), span.narrowed(shift), OperationError::nearest(0.5 * unit(bits)));
+        self.put(product, into, bits, span.narrowed(shift), OperationError::nearest(0.5 * unit(bits)));
         Ok(())
     }
 
@@ -242,7 +236,7 @@ impl<'a> Writer<'a> {
         !matches!(into, Slot::Local(_)) && self.bits(into) != bits
     }
 
-    fn quotient(&mut self, into: Slot, (above, below): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
+    fn quotient(&mut self, into: Slot, above: Slot, below: Slot, seen: f64) -> Result<(), FixedError> {
         let nearest = self.span(below).nearest();
         if nearest <= 0 {
             return Err(self.divisor(into, below));
@@ -259,7 +253,7 @@ impl<'a> Writer<'a> {
         let size = (self.span(above).size() << left) / nearest;
         let span = Span { low: -size, high: size }.narrowed(shift);
         let quotient = FixedOperation::Quotient { into, above, below, left, shift };
-        self.put(quotient, (into, bits), span, cut(bits, shift));
+        self.put(quotient, into, bits, span, cut(bits, shift));
         Ok(())
     }
 

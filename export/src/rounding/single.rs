@@ -3,7 +3,7 @@
 use counterpoise_controller::program::{Operation, Slot, Term};
 use counterpoise_controller::{Controller, Number};
 
-use super::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
+use super::{Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 use crate::Ranges;
 use crate::ranges::Run;
 
@@ -53,7 +53,8 @@ impl Arithmetic for Single<'_> {
         off
     }
 
-    fn rounded(&self, _: (Line, usize), operation: &Operation, (read, value): (&[f64], f64)) -> Rounded {
+    fn rounded(&self, _: Line, executed: &Executed<'_>) -> Rounded {
+        let Executed { operation, read, written: value, .. } = *executed;
         let square = match operation {
             Operation::Sum { constant, terms, .. } => sum(*constant, terms, read),
             Operation::Product { .. } if read.iter().any(|one| is_power_of_two(*one)) => 0.0,

@@ -2,6 +2,8 @@
 
 use counterpoise_controller::program::{Operation, Program, Slot};
 
+use super::Executed;
+
 /// Derivatives by the states before the program (0, 1, ...) and then by an error added to each operation: place and value.
 pub(crate) type Row = Vec<(usize, f64)>;
 
@@ -96,11 +98,11 @@ impl<'a> Tangent<'a> {
     }
 
     /// Returns each operation of the last run with what it read and wrote.
-    pub fn written(&self) -> impl Iterator<Item = (usize, &'a Operation, (&[f64], f64))> + '_ {
+    pub fn executed(&self) -> impl Iterator<Item = Executed<'_>> + '_ {
         let first = self.values.len() - self.operations.len();
-        self.operations.iter().enumerate().map(move |(k, operation)| {
-            let read = &self.operands[self.first_reads[k]..self.first_reads[k + 1]];
-            (k, *operation, (read, self.values[first + k]))
+        self.operations.iter().enumerate().map(move |(number, operation)| {
+            let read = &self.operands[self.first_reads[number]..self.first_reads[number + 1]];
+            Executed { number, operation, read, written: self.values[first + number] }
         })
     }
 

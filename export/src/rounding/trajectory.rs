@@ -68,8 +68,7 @@ impl Walk<'_> {
 }
 
 fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic) -> Vec<Rounded> {
-    let one = |(number, operation, values)| arithmetic.rounded((line, number), operation, values);
-    tangent.written().map(one).collect()
+    tangent.executed().map(|executed| arithmetic.rounded(line, &executed)).collect()
 }
 
 /// Known errors of the states and the covariance bound of the rest.

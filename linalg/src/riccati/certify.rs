@@ -8,7 +8,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, RICCATI_SPECTRUM_SHARE, ROUNDING};
 
 use super::newton::{Equation, Refined};
-use super::precise::{self, PreciseEquation, relative_step};
+use super::precise::{self, InverseNorms, PreciseEquation, relative_step};
 use super::reason::excess;
 use super::scaling::Problem;
 use super::{Certificate, Method, Reason, Riccati};
@@ -28,7 +28,7 @@ pub(super) struct Certified {
 /// What Kenney and Hewer's condition number is computed from, if it is asked for.
 enum Normwise {
     /// The norms of the inverse Lyapunov operator applied to `I` and to `X^2`.
-    Norms(f64, f64),
+    Norms(InverseNorms),
     /// The first of them, and the operator.
     Operator(f64, Operator),
 }
@@ -37,7 +37,7 @@ impl Certified {
     /// Kenney and Hewer's condition number in scaled units, of changes that are small beside the norms of the data.
     pub(super) fn normwise_condition(&self, problem: &Problem) -> f64 {
         match &self.normwise {
-            Normwise::Norms(h0, h2) => condition(problem, (*h0, *h2), &self.solution.X),
+            Normwise::Norms(norms) => condition(problem, *norms, &self.solution.X),
             Normwise::Operator(h0, derivative) => normwise(problem, derivative, *h0, &self.solution.X),
         }
     }
@@ -108,12 +108,11 @@ pub(super) fn certify_precise(
     let size = equation.evaluate(&X.clone().into())?.terms;
     let remaining = residual.norm_fro();
     let rounding = found.X.minus(&Precise::from(&X)).high;
-    let (h0, h2) = found.inverse_norms;
     let certificate = Certificate {
         relative_residual: if size > 0.0 { remaining / size } else { 0.0 },
         backward_error: remaining / data_size(problem, &X),
         symmetry: asymmetry(&X),
-        separation: 1.0 / h0,
+        separation: 1.0 / found.inverse_norms.of_identity,
         condition: relative_step(&found.data_change, &X),
         data_error: found.data_change.map(f64::abs).scale(EPS),
         forward_error: rounding.map(f64::abs) + found.last_step.map(f64::abs),
@@ -123,7 +122,7 @@ pub(super) fn certify_precise(
         method: Method::Precise,
         newton_steps: found.steps,
     };
-    let normwise = Normwise::Norms(h0, h2);
+    let normwise = Normwise::Norms(found.inverse_norms);
     let mut closed_loop = eigenvalues(&found.closed.rounded()).ok()?;
     closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
     let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
@@ -190,11 +189,12 @@ fn normwise(problem: &Problem, derivative: &Operator, h0: f64, solution: &Mat) -
     let U = &derivative.form.U;
     let X = U.t() * solution * U;
     let h2 = derivative.solve_inner(&(&X * &X)).norm_fro();
-    condition(problem, (h0, h2), &X)
+    condition(problem, InverseNorms { of_identity: h0, of_square: h2 }, &X)
 }
 
 /// The condition number from the norms of the inverse operator applied to `I` and to `X^2`.
-fn condition(problem: &Problem, (h0, h2): (f64, f64), X: &Mat) -> f64 {
+fn condition(problem: &Problem, norms: InverseNorms, X: &Mat) -> f64 {
+    let InverseNorms { of_identity: h0, of_square: h2 } = norms;
     let data =
         h0 * problem.Q.norm_fro() + 2.0 * (h0 * h2).sqrt() * problem.A.norm_fro() + h2 * problem.G.norm_fro();
     data / X.norm_fro().max(f64::MIN_POSITIVE)

@@ -7,7 +7,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::PRECISE_STATES;
 
 use super::certify::{Certified, certify};
-use super::decide::{Refusal, decide, in_callers_units, is_beyond_doubt};
+use super::decide::{Failure, Refusal, decide, in_callers_units, is_beyond_doubt, unless_lost};
 use super::doubling::{PARAMETERS, by_doubling};
 use super::equation::{Continuous, Data, Quadratic};
 use super::modes::Modes;
@@ -62,8 +62,8 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
 /// As for [`care`].
 pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
     check_square("A", A)?;
-    check_shape("G", G, A.shape())?;
-    check_shape("Q", Q, A.shape())?;
+    check_shape("G", G, A.nrows(), A.ncols())?;
+    check_shape("Q", Q, A.nrows(), A.ncols())?;
     check_symmetric("G", G)?;
     check_symmetric("Q", Q)?;
     let scaled = scale(Problem { A: A.clone(), G: G.clone(), Q: Q.clone() });
@@ -81,12 +81,12 @@ pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
 pub(super) fn check_input(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<(), Error> {
     check_square("A", A)?;
     let (n, m) = (A.nrows(), B.ncols());
-    check_shape("B", B, (n, m))?;
-    check_shape("Q", Q, (n, n))?;
-    check_shape("R", R, (m, m))?;
+    check_shape("B", B, n, m)?;
+    check_shape("Q", Q, n, n)?;
+    check_shape("R", R, m, m)?;
     check_symmetric("Q", Q)?;
     check_symmetric("R", R)?;
-    S.map_or(Ok(()), |S| check_shape("S", S, (n, m)))
+    S.map_or(Ok(()), |S| check_shape("S", S, n, m))
 }
 
 /// The equation without a cross term: `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'`; `None` for a singular `R`.
@@ -171,40 +171,8 @@ fn attempt(
         }
     };
     let first = first.ok_or(Reason::NoGraph)?;
-    if let Some(reason) = reason::lost_behind(&first, modes) {
-        return Err(Failure::Certain(reason));
-    }
-    let is_hopeless = reason::is_beyond_doubles(&first, modes);
-    let refined =
-        refine(equation, first).map_err(if is_hopeless { Failure::hopeless } else { Failure::from })?;
-    Ok(certify(equation, problem, refined, method)?)
-}
-
-/// Why a way did not lead to a solution.
-pub(super) enum Failure {
-    /// There is none.
-    Certain(Reason),
-    /// Another way may.
-    Doubtful(Reason),
-    /// No other way in doubles will.
-    Hopeless(Reason),
-}
-
-impl Failure {
-    /// The failure of a refinement from a start that is larger than doubles can tell from infinity.
-    pub(super) fn hopeless(reason: Reason) -> Self {
-        match Self::from(reason) {
-            Self::Doubtful(reason) => Self::Hopeless(reason),
-            other => other,
-        }
-    }
-}
-
-impl From<Reason> for Failure {
-    fn from(reason: Reason) -> Self {
-        match reason {
-            Reason::Uncontrollable { .. } => Self::Certain(reason),
-            other => Self::Doubtful(other),
-        }
-    }
+    unless_lost(&first, modes, |failure| {
+        let refined = refine(equation, first.clone()).map_err(failure)?;
+        Ok(certify(equation, problem, refined, method)?)
+    })
 }

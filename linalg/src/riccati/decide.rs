@@ -65,6 +65,28 @@ impl From<Reason> for Refusal {
     }
 }
 
+/// Returns what `solve` makes of the first approximation of a solution; it is told what a failed refinement means.
+///
+/// An approximation may be so large because rounding alone put a mode within reach. The mode is looked for before one is refined that is larger
+/// than doubles can tell from infinity, and after that if the solution failed or the data do not determine it: rounding the data would change the
+/// solution that belongs to a lost mode by as much as itself.
+pub(super) fn unless_lost(
+    first: &Mat,
+    modes: &Modes,
+    solve: impl FnOnce(fn(Reason) -> Failure) -> Result<Certified, Failure>,
+) -> Result<Certified, Failure> {
+    let lost = || reason::certainly_lost(modes).map(Failure::Certain);
+    if reason::is_beyond_doubles(first, modes) {
+        return lost().map_or_else(|| solve(Failure::hopeless), Err);
+    }
+    let found = solve(Failure::from);
+    let is_determined = |c: &Certified| EPS * c.solution.certificate.condition <= RICCATI_DETERMINED;
+    if !reason::is_suspicious(first, modes) || found.as_ref().is_ok_and(is_determined) {
+        return found;
+    }
+    lost().map_or(found, Err)
+}
+
 /// Decides a problem for which doubles gave a doubtful solution (`found`) or none (`refusal`).
 pub(super) fn decide(
     equation: &(impl Equation + PreciseEquation),
@@ -167,4 +189,33 @@ pub(super) fn in_callers_units(
     solution.F = in_range("the gain of the Riccati equation", solution.F)?;
     solution.certificate.bound_unknown();
     Ok(solution)
+}
+
+/// Why a way did not lead to a solution.
+pub(super) enum Failure {
+    /// There is none.
+    Certain(Reason),
+    /// Another way may.
+    Doubtful(Reason),
+    /// No other way in doubles will.
+    Hopeless(Reason),
+}
+
+impl Failure {
+    /// The failure of a refinement from a start that is larger than doubles can tell from infinity.
+    pub(super) fn hopeless(reason: Reason) -> Self {
+        match Self::from(reason) {
+            Self::Doubtful(reason) => Self::Hopeless(reason),
+            other => other,
+        }
+    }
+}
+
+impl From<Reason> for Failure {
+    fn from(reason: Reason) -> Self {
+        match reason {
+            Reason::Uncontrollable { .. } => Self::Certain(reason),
+            other => Self::Doubtful(other),
+        }
+    }
 }

@@ -6,8 +6,8 @@ use crate::sylvester::Kind;
 use crate::tolerance::EPS;
 
 use super::certify::{Certified, certify};
-use super::continuous::{Failure, check_input, fold};
-use super::decide::{decide, in_callers_units, is_beyond_doubt};
+use super::continuous::{check_input, fold};
+use super::decide::{Failure, decide, in_callers_units, is_beyond_doubt, unless_lost};
 use super::equation::{Data, Discrete};
 use super::modes::Modes;
 use super::newton::refine;
@@ -114,15 +114,9 @@ fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -
     };
     let first = first.ok_or(Reason::NoGraph)?;
     let modes = Modes::of(&scaled.problem, Kind::Discrete);
-    if let Some(reason) = reason::lost_behind(&first, &modes) {
-        return Err(reason.into());
-    }
-    let is_hopeless = reason::is_beyond_doubles(&first, &modes);
     let offset = Mat::eye(problem.A.nrows()).scale(shift);
-    let refined = refine(equation, scaled.restore(&first) + offset).map_err(if is_hopeless {
-        Failure::hopeless
-    } else {
-        Failure::from
-    })?;
-    Ok(certify(equation, problem, refined, method)?)
+    unless_lost(&first, &modes, |failure| {
+        let refined = refine(equation, scaled.restore(&first) + offset).map_err(failure)?;
+        Ok(certify(equation, problem, refined, method)?)
+    })
 }

@@ -3,7 +3,7 @@
 //! Source: Chu, Fan and Lin, A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations,
 //! Lin. Alg. Appl. 396 (2005); for discrete time the same with Hwang and Wang, Int. J. Control 77 (2004).
 
-use crate::dense::solve;
+use crate::dense::{Factors, LARGE_SYMMETRIC, solve, symmetric_product, view};
 use crate::error::Error;
 use crate::mat::Mat;
 use crate::tolerance::{
@@ -109,6 +109,9 @@ fn iterate(mut form: Problem, early: usize, question: impl Fn(&Mat) -> Option<Re
 /// One doubling; returns the relative change of `Q`, or `None` if it is singular or not finite.
 fn double(form: &mut Problem) -> Option<f64> {
     let n = form.A.nrows();
+    if n > LARGE_SYMMETRIC {
+        return double_large(form);
+    }
     let middle = Mat::eye(n) + &form.G * &form.Q;
     // Both parts of the next form, (I + G Q)^-1 [A, G].
     let solved = solve(&middle, &form.A.hstack(&form.G)).ok()?;
@@ -123,6 +126,25 @@ fn double(form: &mut Problem) -> Option<f64> {
         let moved = &form.A * &solved;
         form.G += &(&moved.block(0, n, n, n) * &transposed).symmetric_part();
         form.A = moved.block(0, 0, n, n);
+    }
+    Some(change)
+}
+
+/// The same for a large problem: half of each symmetric product is computed, and `(I + G Q)^-1 G` only if there is a next form.
+fn double_large(form: &mut Problem) -> Option<f64> {
+    let middle = Mat::eye(form.A.nrows()) + &form.G * &form.Q;
+    let factors = Factors::of(&middle).ok()?;
+    let moved = factors.solve(form.A.clone()).ok()?;
+    let step = symmetric_product(view(&form.A).transpose(), &(&form.Q * &moved));
+    form.Q += &step;
+    let change = step.norm_fro() / form.Q.norm_fro().max(f64::MIN_POSITIVE);
+    if !change.is_finite() {
+        return None;
+    }
+    if change >= DOUBLING_SETTLED {
+        let driven = &form.A * &factors.solve(form.G.clone()).ok()?;
+        form.G += &symmetric_product(view(&driven), &form.A.t());
+        form.A = &form.A * &moved;
     }
     Some(change)
 }

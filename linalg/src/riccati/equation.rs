@@ -289,7 +289,7 @@ impl Equation for Discrete {
             }
             at = self.close(X, &weight, &at.gain + &at.correction)?;
         }
-        let moved = at.closed.t().times(&at.moved);
+        let moved = at.closed.t().symmetric_times(&at.moved);
         let AXA = data.A.t() * &X.high * &data.A;
         let terms = AXA.norm_fro() + X.high.norm_fro() + data.Q.norm_fro() + (&AXA - &moved.high).norm_fro();
         let excess = at.correction.t() * &(&weight * &at.correction);

@@ -44,11 +44,19 @@ pub(super) struct Solution {
     pub(super) closed: Precise,
     /// The last Newton step: an estimate of the error that is left.
     pub(super) last_step: Mat,
-    /// `norm(L^-1(I))` and `norm(L^-1(X^2))` for the Lyapunov operator `L` of the closed loop.
-    pub(super) inverse_norms: (f64, f64),
+    pub(super) inverse_norms: InverseNorms,
     /// `L^-1` of the moduli of the residual's products.
     pub(super) data_change: Mat,
     pub(super) steps: usize,
+}
+
+/// Norms of what the inverse of the Lyapunov operator `L` of the closed loop returns.
+#[derive(Clone, Copy)]
+pub(super) struct InverseNorms {
+    /// `norm(L^-1(I))`
+    pub(super) of_identity: f64,
+    /// `norm(L^-1(X^2))`
+    pub(super) of_square: f64,
 }
 
 /// Solves the equation, from `start` if that leads to the stabilising solution, else from the doubling's approximations.
@@ -183,7 +191,7 @@ fn refine(equation: &impl PreciseEquation, mut X: Precise) -> Option<Solution> {
             let last = if stuck { size } else { relative };
             return (last < PRECISE_SETTLED).then(|| {
                 let X = X.plus(&step);
-                conclude(equation, X, (gain, closed), step.high, steps)
+                conclude(equation, X, gain, closed, step.high, steps)
             })?;
         }
         X = X.plus(&step);
@@ -195,7 +203,8 @@ fn refine(equation: &impl PreciseEquation, mut X: Precise) -> Option<Solution> {
 fn conclude(
     equation: &impl PreciseEquation,
     X: Precise,
-    (gain, closed): (Precise, Precise),
+    gain: Precise,
+    closed: Precise,
     last_step: Mat,
     steps: usize,
 ) -> Option<Solution> {
@@ -203,6 +212,6 @@ fn conclude(
     let moduli = Precise::from(&equation.moduli(&gain.high, &X.high));
     let identity = Precise::identity(X.high.nrows(), 1.0);
     let [one, two, change] = lyapunov(&closed, [identity, square, moduli], equation.kind())?;
-    let inverse_norms = (one.high.norm_fro(), two.high.norm_fro());
+    let inverse_norms = InverseNorms { of_identity: one.high.norm_fro(), of_square: two.high.norm_fro() };
     Some(Solution { X, gain, closed, last_step, inverse_norms, data_change: change.high, steps })
 }

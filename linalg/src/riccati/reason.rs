@@ -184,11 +184,10 @@ pub(super) fn is_beyond_doubles(first: &Mat, modes: &Modes) -> bool {
     feedback * EPS > boundary_scale(modes.problem.A.norm_fro(), modes.kind)
 }
 
-/// Returns the mode out of reach for certain behind an approximation that is suspiciously large, before it is refined in vain.
-pub(super) fn lost_behind(first: &Mat, modes: &Modes) -> Option<Reason> {
+/// Returns whether an approximation is so large that it may be what rounding makes of a mode out of reach.
+pub(super) fn is_suspicious(first: &Mat, modes: &Modes) -> bool {
     let feedback = first.norm_fro() * modes.problem.G.norm_fro();
-    let suspicious = feedback > LARGEST_FEEDBACK * boundary_scale(modes.problem.A.norm_fro(), modes.kind);
-    if suspicious { certainly_lost(modes) } else { None }
+    feedback > LARGEST_FEEDBACK * boundary_scale(modes.problem.A.norm_fro(), modes.kind)
 }
 
 /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.

@@ -124,7 +124,7 @@ impl Iteration<'_> {
             } else if k > start {
                 self.H[(k, k - 1)] *= 1.0 - reflector.tau;
             }
-            self.reflect(&reflector, k, (start, end));
+            self.reflect(&reflector, k, start, end);
         }
     }
 
@@ -138,7 +138,7 @@ impl Iteration<'_> {
     }
 
     #[inline(always)]
-    fn reflect(&mut self, reflector: &Reflector, k: usize, (start, end): (usize, usize)) {
+    fn reflect(&mut self, reflector: &Reflector, k: usize, start: usize, end: usize) {
         let n = self.H.nrows();
         let (top, right) = match self.scope {
             Scope::Form => (0, n),

@@ -106,7 +106,7 @@ pub fn eigenvalues(A: &Mat) -> Result<Vec<C64>, Error> {
 /// The eigenvalues of the diagonal blocks of a quasi-triangular matrix, from the top.
 fn diagonal(T: &Mat) -> Vec<C64> {
     let mut values = Vec::with_capacity(T.nrows());
-    for (k, size) in blocks(T) {
+    for DiagonalBlock { start: k, size } in blocks(T) {
         if size == 1 {
             values.push(C64::new(T[(k, k)], 0.0));
         } else {
@@ -138,7 +138,7 @@ impl Schur {
     /// order reached so far.
     pub fn reorder(&mut self, wanted: impl Fn(C64) -> bool) -> Result<usize, Error> {
         let mut done = 0;
-        for (k, size) in blocks(&self.T) {
+        for DiagonalBlock { start: k, size } in blocks(&self.T) {
             if !wanted(self.eigenvalue_at(k, size)) {
                 continue;
             }
@@ -168,14 +168,23 @@ impl Schur {
     }
 }
 
-/// First row and size of each diagonal block, from the top.
-pub(crate) fn blocks(T: &Mat) -> Vec<(usize, usize)> {
+/// A block on the diagonal of a quasi-triangular matrix.
+#[derive(Clone, Copy)]
+pub(crate) struct DiagonalBlock {
+    /// Its first row.
+    pub(crate) start: usize,
+    /// One for a real eigenvalue, two for a complex pair.
+    pub(crate) size: usize,
+}
+
+/// The diagonal blocks, from the top.
+pub(crate) fn blocks(T: &Mat) -> Vec<DiagonalBlock> {
     let n = T.nrows();
     let mut list = Vec::with_capacity(n);
     let mut k = 0;
     while k < n {
         let size = if k + 1 < n && T[(k + 1, k)] != 0.0 { 2 } else { 1 };
-        list.push((k, size));
+        list.push(DiagonalBlock { start: k, size });
         k += size;
     }
     list

@@ -108,7 +108,7 @@ pub fn low_rank_gramians(
             return Err(Error::Cancelled { what: stage });
         }
         let shifted = pencil.at(-shift, stage, watch)?;
-        let (of_reach, of_observe) = solutions(pencil, &shifted, -shift, (&reach, &observe))?;
+        let (of_reach, of_observe) = solutions(pencil, &shifted, -shift, &reach, &observe)?;
         drop(shifted);
         basis.extend(pencil, &[&of_reach.upper, &of_observe.lower])?;
         last = reach.take(pencil, shift, &of_reach).max(observe.take(pencil, shift, &of_observe));
@@ -148,7 +148,8 @@ fn solutions(
     pencil: &QuadraticPencil,
     shifted: &Shifted,
     s: C64,
-    (reach, observe): (&Iterate, &Iterate),
+    reach: &Iterate,
+    observe: &Iterate,
 ) -> Result<(Halves, Halves), Error> {
     let moved = |X: &CMat| damped(pencil, s, X);
     let (position, force) = (reach.upper.to_complex(), reach.lower.to_complex());

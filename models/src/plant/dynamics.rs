@@ -83,7 +83,7 @@ impl Plant {
             + hysteresis
             + gravity * self.body.vertical_offset_kg_m * sin
             + at.surge_m_s2 * self.body.vertical_offset_kg_m * cos
-            + self.gyroscopic_torque_nm((sin, cos).into(), at.off_axis_rates_rad_s)
+            + self.gyroscopic_torque_nm(SinCos { sin, cos }, at.off_axis_rates_rad_s)
             + added.hub_nm;
         u[input::LOAD] = gravity * cos - at.surge_m_s2 * sin;
         if let Some(loads) = &self.loads {
@@ -256,8 +256,10 @@ pub struct SinCos {
     pub cos: f64,
 }
 
-impl From<(f64, f64)> for SinCos {
-    fn from((sin, cos): (f64, f64)) -> Self {
+impl SinCos {
+    /// Returns sine and cosine of an angle in radians.
+    pub fn of(angle_rad: f64) -> Self {
+        let (sin, cos) = angle_rad.sin_cos();
         Self { sin, cos }
     }
 }

@@ -16,12 +16,13 @@ use counterpoise_models::{Axis, Measured, Parameters};
 use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
+use crate::wording::acceptance::Traceable;
+use crate::wording::weights::describe_weights;
 use crate::{Modelled, PipelineError, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::resolve::design::Language;
 use counterpoise_project::resolve::platform::PlatformSource;
-use counterpoise_project::resolve::synthesis::Synthesis;
 
 /// The code that was made, and what the project asks for and cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -293,34 +294,4 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
         Measured::Current => "current of the motor, A".to_owned(),
     };
     Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
-}
-
-/// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
-pub fn describe_weights(synth: &Synthesis) -> Vec<String> {
-    let s = &synth.specification;
-    let blocks = crate::tuning::block_results(&synth.options.structure);
-    let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();
-    lines.extend(
-        synth
-            .options
-            .imported
-            .iter()
-            .map(|imported| format!("feedback: the controller in {}", imported.file)),
-    );
-    if lines.is_empty() {
-        lines.push(format!("feedback: {}", s.feedback.error.meaning("measured error")));
-        lines.push(format!("feedback: {}", s.feedback.control.meaning("control")));
-    }
-    if let Some(gain) = s.position_gain {
-        lines.push(format!(
-            "cascade: a position loop with the gain {gain} 1/s around this rate loop; the rate is the difference of two readings over the sample period"
-        ));
-    }
-    for (name, part) in [("heave", &s.heave), ("pitch", &s.pitch)] {
-        if let Some(part) = part {
-            lines.push(format!("{name}: {}", part.error.meaning("hub rate")));
-            lines.push(format!("{name}: {}", part.control.meaning("control")));
-        }
-    }
-    lines
 }

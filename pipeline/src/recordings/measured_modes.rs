@@ -221,22 +221,24 @@ impl Bench<'_> {
                 let ratio = (MASSES.1 / MASSES.0).powf(1.0 / (MASSES.2 - 1) as f64);
                 let masses =
                     (0..MASSES.2).map(|k| own * MASSES.0 * ratio.powi(i32::try_from(k).unwrap_or(0)));
-                masses.map(|m| Ok((m, self.frequencies(options, Some((end, m)))?))).collect()
+                masses
+                    .map(|m| Ok((m, self.frequencies(options, Some(EndMass { end, mass_kg: m }))?)))
+                    .collect()
             }
         }
     }
 
     /// Returns frequencies of as many flexible modes as were measured, Hz.
-    fn frequencies(&self, options: &FeOptions, mass: Option<(End, f64)>) -> Result<Vec<f64>, PipelineError> {
-        let fe = match mass {
+    fn frequencies(&self, options: &FeOptions, added: Option<EndMass>) -> Result<Vec<f64>, PipelineError> {
+        let fe = match added {
             None => {
                 let mut project = self.project.clone();
                 project.model.elements = options.clone();
                 finite_elements(&project, StructureChoice::Beam)?.0
             }
-            Some((end, mass_kg)) => {
+            Some(added) => {
                 let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
-                let point = end_mass(beam, end, mass_kg);
+                let point = added.on(beam);
                 FeModel::beam(beam, &Fitted { masses: vec![point], ..Fitted::default() }, options)?
             }
         };
@@ -292,11 +294,20 @@ fn finer(options: &FeOptions) -> Option<FeOptions> {
     Some(FeOptions { mesh: Mesh::Pivoted(FINER * count), ..options.clone() })
 }
 
-fn end_mass(beam: &Beam, end: End, mass_kg: f64) -> PointMass {
-    let from = beam.sections.first().map_or(0.0, |s| s.from_m);
-    let to = beam.sections.last().map_or(0.0, |s| s.to_m);
-    let position_m = if end == End::Near { from } else { to };
-    PointMass { name: "end".to_owned(), position_m, mass_kg, inertia_kg_m2: 0.0 }
+/// A mass at an end of the beam.
+#[derive(Clone, Copy)]
+struct EndMass {
+    end: End,
+    mass_kg: f64,
+}
+
+impl EndMass {
+    fn on(self, beam: &Beam) -> PointMass {
+        let from = beam.sections.first().map_or(0.0, |s| s.from_m);
+        let to = beam.sections.last().map_or(0.0, |s| s.to_m);
+        let position_m = if self.end == End::Near { from } else { to };
+        PointMass { name: "end".to_owned(), position_m, mass_kg: self.mass_kg, inertia_kg_m2: 0.0 }
+    }
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

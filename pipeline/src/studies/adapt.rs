@@ -181,11 +181,19 @@ enum Acting {
     Beside(Box<Adaptive>),
 }
 
+/// Where the out-of-balance stands that a controller uses.
+#[derive(Clone, Copy)]
+struct OutOfBalanceSource {
+    /// Its place among the controller's states.
+    state: Option<usize>,
+    /// Its value if there is no such state.
+    design_kg_m: f64,
+}
+
 /// The controller with a note of the out-of-balance that it uses.
 struct Noted {
     acting: Acting,
-    /// Place of the out-of-balance among the states, and its value if there is no such state.
-    place: (Option<usize>, f64),
+    source: OutOfBalanceSource,
     used_kg_m: Vec<f64>,
 }
 
@@ -196,18 +204,13 @@ impl SampledController for Noted {
 
     fn step(&mut self, readings: &counterpoise_controller::Readings) -> f64 {
         let control = self.acting.step(readings);
-        self.used_kg_m.push(self.acting.used_kg_m(self.place));
+        self.used_kg_m.push(self.acting.used_kg_m(self.source));
         control
     }
 }
 
 impl Trace {
-    fn extend(
-        &mut self,
-        (from_s, out_of_balance_kg_m): (f64, f64),
-        history: &TimeHistory,
-        used_kg_m: &[f64],
-    ) {
+    fn extend(&mut self, from_s: f64, out_of_balance_kg_m: f64, history: &TimeHistory, used_kg_m: &[f64]) {
         let (rate, control) = (&history.truth.hub_rate_rad_s, &history.readings.control_request_v);
         let count = rate.len().min(used_kg_m.len()).min(control.len());
         for k in (0..count).step_by(EVERY) {
@@ -237,8 +240,9 @@ impl SampledController for Acting {
 }
 
 impl Acting {
-    /// Returns the out-of-balance in force, of which the state has the given place.
-    fn used_kg_m(&self, (place, design): (Option<usize>, f64)) -> f64 {
+    /// Returns the out-of-balance in force.
+    fn used_kg_m(&self, source: OutOfBalanceSource) -> f64 {
+        let OutOfBalanceSource { state: place, design_kg_m: design } = source;
         match self {
             Acting::Alone(runner) => place.and_then(|k| runner.state(k)).unwrap_or(design),
             Acting::Beside(adaptive) => adaptive.history_kg_m().last().copied().unwrap_or(design),
@@ -253,21 +257,20 @@ impl Stage<'_> {
         let moment = self.modelled.plant.body().out_of_balance_kg_m;
         let states = &self.controller.programs().states;
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
-        let place = (place, moment);
-        let mut noted = Noted { acting: self.acting(plan)?, place, used_kg_m: Vec::new() };
+        let source = OutOfBalanceSource { state: place, design_kg_m: moment };
+        let mut noted = Noted { acting: self.acting(plan)?, source, used_kg_m: Vec::new() };
         let (mut intervals, mut trace) = (Vec::new(), Trace::default());
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
-            let history =
-                self.part(&unbalanced(&plant, factor)?, &mut noted, (start, end), (state, angle))?;
+            let history = self.part(&unbalanced(&plant, factor)?, &mut noted, [start, end], state, angle)?;
             let from_s = start * self.adaptation.trial.duration_s;
-            trace.extend((from_s, factor * moment), &history, &std::mem::take(&mut noted.used_kg_m));
+            trace.extend(from_s, factor * moment, &history, &std::mem::take(&mut noted.used_kg_m));
             let late = plan.from.is_some_and(|from| from <= start + SHORT);
             intervals.push(Interval {
                 from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
                 factor,
                 out_of_balance_kg_m: factor * moment,
-                used_kg_m: noted.acting.used_kg_m(place),
+                used_kg_m: noted.acting.used_kg_m(source),
                 hub_rms_rad_s: settled_rms(&history),
                 over_default: 1.0,
                 adapted: late,
@@ -297,12 +300,14 @@ impl Stage<'_> {
         Ok(Plant::with_whole_body(&parameters, self.modelled.plant.body().clone())?)
     }
 
+    /// Runs a part of a plan, given by the shares of the run at which it starts and ends, from a state and the platform's angle in radians.
     fn part(
         &self,
         plant: &Plant,
         acting: &mut Noted,
-        (start, end): (f64, f64),
-        (state, angle): (Option<PlantState>, f64),
+        [start, end]: [f64; 2],
+        state: Option<PlantState>,
+        angle: f64,
     ) -> Result<TimeHistory, PipelineError> {
         let whole = self.adaptation.trial.duration_s;
         let from_s = start * whole;

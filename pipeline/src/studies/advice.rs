@@ -150,6 +150,12 @@ fn scale(weight: &mut Weight, by: f64) {
     *weight = Weight::Product(vec![Weight::Constant { gain: by }, weight.clone()]);
 }
 
+/// A parameter of the weights and the factor on it.
+struct WeightChange<'a> {
+    parameter: &'a WeightParameter,
+    factor: f64,
+}
+
 struct Bench<'a> {
     project: &'a Project,
     modelled: &'a Modelled,
@@ -179,7 +185,10 @@ impl Bench<'_> {
         };
         let (mut sensitivities, mut candidates) = (Vec::new(), Vec::new());
         for parameter in parameters {
-            let Some((after, tried)) = self.tried(&figures, (parameter, STEP))? else { continue };
+            let Some((after, tried)) = self.tried(&figures, &WeightChange { parameter, factor: STEP })?
+            else {
+                continue;
+            };
             let slope = (after[0] - before[0]) / STEP.ln();
             sensitivities.push(Sensitivity { key: parameter.0, per_factor_e: slope, tried });
             let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
@@ -190,7 +199,9 @@ impl Bench<'_> {
         candidates.sort_by(|a, b| a.2.total_cmp(&b.2));
         let mut best: Option<Change> = None;
         for (parameter, factor, _) in candidates.into_iter().take(TRIED) {
-            let Some((after, tried)) = self.tried(&figures, (parameter, factor))? else { continue };
+            let Some((after, tried)) = self.tried(&figures, &WeightChange { parameter, factor })? else {
+                continue;
+            };
             let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
             let gain_margin_db = after[1] - before[1];
             let change = Change { key: parameter.0, factor, value: after[0], gain_margin_db, holds, tried };
@@ -207,13 +218,10 @@ impl Bench<'_> {
     }
 
     /// Returns the controller of the design with a weight changed; `None` if there is none.
-    fn designed(
-        &self,
-        parameter: Option<(&WeightParameter, f64)>,
-    ) -> Result<Option<Controller>, PipelineError> {
+    fn designed(&self, change: Option<&WeightChange<'_>>) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
-        if let (Some(synth), Some((parameter, factor))) = (&mut project.synth, parameter) {
-            (parameter.1)(&mut synth.specification, factor);
+        if let (Some(synth), Some(change)) = (&mut project.synth, change) {
+            (change.parameter.1)(&mut synth.specification, change.factor);
         }
         match synthesise(&project, self.modelled, self.reduced) {
             Ok(made) => Ok(Some(made.sampled.controller)),
@@ -227,9 +235,9 @@ impl Bench<'_> {
     fn tried(
         &self,
         figures: &[Figure],
-        parameter: (&WeightParameter, f64),
+        change: &WeightChange<'_>,
     ) -> Result<Option<(Vec<f64>, TriedDesign)>, PipelineError> {
-        let Some(controller) = self.designed(Some(parameter))? else { return Ok(None) };
+        let Some(controller) = self.designed(Some(change))? else { return Ok(None) };
         let Some(values) = self.measured(figures, &controller)? else { return Ok(None) };
         let (plant, procedure) = (&self.modelled.plant, self.procedure);
         let history = match self.kept {
@@ -237,7 +245,7 @@ impl Bench<'_> {
             Kept::Histories => history_of(plant, &controller, procedure, &figures[0])?,
         };
         let tried = TriedDesign {
-            factor: parameter.1,
+            factor: change.factor,
             value: values[0],
             systems: controllers_of(plant, &controller, procedure)?,
             history: history.map(|found| {

@@ -210,7 +210,7 @@ pub fn compare_designs(
         motions: motions(&made.design)?,
         balance: balance_rows(&made.balance),
         balance_basis: balance_basis(&made.balance, made.controlled)?,
-        spillover: spillover(project, (asked, modelled), made)?,
+        spillover: spillover(project, asked, modelled, made)?,
         total_cost: cost_of(made)?,
     })
 }
@@ -345,8 +345,8 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
         for &method in all.iter().skip(usize::from(variant == 0)) {
             let answer = attempt(alternative(&made.design.plant, &weights, method))?;
             let problem = answer.as_ref().ok().map(|found| problem(made, &weights, found)).transpose()?;
-            let row = method_row(made, (method, integrates && variant == 0), answer)?;
-            rows.push(MethodRow { problem, ..row });
+            let row = method_row(made, method, answer)?;
+            rows.push(MethodRow { problem, integral: integrates && variant == 0, ..row });
         }
     }
     Ok(rows)
@@ -384,14 +384,15 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
     })
 }
 
+/// Returns the row of an alternative, but for what it solved and whether it integrates.
 fn method_row(
     made: &Synthesised,
-    (method, integral): (Method, bool),
+    method: Method,
     answer: Result<Alternative, Refusal>,
 ) -> Result<MethodRow, PipelineError> {
     let blank = MethodRow {
         method: method.name().to_owned(),
-        integral,
+        integral: false,
         order: 0,
         norm: None,
         figures: None,
@@ -514,7 +515,8 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
 /// `None` if the project has no beam.
 fn spillover(
     project: &Project,
-    (asked, modelled): (&Synthesis, &Modelled),
+    asked: &Synthesis,
+    modelled: &Modelled,
     made: &Synthesised,
 ) -> Result<Option<Spillover>, PipelineError> {
     let Some(structure) = finite_elements_of(project) else { return Ok(None) };

@@ -7,8 +7,8 @@ use counterpoise_synth::{
 use counterpoise_verify::VerifiedController;
 
 use crate::design_views::{WeightResponses, weight_responses};
-use crate::export::describe_weights;
 use crate::synth::{design_plant, sampling};
+use crate::wording::weights::describe_weights;
 use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::WeightSearch;
@@ -61,7 +61,7 @@ pub fn search(
         let points = trade_off(&from, &wanted.ms_limits, go_on)?;
         curve = wanted.ms_limits.iter().copied().zip(points).collect();
     }
-    if let Some(better) = better_point(&curve, (&found, &wanted.requirements)) {
+    if let Some(better) = better_point(&curve, &found, &wanted.requirements) {
         found.best = better;
     }
     let mut project = project.clone();
@@ -83,7 +83,7 @@ pub fn search(
 
 /// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
 /// points were searched further.
-fn better_point(curve: &[(f64, Found)], (found, wanted): (&Found, &Requirements)) -> Option<Trial> {
+fn better_point(curve: &[(f64, Found)], found: &Found, wanted: &Requirements) -> Option<Trial> {
     let rejection = |trial: &Trial| trial.figures.rejection;
     let points = curve.iter().map(|(_, point)| &point.best);
     points

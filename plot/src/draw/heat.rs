@@ -107,7 +107,7 @@ fn draw_cells<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, layout: 
         (x, y),
     ));
     for (k, row) in map.rows.iter().enumerate() {
-        draw_row(sheet, &cells, map, (k, row))?;
+        draw_row(sheet, &cells, map, k, row)?;
     }
     let inset = (1.5 / layout.cell_width, 1.5 / ROW);
     for (row, column) in &map.framed {
@@ -122,7 +122,8 @@ fn draw_row<DB: DrawingBackend>(
     sheet: &Sheet<'_, DB>,
     cells: &Cells<DB>,
     map: &HeatMap,
-    (k, row): (usize, &HeatRow),
+    k: usize,
+    row: &HeatRow,
 ) -> Drawn<DB> {
     let (y, columns) = (k as f64, map.columns.len());
     if let Some(cover) = &row.cover {

@@ -93,7 +93,7 @@ pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, E
     let table = walk(document.as_table_mut(), way, path)?;
     match last.index {
         None => put(table, last.key, value),
-        Some(index) => put_item(table, (last.key, index), value, path)?,
+        Some(index) => put_item(table, last.key, index, value, path)?,
     }
     Ok(document.to_string())
 }
@@ -154,7 +154,8 @@ fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
 /// Puts a value in the place of an item of a list of values.
 fn put_item(
     table: &mut dyn TableLike,
-    (key, index): (&str, usize),
+    key: &str,
+    index: usize,
     mut value: Value,
     path: &str,
 ) -> Result<(), EditError> {

@@ -1,6 +1,6 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Points, Variation, Varied, varied};
+use counterpoise_verify::robust::{Distribution, Family, Points, Variation, Varied, varied};
 
 use super::Project;
 use crate::assumption::Tolerance;
@@ -19,7 +19,7 @@ pub struct Sweep {
     /// Parameters that vary together.
     pub variations: Vec<Variation>,
     /// Parameters that vary one at a time, with their factors.
-    pub families: Vec<(Varied, Vec<f64>)>,
+    pub families: Vec<Family>,
     /// Relative error of any phase at the plant's input, in the linear worst case.
     pub input_error: f64,
     /// Relative error of any phase of the hub gyroscope's reading, in the linear worst case.
@@ -187,7 +187,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
         blank,
         variation,
     );
-    let blank = (Varied::Inertia, Vec::new());
+    let blank = Family { parameter: Varied::Inertia, factors: Vec::new() };
     list(
         v,
         &TableField::optional("family", "a parameter that varies alone"),
@@ -223,7 +223,7 @@ fn variation(v: &mut dyn Visit, variation: &mut Variation) {
     };
 }
 
-fn family(v: &mut dyn Visit, (parameter, factors): &mut (Varied, Vec<f64>)) {
-    choose(v, &PARAMETER, parameter);
-    v.numbers(&FACTORS, Count::AtLeastOne, factors);
+fn family(v: &mut dyn Visit, family: &mut Family) {
+    choose(v, &PARAMETER, &mut family.parameter);
+    v.numbers(&FACTORS, Count::AtLeastOne, &mut family.factors);
 }

@@ -164,14 +164,14 @@ impl Reader<'_> {
         self.budget.admits(&name, chunk).map_err(Stop::Ours)?;
         let unit = unit(set);
         if count == 0 {
-            return self.array(name, unit, (0, 1), Vec::new()).map_err(Stop::Ours);
+            return self.array(name, unit, 0, 1, Vec::new()).map_err(Stop::Ours);
         }
-        let Some(shape) = self.rows_and_columns(&shape) else {
+        let Some((rows, columns)) = self.rows_and_columns(&shape) else {
             self.found.unread(&name, Unread::Shape { shape });
             return Ok(());
         };
         match set.read_f64() {
-            Ok(values) => self.array(name, unit, shape, values).map_err(Stop::Ours),
+            Ok(values) => self.array(name, unit, rows, columns, values).map_err(Stop::Ours),
             Err(Hdf5Error::Format(
                 damage @ (FormatError::Fletcher32Mismatch { .. } | FormatError::ChecksumMismatch { .. }),
             )) => {
@@ -198,7 +198,8 @@ impl Reader<'_> {
         &mut self,
         name: String,
         unit: Option<String>,
-        (rows, columns): (usize, usize),
+        rows: usize,
+        columns: usize,
         values: Vec<f64>,
     ) -> Result<(), Error> {
         let (name, named_unit) = name_and_unit(&name);

@@ -52,7 +52,7 @@ fn columns(
             continue;
         }
         budget.take(name, rows)?;
-        let values = column(reader, index, description.max_def_level(), (what, &mut origin));
+        let values = column(reader, index, description.max_def_level(), what, &mut origin);
         let values = values.map_err(|error| damaged(file, name, &error))?;
         let named = Column::headed(name, values);
         let unit = named.unit.or_else(|| what.unit().map(str::to_owned));

@@ -121,7 +121,8 @@ pub(super) fn column(
     reader: &SerializedFileReader<Bytes>,
     index: usize,
     present: i16,
-    (holds, origin): (Holds, &mut Origin),
+    holds: Holds,
+    origin: &mut Origin,
 ) -> Result<Vec<f64>, ParquetError> {
     let mut long = |v: i64| match holds {
         Holds::Unsigned => v as u64 as f64,

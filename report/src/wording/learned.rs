@@ -199,8 +199,8 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> 
             let off = change(element, level - element.quantity.neutral(), half);
             format!("{subject} is off by {off} wherever the recordings go")
         }
-        Form::Linear if factor => evenly(element, &subject, sized("slope")),
-        Form::Linear => line(element, &subject, sized("slope")),
+        Form::Linear if factor => evenly(element, &subject, reading),
+        Form::Linear => line(element, &subject, reading),
         Form::DeadZone => stops(element, &subject, reading),
         Form::Cubic => cubic(element, &subject, reading),
         Form::Sine => sine(element, &subject, reading),
@@ -269,10 +269,11 @@ fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
 }
 
 /// Describes a factor that changes in proportion to its variable.
-fn evenly(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) -> String {
+fn evenly(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+    let (slope, half_width) = (reading.value("slope"), reading.half_width("slope"));
     let reach = element.points.last().unwrap_or(&0.0) - element.points.first().unwrap_or(&0.0);
     let rises = if slope > 0.0 { "rises" } else { "falls" };
-    let by = change(element, (slope * reach).abs(), half * reach);
+    let by = change(element, (slope * reach).abs(), half_width * reach);
     format!("{subject} {rises} evenly with the {}, by {by} over its range", variable(element.variable))
 }
 
@@ -285,13 +286,14 @@ fn spot(element: &LearnedElement, height: f64) -> &'static str {
     }
 }
 
-fn line(element: &LearnedElement, subject: &str, (slope, half): (f64, f64)) -> String {
+fn line(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+    let (slope, half_width) = (reading.value("slope"), reading.half_width("slope"));
     let size = format!(
         "{} N m per {} ({} to {})",
         short_number(slope.abs()),
         element.variable.unit(),
-        short_number(slope.abs() - half),
-        short_number(slope.abs() + half)
+        short_number(slope.abs() - half_width),
+        short_number(slope.abs() + half_width)
     );
     match (element.variable, slope > 0.0) {
         (RegimeVariable::Angle, true) => {

@@ -177,7 +177,7 @@ impl AngleNearby {
     fn sin_cos(&self, angle: f64) -> SinCos {
         let d = angle - self.angle;
         if d.abs() > NEAR_ANGLE_RAD {
-            return angle.sin_cos().into();
+            return SinCos::of(angle);
         }
         let square = d * d;
         let (sin, cos) =

@@ -54,7 +54,7 @@ pub fn draw_beam(ui: &Ui, view: &View, beam: &Beam, modes: Option<&BeamModes>, c
         );
     }
     draw_pivot(ui, &theme, frame.at(beam.pivot_m, 0.0), scale);
-    draw_ruler(ui, &theme, &frame, (first.from_m, last.to_m), canvas.bottom() - 18.0);
+    draw_ruler(ui, &theme, &frame, first.from_m, last.to_m, canvas.bottom() - 18.0);
 }
 
 fn half_heights(shape: &SectionShape) -> [f64; 2] {
@@ -101,7 +101,7 @@ fn draw_pivot(ui: &Ui, theme: &Theme, at: Pos2, scale: f32) {
     draw_text(ui, pinion + vec2(64.0, 0.0), "motor and gear", theme.weak);
 }
 
-fn draw_ruler(ui: &Ui, theme: &Theme, frame: &DrawingScale, (from, to): (f64, f64), y: f32) {
+fn draw_ruler(ui: &Ui, theme: &Theme, frame: &DrawingScale, from: f64, to: f64, y: f32) {
     let stroke = Stroke::new(1.0, theme.weak);
     ui.painter().line_segment([pos2(frame.at(from, 0.0).x, y), pos2(frame.at(to, 0.0).x, y)], stroke);
     let mut metre = from.ceil();

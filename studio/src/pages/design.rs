@@ -63,7 +63,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
     show_tabs(ui, view, queue);
     match view.design_tab {
-        DesignTab::Consequences => show_plots(ui, view, queue, &project, (&design, effort.as_ref())),
+        DesignTab::Consequences => show_plots(ui, view, queue, &project, &design, effort.as_ref()),
         DesignTab::Loop => loop_charts::show(ui, view, queue, &design, shape.as_ref().map(|of| &of.value)),
     }
 }
@@ -188,7 +188,8 @@ fn show_plots(
     view: &mut View,
     queue: &mut Vec<Command>,
     project: &Project,
-    (design, effort): (&DesignPreview, Option<&Versioned<Vec<EffortPoint>>>),
+    design: &DesignPreview,
+    effort: Option<&Versioned<Vec<EffortPoint>>>,
 ) {
     let area = widgets::take_remaining_area(ui);
     let cells = widgets::design_page_cells(area);

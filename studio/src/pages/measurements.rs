@@ -39,7 +39,8 @@ fn show_start(
     theme: &Theme,
     queue: &mut Vec<Command>,
     button: StartButton,
-    (progress, freshness): (Option<&str>, Freshness),
+    progress: Option<&str>,
+    freshness: Freshness,
 ) {
     ui.horizontal(|ui| {
         let widget = egui::Button::new(button.text);
@@ -69,7 +70,7 @@ pub fn show_map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &
         hint: "F7: platform rate to hub rate on the full plant, amplitude by amplitude",
         command: Command::Measure,
     };
-    show_start(ui, &theme, queue, button, (shown.progress.as_deref(), freshness));
+    show_start(ui, &theme, queue, button, shown.progress.as_deref(), freshness);
     match map.map(|of| &of.value) {
         None if shown.progress.is_some() => {
             widgets::show_placeholder(ui, &theme, "Measuring", "the map appears when it is complete");
@@ -117,7 +118,7 @@ pub fn show_campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, sho
         hint: "F8: the mechanisms of the section [sweep]",
         command: Command::Sweep,
     };
-    show_start(ui, &theme, queue, button, (shown.progress.as_deref(), freshness));
+    show_start(ui, &theme, queue, button, shown.progress.as_deref(), freshness);
     match campaign.map(|of| &of.value) {
         None if shown.progress.is_some() => {
             widgets::show_placeholder(ui, &theme, "Running", "the first mechanisms appear in a moment");

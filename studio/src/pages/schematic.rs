@@ -35,15 +35,16 @@ pub fn draw_chain(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, roo
     draw_spring(ui, theme, hub + vec2(unit, 0.0), beam - vec2(unit, 0.0));
     let body = Rect::from_center_size(amplifier, vec2(1.5 * unit, 1.1 * unit));
     ui.painter().rect(body, 4.0, theme.field, Stroke::new(1.5, theme.accent), egui::StrokeKind::Middle);
-    draw_disc(ui, theme, (motor, 0.55 * unit), angles[0]);
+    draw_disc(ui, theme, Disc { centre: motor, radius: 0.55 * unit }, angles[0]);
     for (centre, radius) in [(gear, pinion), (slow, wheel)] {
         ui.painter().circle(centre, radius, theme.card, Stroke::new(1.5, theme.accent));
         ui.painter().circle_filled(centre, 3.0, theme.accent);
     }
-    draw_disc(ui, theme, (hub, 0.9 * unit), angles[1]);
-    draw_disc(ui, theme, (beam, unit), angles[2]);
-    draw_weight(ui, theme, (beam, unit), (angles[2], lumped.out_of_balance_kg_m));
-    write_captions(ui, view, plant, lumped, ([amplifier, motor, slow, hub, beam], low + 1.35 * unit));
+    draw_disc(ui, theme, Disc { centre: hub, radius: 0.9 * unit }, angles[1]);
+    let load = Disc { centre: beam, radius: unit };
+    draw_disc(ui, theme, load, angles[2]);
+    draw_weight(ui, theme, load, angles[2], lumped.out_of_balance_kg_m);
+    write_captions(ui, view, plant, lumped, [amplifier, motor, slow, hub, beam], low + 1.35 * unit);
 }
 
 /// Returns the angles of hub (with the motor behind the gear) and beam, which swing against each other.
@@ -58,7 +59,14 @@ fn mode_angles(ui: &Ui, plant: &Parameters, lumped: &Lumped) -> Angles {
     [-hub * ratio, hub, -SWING * moment * near / largest]
 }
 
-fn draw_disc(ui: &Ui, theme: &Theme, (centre, radius): (Pos2, f32), angle: f64) {
+/// A round body in the drawing.
+#[derive(Clone, Copy)]
+struct Disc {
+    centre: Pos2,
+    radius: f32,
+}
+
+fn draw_disc(ui: &Ui, theme: &Theme, Disc { centre, radius }: Disc, angle: f64) {
     ui.painter().circle(centre, radius, theme.field, Stroke::new(1.5, theme.text));
     let spoke = vec2(angle.cos() as f32, -(angle.sin()) as f32) * radius;
     ui.painter().line_segment([centre - spoke, centre + spoke], Stroke::new(1.0, theme.weak));
@@ -85,14 +93,14 @@ fn draw_spring(ui: &Ui, theme: &Theme, from: Pos2, to: Pos2) {
 }
 
 /// Draws the out-of-balance as a weight on the beam's rim, on its side.
-fn draw_weight(ui: &Ui, theme: &Theme, (centre, radius): (Pos2, f32), (angle, moment): (f64, f64)) {
+fn draw_weight(ui: &Ui, theme: &Theme, Disc { centre, radius }: Disc, angle: f64, moment: f64) {
     let side = if moment < 0.0 { -1.0 } else { 1.0 };
     let arm = vec2(angle.cos() as f32, -(angle.sin()) as f32) * (side * radius);
     let fill = theme.curves[1].gamma_multiply(0.35);
     ui.painter().circle(centre + arm, 9.0, fill, Stroke::new(1.5, theme.curves[1]));
 }
 
-fn write_captions(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, (at, below): ([Pos2; 5], f32)) {
+fn write_captions(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, at: [Pos2; 5], below: f32) {
     let (theme, angle) = (&view.theme, view.units.display_unit("rad"));
     let gear = &plant.gearbox;
     let texts: [(&str, [String; 2]); 5] = [
@@ -127,15 +135,15 @@ fn write_captions(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, (at
         ),
     ];
     for (centre, (name, lines)) in at.iter().zip(&texts) {
-        write_text(ui, pos2(centre.x, below), name, (13.0, theme.text));
+        write_text(ui, pos2(centre.x, below), name, 13.0, theme.text);
         for (k, line) in lines.iter().enumerate() {
-            write_text(ui, pos2(centre.x, below + 17.0 + 14.0 * k as f32), line, (11.0, theme.weak));
+            write_text(ui, pos2(centre.x, below + 17.0 + 14.0 * k as f32), line, 11.0, theme.weak);
         }
     }
     let middle = pos2(0.5 * (at[3].x + at[4].x), at[3].y - 24.0);
-    write_text(ui, middle, &format!("{} N m/rad", format_short(lumped.stiffness_nm_rad)), (11.0, theme.weak));
+    write_text(ui, middle, &format!("{} N m/rad", format_short(lumped.stiffness_nm_rad)), 11.0, theme.weak);
 }
 
-fn write_text(ui: &Ui, at: Pos2, text: &str, (size, colour): (f32, egui::Color32)) {
+fn write_text(ui: &Ui, at: Pos2, text: &str, size: f32, colour: egui::Color32) {
     ui.painter().text(at, Align2::CENTER_CENTER, text, FontId::proportional(size), colour);
 }

@@ -1,7 +1,9 @@
 //! What the studio remembers of its windows, kept up to date on disk.
 
 use super::Studio;
-use crate::settings::{ProjectSettings, SettingsFile, settings_files, write_settings};
+use crate::settings::{
+    ProjectSettings, SettingsFile, project_settings_file, user_settings_file, write_settings,
+};
 
 impl Studio {
     /// Has the settings written if they differ from those that were written last.
@@ -36,7 +38,10 @@ impl Studio {
         let (user, project) = &self.stored_settings;
         let writable = self.opened.as_ref().filter(|opened| !opened.is_read_only());
         let path = writable.map(|opened| opened.path.as_path());
-        settings_files(&self.state, user, path.zip(project.as_ref()))
+        let project = path
+            .zip(project.as_ref())
+            .and_then(|(path, settings)| project_settings_file(&self.state, path, settings));
+        user_settings_file(&self.state, user).into_iter().chain(project).collect()
     }
 }
 

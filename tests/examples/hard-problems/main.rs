@@ -1,8 +1,10 @@
 //! Solves the problems that come in on standard input, one JSON object a line, and writes one JSON object a line: the
 //! answer, `refused` with a reason, `failed` with an error, or `panicked`. The scripts in `tests/peers/linear` judge the answers.
+//! A problem with `repeat_s` is solved again and again for so many seconds, and `seconds` is the shortest time.
 #![allow(non_snake_case, clippy::print_stdout)]
 
 use std::io::BufRead;
+use std::time::Instant;
 
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
@@ -20,17 +22,29 @@ fn main() {
     std::panic::set_hook(Box::new(|_| ()));
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {
         let Ok(problem) = serde_json::from_str::<Value>(&line) else { continue };
-        let start = processor_seconds();
-        let answer = std::panic::catch_unwind(|| solve(&problem));
-        let seconds = processor_seconds() - start;
-        let mut answer = match answer {
-            Ok(Ok(value)) => value,
-            Ok(Err(why)) => json!({ "failed": why }),
-            Err(_) => json!({ "panicked": true }),
-        };
+        let begun = Instant::now();
+        let (mut answer, mut seconds) = timed(&problem);
+        while begun.elapsed().as_secs_f64() < number(&problem, "repeat_s", 0.0) {
+            seconds = seconds.min(timed(&problem).1);
+        }
         answer["seconds"] = json!(seconds);
         println!("{answer}");
     }
+}
+
+/// The answer to a problem, and the time that it took, s: the processor's time, or the time of the clock if that is below a millisecond, because
+/// reading the processor's time takes some microseconds.
+fn timed(problem: &Value) -> (Value, f64) {
+    let (before, start) = (processor_seconds(), Instant::now());
+    let answer = std::panic::catch_unwind(|| solve(problem));
+    let elapsed = start.elapsed().as_secs_f64();
+    let seconds = if elapsed < 1e-3 { elapsed } else { processor_seconds() - before };
+    let answer = match answer {
+        Ok(Ok(value)) => value,
+        Ok(Err(why)) => json!({ "failed": why }),
+        Err(_) => json!({ "panicked": true }),
+    };
+    (answer, seconds)
 }
 
 /// The processor's time of this thread in seconds, which a busy machine does not change; zero if the system does not tell.

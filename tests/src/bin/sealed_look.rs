@@ -28,7 +28,7 @@ fn main() {
         };
         let clock = std::time::Instant::now();
         match diagnose(&nominal, &controller(), &recordings(&case), &Threads) {
-            Ok(found) => print(seed, (&nominal, &case), &found.answer, clock.elapsed().as_secs_f64()),
+            Ok(found) => print(seed, &nominal, &case, &found.answer, clock.elapsed().as_secs_f64()),
             Err(error) => println!("seed {seed}: {error}"),
         }
     }
@@ -48,7 +48,7 @@ fn asked(text: &str) -> Option<(u64, Parameters, Case)> {
     Some((1_000 + which as u64, nominal, case))
 }
 
-fn print(seed: u64, (nominal, case): (&Parameters, &Case), answer: &Answer, seconds: f64) {
+fn print(seed: u64, nominal: &Parameters, case: &Case, answer: &Answer, seconds: f64) {
     println!("seed {seed}, noise {}, {seconds:.1} s", case.sealed.noise);
     for concealed in &case.sealed.concealed {
         println!("  {concealed:?}");

@@ -35,15 +35,16 @@ pub fn compared(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Opti
 }
 
 /// The first entry of the library with a name that has a parameter of the given name, or else the first with the name.
-fn entry(name: (&str, &str), parameter: Option<&str>) -> Option<&'static Effect> {
+fn entry(component: &str, effect: &str, parameter: Option<&str>) -> Option<&'static Effect> {
     let has = |e: &&'static Effect| e.parameters.iter().any(|k| Some(k.name) == parameter);
-    let (component, effect) = (Component::from_name(name.0)?, EffectName::from_name(name.1)?);
+    let (component, effect) = (Component::from_name(component)?, EffectName::from_name(effect)?);
     let first = find_effects(component, effect).next();
     find_effects(component, effect).find(has).or(first)
 }
 
 fn ordinary(base: &Parameters) -> Structure {
-    let effects: Vec<&'static Effect> = ORDINARY.iter().filter_map(|name| entry(*name, None)).collect();
+    let effects: Vec<&'static Effect> =
+        ORDINARY.iter().filter_map(|(component, effect)| entry(component, effect, None)).collect();
     let start = effects.iter().flat_map(|e| e.values(base)).collect();
     Structure { effects, start }
 }
@@ -52,7 +53,8 @@ fn found(answer: &Answer) -> Structure {
     let mut structure = Structure::default();
     for finding in &answer.findings {
         let parameter = finding.parameters.first().map(|p| p.name);
-        let Some(effect) = parameter.and_then(|_| entry(finding.name().names(), parameter)) else {
+        let (component, effect) = finding.name().names();
+        let Some(effect) = parameter.and_then(|_| entry(component, effect, parameter)) else {
             continue;
         };
         let values: Vec<f64> = finding.parameters.iter().map(|p| p.value).collect();
@@ -67,7 +69,7 @@ fn found(answer: &Answer) -> Structure {
 fn truth(base: &Parameters, case: &Case) -> Structure {
     let mut structure = Structure::default();
     for c in &case.sealed.concealed {
-        let Some(effect) = entry((c.component, c.effect), c.parameters.first().map(|p| p.0)) else {
+        let Some(effect) = entry(c.component, c.effect, c.parameters.first().map(|p| p.0)) else {
             continue;
         };
         let usual = effect.starts.first().map_or_else(|| effect.values(base), |s| s.to_vec());

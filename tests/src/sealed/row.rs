@@ -1,6 +1,6 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
-use counterpoise_diagnose::findings::answer::{Answer, Finding, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, Finding, Name, Verdict};
 use counterpoise_diagnose::findings::channel_fits::{ChannelFit, Channels};
 use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
@@ -137,7 +137,7 @@ pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
             .map(|f| stated(sealed, f))
             .collect(),
         component: count(&|c| any(&|f| f.component.name() == c.component)),
-        top: count(&|c| known && any(&|f| is(c, f.name().names()))),
+        top: count(&|c| known && any(&|f| is(c, f.name()))),
         in_set: count(&|c| known && any(&|f| offers(c, f))),
         offered: answer.findings.iter().map(|f| 1 + f.alternatives.len()).sum(),
         covered: errors.iter().filter(|e| e.abs() <= 1.96).count(),
@@ -154,17 +154,17 @@ pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
 }
 
 /// Whether a name is the concealed effect's, or one that such recordings cannot tell from it.
-fn is(c: &Concealed, name: (&'static str, &'static str)) -> bool {
-    (c.component, c.effect) == name || c.also.contains(&name)
+fn is(c: &Concealed, name: Name) -> bool {
+    (c.component, c.effect) == name.names() || c.also.contains(&name.names())
 }
 
 /// Whether a finding has the concealed effect's name, or offers it as an alternative.
 pub fn offers(c: &Concealed, f: &Finding) -> bool {
-    is(c, f.name().names()) || f.alternatives.iter().any(|a| is(c, a.names()))
+    is(c, f.name()) || f.alternatives.iter().any(|a| is(c, *a))
 }
 
 fn stated(sealed: &Sealed, f: &Finding) -> (f64, bool) {
-    (f.probability, sealed.concealed.iter().any(|c| is(c, f.name().names())))
+    (f.probability, sealed.concealed.iter().any(|c| is(c, f.name())))
 }
 
 /// Errors of the parameters of the findings with the right name, in their standard deviations.

@@ -239,27 +239,27 @@ fn scaled(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
 fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     let pivot = &mut m.pivot_friction;
     match which {
-        0 => one("pivot", "coulomb", ("coulomb", scaled(dice, &mut pivot.level, 0.4 * s))),
+        0 => one("pivot", "coulomb", "coulomb", scaled(dice, &mut pivot.level, 0.4 * s)),
         1 => {
             pivot.viscous += 300.0 * s;
-            one("pivot", "viscous", ("viscous", pivot.viscous))
+            one("pivot", "viscous", "viscous", pivot.viscous)
         }
         2 => {
             pivot.static_ratio = 1.0 + 0.5 * s;
             pivot.stribeck_rate = dice.uniform(0.006, 0.03);
-            let mut stribeck = one("pivot", "stribeck", ("static_ratio", pivot.static_ratio));
+            let mut stribeck = one("pivot", "stribeck", "static_ratio", pivot.static_ratio);
             stribeck.parameters.push(("stribeck_rate", pivot.stribeck_rate));
             stribeck
         }
         3 => {
             pivot.asymmetry = (0.3 * s * sign(dice)).clamp(-0.8, 0.8);
-            one("pivot", "asymmetric_friction", ("asymmetry", pivot.asymmetry))
+            one("pivot", "asymmetric_friction", "asymmetry", pivot.asymmetry)
         }
         4 => {
             m.quadratic_drag = 1500.0 * s;
-            one("pivot", "quadratic_drag", ("quadratic", m.quadratic_drag))
+            one("pivot", "quadratic_drag", "quadratic", m.quadratic_drag)
         }
-        _ => one("motor", "coulomb", ("coulomb", scaled(dice, &mut m.motor_friction.level, 0.4 * s))),
+        _ => one("motor", "coulomb", "coulomb", scaled(dice, &mut m.motor_friction.level, 0.4 * s)),
     }
 }
 
@@ -267,27 +267,27 @@ fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed
     match which {
         6 => {
             m.cogging = [0.12 * s, [4.0, 6.0, 8.0, 12.0, 24.0][dice.below(5)], dice.uniform(-3.0, 3.0)];
-            let mut cogging = one("motor", "cogging", ("amplitude", m.cogging[0]));
+            let mut cogging = one("motor", "cogging", "amplitude", m.cogging[0]);
             cogging.parameters.extend([("order", m.cogging[1]), ("phase", m.cogging[2])]);
             cogging
         }
         7 => {
             let constant = scaled(dice, &mut m.torque_constant, 0.15 * s);
-            one("motor", "torque_constant", ("torque_constant", constant))
+            one("motor", "torque_constant", "torque_constant", constant)
         }
         8 => {
             m.backlash += 3e-3 * s;
-            one("gearbox", "backlash", ("backlash", m.backlash))
+            one("gearbox", "backlash", "backlash", m.backlash)
         }
-        9 => one("gearbox", "stiffness", ("stiffness", scaled(dice, &mut m.gear_stiffness, 0.35 * s))),
+        9 => one("gearbox", "stiffness", "stiffness", scaled(dice, &mut m.gear_stiffness, 0.35 * s)),
         10 => {
             m.dead_zone = 0.1 * s;
-            let dead_zone = one("amplifier", "dead_zone", ("dead_zone", m.dead_zone));
+            let dead_zone = one("amplifier", "dead_zone", "dead_zone", m.dead_zone);
             Concealed { also: vec![("amplifier", "gain_curve")], ..dead_zone }
         }
         _ => {
             m.delay_samples = 1 + (5.0 * s) as usize;
-            let delay = one("control", "delay", ("delay", m.delay_samples as f64));
+            let delay = one("control", "delay", "delay", m.delay_samples as f64);
             Concealed { also: vec![("hub_gyro", "delay")], ..delay }
         }
     }
@@ -297,19 +297,19 @@ fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conce
     match which {
         12 => {
             m.moment += 40.0 * s * sign(dice);
-            one("structure", "out_of_balance", ("out_of_balance", m.moment))
+            one("structure", "out_of_balance", "out_of_balance", m.moment)
         }
-        13 => one("structure", "inertia", ("beam_inertia", scaled(dice, &mut m.beam_inertia, 0.3 * s))),
+        13 => one("structure", "inertia", "beam_inertia", scaled(dice, &mut m.beam_inertia, 0.3 * s)),
         _ => {
             (m.spring, m.spring_centre) = (900.0 * s, dice.uniform(-0.06, 0.06));
-            one("structure", "position_stiffness", ("stiffness", m.spring))
+            one("structure", "position_stiffness", "stiffness", m.spring)
         }
     }
 }
 
 /// One effect with one parameter.
-fn one(component: &'static str, effect: &'static str, parameter: (&'static str, f64)) -> Concealed {
-    Concealed { component, effect, parameters: vec![parameter], size: 1.0, also: Vec::new() }
+fn one(component: &'static str, effect: &'static str, parameter: &'static str, value: f64) -> Concealed {
+    Concealed { component, effect, parameters: vec![(parameter, value)], size: 1.0, also: Vec::new() }
 }
 
 /// The rest of the vocabulary: what modulates friction, ripples, and the amplifier's limits.
@@ -319,35 +319,35 @@ fn further(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed 
     match which {
         15 => {
             m.pivot_friction.along = [(0.3 * s).min(0.8), [4.0, 8.0, 15.0, 30.0, 45.0][dice.below(5)], phase];
-            one("pivot", "position_dependent_friction", ("amplitude", m.pivot_friction.along[0]))
+            one("pivot", "position_dependent_friction", "amplitude", m.pivot_friction.along[0])
         }
         16 => {
             m.pivot_friction.stiffness *= 2f64.powf(s * sign(dice));
-            one("pivot", "presliding_stiffness", ("rest_stiffness", m.pivot_friction.stiffness))
+            one("pivot", "presliding_stiffness", "rest_stiffness", m.pivot_friction.stiffness)
         }
         17 => {
             m.pivot_friction.per_load = 0.04 * s;
-            one("pivot", "load_dependent_friction", ("load_coefficient", m.pivot_friction.per_load))
+            one("pivot", "load_dependent_friction", "load_coefficient", m.pivot_friction.per_load)
         }
         18 => {
             m.pivot_friction.warming = [(0.3 * s).min(0.8), dice.uniform(1.5, 5.0)];
-            one("pivot", "warm_up", ("warm_up", m.pivot_friction.warming[0]))
+            one("pivot", "warm_up", "warm_up", m.pivot_friction.warming[0])
         }
         19 => {
             m.motor_friction.viscous += 0.004 * s;
-            one("motor", "viscous", ("viscous", m.motor_friction.viscous))
+            one("motor", "viscous", "viscous", m.motor_friction.viscous)
         }
         20 => {
             m.torque_ripple = [0.05 * s, order, phase];
-            one("motor", "torque_ripple", ("amplitude", m.torque_ripple[0]))
+            one("motor", "torque_ripple", "amplitude", m.torque_ripple[0])
         }
         21 => {
             m.mesh_ripple = [15.0 * s, order, phase];
-            one("gearbox", "mesh_ripple", ("amplitude", m.mesh_ripple[0]))
+            one("gearbox", "mesh_ripple", "amplitude", m.mesh_ripple[0])
         }
         22 => {
             m.mesh_efficiency = 1.0 - 0.08 * s;
-            one("gearbox", "mesh_efficiency", ("efficiency", m.mesh_efficiency))
+            one("gearbox", "mesh_efficiency", "efficiency", m.mesh_efficiency)
         }
         _ => drive_or_structure(m, dice, which, s),
     }
@@ -360,33 +360,33 @@ fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) ->
             let stalled = m.amplifier_gain / (m.resistance + m.amplifier_gain * m.current_feedback);
             let point = |v: f64| [v, stalled * v * (1.0 - depth * (-(v / corner).powi(3)).exp())];
             m.amplifier_curve = (1..=40).map(|k| point(0.05 * f64::from(k))).collect();
-            let mut curve = one("amplifier", "gain_curve", ("depth", depth));
+            let mut curve = one("amplifier", "gain_curve", "depth", depth);
             curve.parameters.clear();
             curve
         }
         24 => {
             m.amplifier_time *= 1.0 + 1.5 * s;
-            one("amplifier", "bandwidth", ("time_constant", m.amplifier_time))
+            one("amplifier", "bandwidth", "time_constant", m.amplifier_time)
         }
         25 => {
             m.moment_above += 30.0 * s * sign(dice);
-            one("structure", "vertical_offset", ("vertical_offset", m.moment_above))
+            one("structure", "vertical_offset", "vertical_offset", m.moment_above)
         }
         26 => {
             m.beam_stiffness *= 2f64.powf(s * sign(dice));
-            one("structure", "flexible_mode", ("stiffness", m.beam_stiffness))
+            one("structure", "flexible_mode", "stiffness", m.beam_stiffness)
         }
         27 => {
             m.current_limit = 9.0 + 1.0 / s;
-            one("amplifier", "current_limit", ("current_limit", m.current_limit))
+            one("amplifier", "current_limit", "current_limit", m.current_limit)
         }
         28 => {
             m.hysteresis = [60.0 * s, 1500.0 * s];
-            one("structure", "hysteresis", ("level", m.hysteresis[0]))
+            one("structure", "hysteresis", "level", m.hysteresis[0])
         }
         _ => {
             m.hub_inertia *= 1.0 + s * sign(dice).max(-0.5);
-            one("structure", "inertia", ("hub_inertia", m.hub_inertia))
+            one("structure", "inertia", "hub_inertia", m.hub_inertia)
         }
     }
 }
@@ -414,24 +414,24 @@ fn hub_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed 
     match which {
         0 => {
             m.hub_gyro.gain = 1.0 + 0.1 * signed;
-            one("hub_gyro", "scale", ("gain", m.hub_gyro.gain))
+            one("hub_gyro", "scale", "gain", m.hub_gyro.gain)
         }
         1 => {
             m.hub_gyro.bias = 0.01 * signed;
-            one("hub_gyro", "bias", ("bias", m.hub_gyro.bias))
+            one("hub_gyro", "bias", "bias", m.hub_gyro.bias)
         }
         7 => {
             m.hub_gyro.natural /= 1.0 + s;
-            one("hub_gyro", "bandwidth", ("natural_frequency", m.hub_gyro.natural))
+            one("hub_gyro", "bandwidth", "natural_frequency", m.hub_gyro.natural)
         }
         8 => {
             m.hub_gyro.late = 1 + (5.0 * s) as usize;
-            let late = one("hub_gyro", "delay", ("delay", m.hub_gyro.late as f64 * 1e-3));
+            let late = one("hub_gyro", "delay", "delay", m.hub_gyro.late as f64 * 1e-3);
             Concealed { also: vec![("control", "delay")], ..late }
         }
         _ => {
             m.hub_gyro.per_heave = 3e-3 * signed;
-            one("hub_gyro", "g_sensitivity", ("g_sensitivity", m.hub_gyro.per_heave))
+            one("hub_gyro", "g_sensitivity", "g_sensitivity", m.hub_gyro.per_heave)
         }
     }
 }
@@ -440,19 +440,19 @@ fn heave_or_clock_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conc
     match which {
         4 => {
             m.accelerometer.gain = 1.0 + 0.2 * signed;
-            one("platform_accelerometer", "scale", ("gain", m.accelerometer.gain))
+            one("platform_accelerometer", "scale", "gain", m.accelerometer.gain)
         }
         5 => {
             m.lever_arm = 1.0 * signed;
-            one("platform_accelerometer", "lever_arm", ("lever_arm", m.lever_arm))
+            one("platform_accelerometer", "lever_arm", "lever_arm", m.lever_arm)
         }
         11 => {
             m.accelerometer.bias = 0.3 * signed;
-            one("platform_accelerometer", "bias", ("bias", m.accelerometer.bias))
+            one("platform_accelerometer", "bias", "bias", m.accelerometer.bias)
         }
         _ => {
             m.platform_late = 4 + (20.0 * s) as usize;
-            one("platform", "channel_skew", ("skew", m.platform_late as f64 * 1e-3))
+            one("platform", "channel_skew", "skew", m.platform_late as f64 * 1e-3)
         }
     }
 }
@@ -461,23 +461,23 @@ fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conce
     match which {
         2 => {
             m.platform_gyro.gain = 1.0 + 0.15 * signed;
-            one("platform_gyro", "scale", ("gain", m.platform_gyro.gain))
+            one("platform_gyro", "scale", "gain", m.platform_gyro.gain)
         }
         3 => {
             m.platform_gyro.bias = 0.01 * signed;
-            one("platform_gyro", "bias", ("bias", m.platform_gyro.bias))
+            one("platform_gyro", "bias", "bias", m.platform_gyro.bias)
         }
         10 => {
             m.platform_gyro.per_heave = 3e-3 * signed;
-            one("platform_gyro", "g_sensitivity", ("g_sensitivity", m.platform_gyro.per_heave))
+            one("platform_gyro", "g_sensitivity", "g_sensitivity", m.platform_gyro.per_heave)
         }
         12 => {
             m.platform_gyro.natural /= 1.0 + 10.0 * s;
-            one("platform_gyro", "bandwidth", ("natural_frequency", m.platform_gyro.natural))
+            one("platform_gyro", "bandwidth", "natural_frequency", m.platform_gyro.natural)
         }
         _ => {
             m.platform_gyro.late = 4 + (20.0 * s) as usize;
-            one("platform_gyro", "delay", ("delay", m.platform_gyro.late as f64 * 1e-3))
+            one("platform_gyro", "delay", "delay", m.platform_gyro.late as f64 * 1e-3)
         }
     }
 }

@@ -79,7 +79,7 @@ impl Balance<'_> {
             let (period_s, used) = (linear.plant.sample_period_s, motion);
             let frequency = rate_of(pole, period_s);
             let over = motor_over_hub(&linear, frequency)?.unwrap_or(gearbox.ratio);
-            let hub_rad = swing_rad / hub_swing(&linear, (gearbox.ratio, frequency))?;
+            let hub_rad = swing_rad / hub_swing(&linear, gearbox.ratio, frequency)?;
             motion = Sinusoid {
                 rate_rad_s: hub_rad * frequency,
                 frequency_rad_s: frequency,
@@ -102,7 +102,7 @@ impl Balance<'_> {
 }
 
 /// The swing of the wind-up over that of the hub under the control alone.
-fn hub_swing(linear: &Linear, (ratio, frequency_rad_s): (f64, f64)) -> Result<f64, Error> {
+fn hub_swing(linear: &Linear, ratio: f64, frequency_rad_s: f64) -> Result<f64, Error> {
     let response = Response::of(&linear.plant.continuous)?.at(frequency_rad_s)?;
     let (hub, motor) = (response[(port::HUB, 0)], response[(port::MOTOR, 0)]);
     Ok((motor / hub / ratio - 1.0).norm().max(f64::MIN_POSITIVE))

@@ -73,7 +73,7 @@ pub(super) fn at_rest(subject: &Subject<'_>) -> Result<Run, Error> {
 
 fn at_rest_with(subject: &Subject<'_>, seed: u64) -> Result<Run, Error> {
     let point = &subject.procedure.operating_point;
-    let from_rest = run(subject, PlatformMotion::STILL, (None, seed))?;
+    let from_rest = run(subject, PlatformMotion::STILL, None, seed)?;
     let half = 0.5 * subject.case.plant.parameters().gearbox.backlash_rad;
     if half == 0.0 || subject.case.plant.equilibrium(point).mesh_torque_nm != 0.0 {
         return Ok(from_rest);
@@ -81,7 +81,7 @@ fn at_rest_with(subject: &Subject<'_>, seed: u64) -> Result<Run, Error> {
     let simulator = Simulator::new(&subject.case.plant)?;
     let mut state = simulator.rest(point.hub_angle_rad, point.platform_angle_rad, 0.0);
     state.core[counterpoise_models::plant::core::state::WINDUP] = half;
-    let on_flank = run(subject, PlatformMotion::STILL, (Some(state), seed))?;
+    let on_flank = run(subject, PlatformMotion::STILL, Some(state), seed)?;
     Ok(if on_flank.rms_rad_s > from_rest.rms_rad_s { on_flank } else { from_rest })
 }
 
@@ -91,13 +91,14 @@ pub(super) fn in_motion(subject: &Subject<'_>) -> Result<Run, Error> {
     let heave_m_s2 = sine(&subject.procedure.heave);
     let pitch_rate_rad_s = sine(&subject.procedure.pitch);
     let platform = PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..PlatformMotion::STILL };
-    run(subject, platform, (None, subject.procedure.seed))
+    run(subject, platform, None, subject.procedure.seed)
 }
 
 fn run(
     subject: &Subject<'_>,
     platform: PlatformMotion,
-    (start, seed): (Option<PlantState>, u64),
+    start: Option<PlantState>,
+    seed: u64,
 ) -> Result<Run, Error> {
     let point = &subject.procedure.operating_point;
     let mut runner = subject.controller.runner();

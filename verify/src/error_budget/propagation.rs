@@ -12,7 +12,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use counterpoise_controller::Controller;
-use counterpoise_models::plant::{FrictionLinearisation, Plant};
+use counterpoise_models::plant::{FrictionLinearisation, Plant, SinCos};
 use counterpoise_models::{Drift, LoadPoint, Parameters, Ripple, Sensor};
 use counterpoise_simulate::TimeHistory;
 use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
@@ -249,7 +249,7 @@ impl<'a> Propagation<'a> {
                 ErrorSource::Roll => [at(&further.roll_rate_rad_s), 0.0],
                 _ => [0.0, at(&further.yaw_rate_rad_s)],
             };
-            self.plant.gyroscopic_torque_nm(whole.truth.hub_angle_rad[k].sin_cos().into(), rates)
+            self.plant.gyroscopic_torque_nm(SinCos::of(whole.truth.hub_angle_rad[k]), rates)
         };
         Torques { motor_nm: vec![0.0; whole.len()], hub_nm: (0..whole.len()).map(hub).collect() }
     }

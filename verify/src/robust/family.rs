@@ -8,6 +8,15 @@ use super::{Varied, figures_of};
 use crate::measure::Value;
 use crate::{Error, Figure, Procedure};
 
+/// A parameter that varies alone, and its factors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Family {
+    /// The parameter.
+    pub parameter: Varied,
+    /// Its factors.
+    pub factors: Vec<f64>,
+}
+
 /// One mechanism of a family, and its figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member {
@@ -26,10 +35,10 @@ pub fn one_at_a_time(
     controller: &Controller,
     procedure: &Procedure,
     figures: &[Figure],
-    families: &[(Varied, Vec<f64>)],
+    families: &[Family],
 ) -> Result<Vec<Member>, Error> {
     let mut members = Vec::new();
-    for (varied, factors) in families {
+    for Family { parameter: varied, factors } in families {
         for &factor in factors {
             let mut parameters = nominal.clone();
             varied.scale(&mut parameters, factor)?;

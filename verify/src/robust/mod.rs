@@ -12,7 +12,7 @@ pub mod varied;
 pub mod worst;
 
 pub use campaign::{Campaign, Layout, Sample, Variation, merge};
-pub use family::{Member, configurations, one_at_a_time};
+pub use family::{Family, Member, configurations, one_at_a_time};
 pub use sampling::{Distribution, Points, latin_hypercube};
 pub use selected::{figures_of, history_of};
 pub use sobol::sobol;

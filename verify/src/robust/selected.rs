@@ -11,7 +11,7 @@ use crate::linear::closed::resolver_use;
 use crate::linear::{Closed, SampledPlant, arranged, surge};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
-use crate::{Arrangement, Error, Figure, Model, Procedure, nonlinear};
+use crate::{Arrangement, Error, Figure, Model, Procedure, Unmeasured, nonlinear};
 
 /// Measures `wanted`, in that order: infinite where the loop diverges, absent where there is no such number.
 ///
@@ -37,7 +37,7 @@ pub fn figures_of(
         found.extend(measured);
     }
     let value = |figure: &Figure| {
-        let absent = Value::Absent { why: "this experiment was not run".to_owned() };
+        let absent = Value::Absent { why: Unmeasured::NotRun };
         found
             .iter()
             .find(|measured| measured.figure == *figure)

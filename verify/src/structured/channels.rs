@@ -28,7 +28,7 @@ pub(super) struct Base {
 }
 
 /// The core with the gyroscope behind it and, where the controller reads it, the hub's angle.
-pub(super) fn base(plant: &Plant, slope_per_drive: f64, (resolver, springs): (Resolver, [f64; 2])) -> Base {
+pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver, springs: [f64; 2]) -> Base {
     let core = plant.core(Mesh::Touching);
     let (n, gyro) = (plant.core_order(), &plant.parameters().sensors.hub_gyro);
     let (first, second, angle) = (n, n + 1, n + 2);
@@ -57,7 +57,7 @@ pub(super) fn base(plant: &Plant, slope_per_drive: f64, (resolver, springs): (Re
     let mut control: Vec<f64> =
         (0..n).map(|i| core.B[(i, input::DRIVE)] * slope_per_drive / drive_gain(plant, &core)).collect();
     control.resize(n + 3, 0.0);
-    let readings = readings(plant, (first, angle));
+    let readings = readings(plant, first, angle);
     Base { A, control, readings }
 }
 
@@ -93,7 +93,7 @@ fn measured(plant: &Plant, angle: usize) -> Vec<f64> {
     }
 }
 
-fn readings(plant: &Plant, (gyro_state, angle): (usize, usize)) -> [Vec<f64>; 3] {
+fn readings(plant: &Plant, gyro_state: usize, angle: usize) -> [Vec<f64>; 3] {
     let (sensors, n) = (&plant.parameters().sensors, plant.core_order());
     let mut gyro = measured(plant, angle);
     if sensors.hub_gyro.natural_frequency_rad_s.is_finite() {

@@ -122,7 +122,7 @@ impl UncertainLoop {
         let moment = controller.parts().design_out_of_balance_kg_m;
         let closed = Closed::new(&plant, Some(controller), moment)?;
         let K = closed.controller.ok_or(Error::NoController)?;
-        let base = base(&body, drive_slope(&body, &linear), (resolver_use(controller), dry.springs));
+        let base = base(&body, drive_slope(&body, &linear), resolver_use(controller), dry.springs);
         let mut structure = Structure::default();
         let mut channels = Vec::new();
         for one in uncertain {
@@ -316,12 +316,12 @@ mod tests {
     }
 
     /// The same with the deviation closed around the extended plant.
-    fn pulled_out(parameters: &Parameters, (varied, factor): (Varied, Factor), delta: f64, rate: f64) -> C64 {
+    fn pulled_out(parameters: &Parameters, varied: Varied, factor: Factor, delta: f64, rate: f64) -> C64 {
         let body = Plant::lumped(parameters).unwrap();
         let at = body.equilibrium(&OperatingPoint::default());
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];
-        let base = base(&body, slope, (Resolver::Unread, [0.0; 2]));
+        let base = base(&body, slope, Resolver::Unread, [0.0; 2]);
         let channels: Vec<(Channel, Factor)> = places(varied)
             .iter()
             .flat_map(|place| channels_of(*place, &body, &base, &Dry::default()))
@@ -347,7 +347,7 @@ mod tests {
                 varied.scale(&mut parameters, factor.at(delta)).unwrap();
                 for rate in [1.0, 60.0, 280.0, 900.0] {
                     let (found, told) =
-                        (pulled_out(&rig, (varied, factor), delta, rate), direct(&parameters, rate));
+                        (pulled_out(&rig, varied, factor, delta, rate), direct(&parameters, rate));
                     assert!(
                         (found - told).norm() < 1e-6 * told.norm(),
                         "{key} {delta} {rate}: {found} {told}"

@@ -4,7 +4,7 @@ use counterpoise_linalg::C64;
 
 use super::Perturbation;
 use super::factor::Factor;
-use super::problem::{Destabilising, Problem, Scanned};
+use super::problem::{Destabilising, Direction, Problem, Scanned};
 use crate::Error;
 use crate::robust::Varied;
 use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
@@ -39,14 +39,13 @@ impl Search<'_, '_> {
     /// Without complex errors: the parameters' ends that bring a pole furthest out, one parameter at a time.
     fn ascended(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
         let count = self.0.entering.len();
-        let mut candidate =
-            Candidate { deltas: vec![0.0; count], phases: [C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 };
+        let mut candidate = Direction::none(count);
         let mut best = 0.0;
         for k in (0..count).chain(0..count) {
             for end in [-1.0, 1.0] {
                 let mut other = candidate.clone();
                 other.deltas[k] = end;
-                let radius = self.0.pole(&other.deltas, other.phases, scale)?.norm();
+                let radius = self.0.pole(&other, scale)?.norm();
                 if radius > best {
                     (candidate, best) = (other, radius);
                 }
@@ -55,17 +54,17 @@ impl Search<'_, '_> {
         self.improved(candidate, scale * 1.2)
     }
 
-    fn candidate(&self, lower: &Perturbation, hz: f64) -> Candidate {
+    fn candidate(&self, lower: &Perturbation, hz: f64) -> Direction {
         let (real, complex) = lower.delta.split_at(self.0.entering.len());
         let mut phases = [C64::new(0.0, 0.0); 2];
         let present = (0..2).filter(|k| self.0.errors[*k] > 0.0);
         present.zip(complex).for_each(|(k, phase)| phases[k] = *phase);
         let rate_rad_s = std::f64::consts::TAU * hz;
-        Candidate { deltas: real.iter().map(|q| q.re).collect(), phases, rate_rad_s }
+        Direction { deltas: real.iter().map(|q| q.re).collect(), phases, rate_rad_s }
     }
 
     /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
-    fn improved(&self, mut candidate: Candidate, near: f64) -> Result<Option<Destabilising>, Error> {
+    fn improved(&self, mut candidate: Direction, near: f64) -> Result<Option<Destabilising>, Error> {
         let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
         for k in 0..candidate.deltas.len() {
             for end in [-1.0, 1.0] {
@@ -80,13 +79,13 @@ impl Search<'_, '_> {
         self.destabilising(&candidate, scale).map(Some)
     }
 
-    fn unstable(&self, candidate: &Candidate, scale: f64) -> Result<bool, Error> {
-        let pole = self.0.pole_at(&candidate.deltas, (candidate.phases, candidate.rate_rad_s), scale)?;
+    fn unstable(&self, candidate: &Direction, scale: f64) -> Result<bool, Error> {
+        let pole = self.0.pole(candidate, scale)?;
         Ok(pole.norm() >= 1.0)
     }
 
     /// The scale at which a pole reaches the unit circle, near the one that the bound names; `None` if none does.
-    fn limit(&self, candidate: &Candidate, near: f64) -> Result<Option<f64>, Error> {
+    fn limit(&self, candidate: &Direction, near: f64) -> Result<Option<f64>, Error> {
         let (mut low, mut high) = (0.0, f64::NAN);
         for k in 1..=60 {
             let scale = near * (0.7 + 0.02 * f64::from(k));
@@ -106,9 +105,8 @@ impl Search<'_, '_> {
         Ok(Some(high))
     }
 
-    fn destabilising(&self, candidate: &Candidate, scale: f64) -> Result<Destabilising, Error> {
-        let with = (candidate.phases, candidate.rate_rad_s);
-        let pole = self.0.pole_at(&candidate.deltas, with, scale)?;
+    fn destabilising(&self, candidate: &Direction, scale: f64) -> Result<Destabilising, Error> {
+        let pole = self.0.pole(candidate, scale)?;
         let factor =
             |((varied, factor), delta): (&(Varied, Factor), &f64)| (*varied, factor.at(scale * delta));
         let factors = self.0.entering.iter().zip(&candidate.deltas).map(factor).collect();
@@ -116,18 +114,11 @@ impl Search<'_, '_> {
         let period_s = self.0.pulled.sample_period_s();
         let frequency_hz = pole.arg().abs() / (std::f64::consts::TAU * period_s);
         let (deltas, phases) = (candidate.deltas.clone(), candidate.phases);
-        let closed = self.0.closed_at(&deltas, with, scale)?;
+        let closed = self.0.closed_at(candidate, scale)?;
         Ok(Destabilising { scale, factors, errors, pole, frequency_hz, deltas, phases, closed })
     }
 }
 
 fn nearer(old: Option<Destabilising>, new: Option<Destabilising>) -> Option<Destabilising> {
     old.into_iter().chain(new).min_by(|a, b| a.scale.total_cmp(&b.scale))
-}
-
-#[derive(Clone)]
-struct Candidate {
-    deltas: Vec<f64>,
-    phases: [C64; 2],
-    rate_rad_s: f64,
 }

@@ -100,6 +100,24 @@ fn is_dry(varied: Varied) -> bool {
     places(varied).iter().any(|place| matches!(place, Place::MotorDry | Place::PivotDry))
 }
 
+/// A direction of perturbation: where in its range each entering parameter is, and the phases of the errors of gain.
+#[derive(Clone)]
+pub(super) struct Direction {
+    /// From -1 to 1.
+    pub(super) deltas: Vec<f64>,
+    /// Of modulus 1, at the plant's input and at the gyroscope.
+    pub(super) phases: [C64; 2],
+    /// The rate at which the errors have these phases.
+    pub(super) rate_rad_s: f64,
+}
+
+impl Direction {
+    /// The nominal parameters without errors of gain.
+    pub(super) fn none(parameters: usize) -> Self {
+        Self { deltas: vec![0.0; parameters], phases: [C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 }
+    }
+}
+
 impl<'a> Problem<'a> {
     pub(super) fn new(
         mechanism: Mechanism<'a>,
@@ -175,29 +193,23 @@ impl<'a> Problem<'a> {
         Ok((without_dry(&parameters, dry), Dry { viscous: dry, springs }))
     }
 
-    /// The errors at phases that they have at a rate, `scale` times the stated ones.
-    fn gain_errors(&self, (phases, rate_rad_s): ([C64; 2], f64), scale: f64) -> GainErrors {
-        GainErrors { at: [0, 1].map(|k| phases[k] * (scale * self.errors[k])), rate_rad_s }
+    /// The errors of gain in a direction, `scale` times the stated ones.
+    fn gain_errors(&self, direction: &Direction, scale: f64) -> GainErrors {
+        let at = [0, 1].map(|k| direction.phases[k] * (scale * self.errors[k]));
+        GainErrors { at, rate_rad_s: direction.rate_rad_s }
     }
 
-    /// The outermost pole at a perturbation.
-    pub(super) fn pole(&self, deltas: &[f64], phases: [C64; 2], scale: f64) -> Result<C64, Error> {
-        self.pole_at(deltas, (phases, 1.0), scale)
-    }
-
-    pub(super) fn pole_at(&self, deltas: &[f64], with: ([C64; 2], f64), scale: f64) -> Result<C64, Error> {
-        let ((parameters, dry), errors) = (self.perturbed(deltas, scale)?, self.gain_errors(with, scale));
+    /// The outermost pole at a perturbation, `scale` times the ranges in a direction.
+    pub(super) fn pole(&self, direction: &Direction, scale: f64) -> Result<C64, Error> {
+        let (parameters, dry) = self.perturbed(&direction.deltas, scale)?;
+        let errors = self.gain_errors(direction, scale);
         outermost_pole(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
     /// The loop closed with a perturbation.
-    pub(super) fn closed_at(
-        &self,
-        deltas: &[f64],
-        with: ([C64; 2], f64),
-        scale: f64,
-    ) -> Result<ClosedWith, Error> {
-        let ((parameters, dry), errors) = (self.perturbed(deltas, scale)?, self.gain_errors(with, scale));
+    pub(super) fn closed_at(&self, direction: &Direction, scale: f64) -> Result<ClosedWith, Error> {
+        let (parameters, dry) = self.perturbed(&direction.deltas, scale)?;
+        let errors = self.gain_errors(direction, scale);
         closed_with(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 

@@ -1,13 +1,14 @@
 //! How far the stated ranges of all parameters together may be widened before the loop can become unstable.
 
 use counterpoise_controller::Controller;
-use counterpoise_linalg::C64;
 use counterpoise_models::parameters::Parameters;
 
 use super::loops::PulledLoop;
 use super::nearest::nearest;
 use super::places::Joints;
-use super::problem::{Bounds, Destabilising, Mechanism, Problem, Scanned, StatedRange, Uncertainty};
+use super::problem::{
+    Bounds, Destabilising, Direction, Mechanism, Problem, Scanned, StatedRange, Uncertainty,
+};
 use super::{Perturbation, UpperBound};
 use crate::robust::Varied;
 use crate::tolerance::WIDEST_RANGES;
@@ -77,8 +78,7 @@ pub fn robust_stability_in(
     uncertainty: &Uncertainty,
 ) -> Result<Option<RobustStability>, Error> {
     let problem = Problem::new(Mechanism { parameters, joints }, controller, procedure, uncertainty)?;
-    let nothing = vec![0.0; problem.entering.len()];
-    let stable = problem.pole(&nothing, [C64::new(0.0, 0.0); 2], 1.0)?.norm() < 1.0;
+    let stable = problem.pole(&Direction::none(problem.entering.len()), 1.0)?.norm() < 1.0;
     if !stable || problem.pulled.structure.blocks.is_empty() {
         return Ok(None);
     }

@@ -57,13 +57,19 @@ pub fn upper_bound(M: &CMat, structure: &Structure, near: Option<&UpperBound>) -
     UpperBound { beta: search.gamma.sqrt(), D: back(&search.D), G: back(&search.G) }
 }
 
-/// Scalings in balanced coordinates, of unit trace.
-fn unscaled(bound: &UpperBound, scale: &[f64]) -> (CMat, CMat) {
+/// The scalings that prove a bound.
+struct Scalings {
+    D: CMat,
+    G: CMat,
+}
+
+/// The scalings of a bound in balanced coordinates, of unit trace.
+fn unscaled(bound: &UpperBound, scale: &[f64]) -> Scalings {
     let n = scale.len();
     let change = |X: &CMat| CMat::from_fn(n, n, |i, j| X[(i, j)] / (scale[i] * scale[j]));
     let (D, G) = (change(&bound.D), change(&bound.G));
     let size = C64::new(0.9 / D.trace().re, 0.0);
-    (D.scale(size), G.scale(size))
+    Scalings { D: D.scale(size), G: G.scale(size) }
 }
 
 /// Osborne's scaling, one number a block: rows and columns of S M inv(S) of equal size.
@@ -129,7 +135,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(M: &'a CMat, structure: &Structure, near: Option<(CMat, CMat)>) -> Self {
+    fn new(M: &'a CMat, structure: &Structure, near: Option<Scalings>) -> Self {
         let n = M.nrows();
         let size = M.norm_fro().powi(2).max(f64::MIN_POSITIVE);
         let plain = (CMat::eye(n).scale(C64::new(0.5, 0.0)), CMat::zeros(n, n));
@@ -141,7 +147,7 @@ impl<'a> Search<'a> {
             gamma: 1.01 * size,
             floor: SCALING_FLOOR * SCALING_FLOOR * size,
         };
-        if let Some((D, G)) = near {
+        if let Some(Scalings { D, G }) = near {
             let proved = Factor::of(&D).is_some() && Factor::of(&slack(M, &D, &G, 1.01 * size)).is_some();
             if proved {
                 (search.D, search.G) = (D, G);

@@ -28,9 +28,9 @@ pub fn vertex_bound(
     upper: f64,
 ) -> Option<Perturbation> {
     let search = Search::new(M, structure, reach)?;
-    let found = SEARCH_BEGINNINGS.iter().filter_map(|times| search.from(start, (times / upper, 1.0 / upper)));
+    let found = SEARCH_BEGINNINGS.iter().filter_map(|times| search.from(start, times / upper, 1.0 / upper));
     let (x, q) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (_, phases) = search.radius(&q, (x, PHASE_NEARNESS))?;
+    let (_, phases) = search.radius(&q, x, PHASE_NEARNESS)?;
     let real = (0..q.len()).map(|k| C64::new(search.deviation(&q, k, x) / x, 0.0));
     Some(Perturbation { beta: 1.0 / x, delta: real.chain(phases).collect() })
 }
@@ -61,7 +61,7 @@ impl<'a> Search<'a> {
     }
 
     /// The least x that is found from a beginning, and its parameters; x is at least `least`.
-    fn from(&self, start: &[f64], (begin, least): (f64, f64)) -> Option<(f64, Vec<f64>)> {
+    fn from(&self, start: &[f64], begin: f64, least: f64) -> Option<(f64, Vec<f64>)> {
         let mut q = start.to_vec();
         self.ascend(&mut q, begin);
         let mut best = (self.crossing(&q, least)?, q.clone());
@@ -96,7 +96,7 @@ impl<'a> Search<'a> {
     }
 
     /// The largest spectral radius over the phases, with the phases that make the eigenvalue real and positive.
-    fn radius(&self, q: &[f64], (x, nearness): (f64, f64)) -> Option<(f64, Vec<C64>)> {
+    fn radius(&self, q: &[f64], x: f64, nearness: f64) -> Option<(f64, Vec<C64>)> {
         let S = self.seen(q, x)?;
         if S.nrows() == 1 {
             let value = S[(0, 0)];
@@ -121,7 +121,7 @@ impl<'a> Search<'a> {
     }
 
     fn value(&self, q: &[f64], x: f64, nearness: f64) -> f64 {
-        self.radius(q, (x, nearness)).map_or(f64::INFINITY, |(radius, _)| radius)
+        self.radius(q, x, nearness).map_or(f64::INFINITY, |(radius, _)| radius)
     }
 
     fn ascend(&self, q: &mut [f64], x: f64) {

@@ -13,7 +13,7 @@ use crate::recording::series::{derivative, deviation, low_pass};
 /// ```text
 ///     N K_t i = b0 + b1 hub_rate' + b2 rel + b3 sign(rel) + mu / gain x platform_accel
 /// ```
-pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
+pub(super) fn estimate_gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
     let moment = base.lumped.as_ref()?.out_of_balance_kg_m;
     let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
     let ready = |series: &[f64]| low_pass(series, half);

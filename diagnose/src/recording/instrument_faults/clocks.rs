@@ -11,8 +11,10 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
-use super::identities::{ColumnShift, Identity, controlled, kinematic, proportional_integral};
-use super::regression::late;
+use super::identities::{
+    ColumnShift, Identity, controller_identity, kinematic_identity, proportional_integral,
+};
+use super::regression::delay_series;
 use crate::recording::series::{derivative, deviation};
 
 /// How late a column is.
@@ -25,11 +27,12 @@ pub(super) struct Lateness {
 }
 
 /// Returns how late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
-pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
+pub(super) fn estimate_lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
     let rate = rate(base, r, column)?;
     let mut shift = 0.0;
     for _ in 0..LAG_CORRECTIONS {
-        let found: Identity = kinematic(column, &late(&rate, -shift / r.sample_period_s), r)?;
+        let found: Identity =
+            kinematic_identity(column, &delay_series(&rate, -shift / r.sample_period_s), r)?;
         let left = expected_lead(base, column) - found.lead_s.0;
         if left.abs() < 0.5 * r.sample_period_s || !left.is_finite() {
             let believed = found.share < KINEMATIC_REMAINDER;
@@ -58,7 +61,9 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 /// Returns how late motor and resolver are if that cannot be the gyroscopes' own lag: late against them, or different from each
 /// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
-    let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * SMALLEST_OFFSET_S);
+    let of = |column| {
+        estimate_lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * SMALLEST_OFFSET_S)
+    };
     let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > PLATFORM_MOVES_RAD_S);
     let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
         let least =
@@ -84,14 +89,17 @@ fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
 
 /// Returns the recordings in which motor or resolver are late, and how late. A recording that does not contradict the others is
 /// taken to have their offset.
-pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize, Column, Lateness)> {
+pub(super) fn estimate_offsets(
+    base: &Parameters,
+    recordings: &[Recording],
+) -> Vec<(usize, Column, Lateness)> {
     let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| told(base, r)).collect();
     let mut out = Vec::new();
     for column in [Column::MotorRate, Column::HubPosition] {
         let of = |r: usize| seen[r].iter().find(|(c, _)| *c == column).map(|(_, lateness)| *lateness);
         let sure: Vec<Lateness> = (0..recordings.len()).filter_map(of).collect();
         let Some(&best) = sure.iter().min_by(|a, b| a.doubt_s.total_cmp(&b.doubt_s)) else { continue };
-        let alike = |r: usize| match lateness(base, &recordings[r], column) {
+        let alike = |r: usize| match estimate_lateness(base, &recordings[r], column) {
             Some(lateness) => (lateness.late_s - best.late_s).abs() < COMMON_OFFSET_S,
             None => column.of(&recordings[r]).is_some(),
         };
@@ -102,11 +110,15 @@ pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize
 }
 
 /// Returns the share by which a column's clock runs slow, from how the offsets of the two halves of each recording differ.
-pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column) -> Option<(f64, f64)> {
+pub(super) fn estimate_drift(
+    base: &Parameters,
+    recordings: &[Recording],
+    column: Column,
+) -> Option<(f64, f64)> {
     let parted = |r: &Recording| {
         let half = r.len() / 2;
-        let first = lateness(base, &r.part(0..half), column)?;
-        let second = lateness(base, &r.part(half..2 * half), column)?;
+        let first = estimate_lateness(base, &r.part(0..half), column)?;
+        let second = estimate_lateness(base, &r.part(half..2 * half), column)?;
         let time = half as f64 * r.sample_period_s;
         Some((second.late_s - first.late_s, time, first.doubt_s.max(second.doubt_s)))
     };
@@ -127,7 +139,7 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
 /// show it.
 fn grows_evenly(base: &Parameters, r: &Recording, column: Column) -> bool {
     let third = r.len() / 3;
-    let late = |k: usize| lateness(base, &r.part(k * third..(k + 1) * third), column);
+    let late = |k: usize| estimate_lateness(base, &r.part(k * third..(k + 1) * third), column);
     let (Some(first), Some(middle), Some(last)) = (late(0), late(1), late(2)) else { return true };
     let bent = (middle.late_s - 0.5 * (first.late_s + last.late_s)).abs();
     let doubt = first.doubt_s.max(middle.doubt_s).max(last.doubt_s);
@@ -146,7 +158,9 @@ pub(super) fn control_offset(
     let bad: Vec<(usize, f64)> = recordings
         .iter()
         .enumerate()
-        .filter_map(|(r, recording)| Some((r, controlled(controller, recording, ColumnShift::NONE)?.left)))
+        .filter_map(|(r, recording)| {
+            Some((r, controller_identity(controller, recording, ColumnShift::NONE)?.left))
+        })
         .filter(|(_, left)| *left > SHIFT_REMAINDER.1 * noise)
         .collect();
     let period_s = recordings.get(bad.first()?.0)?.sample_period_s;
@@ -174,6 +188,6 @@ fn identity(
     samples: i32,
     column: Column,
 ) -> Option<Identity> {
-    let found = controlled(controller, r, ColumnShift { column, samples })?;
+    let found = controller_identity(controller, r, ColumnShift { column, samples })?;
     found.ratios.iter().all(|ratio| (ratio.value - 1.0).abs() <= ratio.doubt).then_some(found)
 }

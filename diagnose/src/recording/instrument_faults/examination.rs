@@ -16,7 +16,7 @@ use counterpoise_simulate::replay::Loop;
 use crate::recording::instrument_faults::column::Column;
 use crate::recording::instrument_faults::factors::{Found, Mistake};
 use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
-use crate::recording::instrument_faults::regression::{late, regress};
+use crate::recording::instrument_faults::regression::{delay_series, regress};
 use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
 use crate::recording::noise::measure_white_noise;
 use crate::recording::series::deviation;
@@ -48,7 +48,7 @@ pub fn find_instrument_faults(
         return out;
     }
     for _ in 0..WRONG_FACTORS_AT_MOST {
-        let Some(found) = factors::mistake(base, control, &out.recordings) else { break };
+        let Some(found) = factors::find_mistake(base, control, &out.recordings) else { break };
         out.mistake(&found);
     }
     out.heave(base);
@@ -96,7 +96,7 @@ impl ExaminedRecordings {
                 let period_s = self.recordings[r].sample_period_s;
                 self.bridge(r, column, control, base);
                 let Some(series) = column.of(&self.recordings[r]) else { continue };
-                for seen in single_column::seen(column, series, base, period_s) {
+                for seen in single_column::find_faults(column, series, base, period_s) {
                     let done = self.without(r, column, &seen.useless, &seen.kind, control, base);
                     self.note(column, seen.kind, &[r], done);
                 }
@@ -161,7 +161,7 @@ impl ExaminedRecordings {
     }
 
     fn mistake(&mut self, found: &Found) {
-        let cured = factors::cured(&self.recordings, found);
+        let cured = factors::correct_mistake(&self.recordings, found);
         let (column, kind) = match found.mistake {
             Mistake::Scale { column, gain, doubt } => (column, FaultKind::Scale { gain, doubt }),
             Mistake::Exchange { one, other } => (one, FaultKind::Exchanged { with: other }),
@@ -190,7 +190,9 @@ impl ExaminedRecordings {
 
     fn heave(&mut self, base: &Parameters) {
         for r in 0..self.recordings.len() {
-            let Some((gain, doubt)) = accelerometer_unit::gain(base, &self.recordings[r]) else { continue };
+            let Some((gain, doubt)) = accelerometer_unit::estimate_gain(base, &self.recordings[r]) else {
+                continue;
+            };
             let column = Column::PlatformAccel;
             if let Some(series) = column.of_mut(&mut self.recordings[r]) {
                 series.iter_mut().for_each(|v| *v /= gain);
@@ -201,7 +203,9 @@ impl ExaminedRecordings {
 
     fn drifts(&mut self, base: &Parameters) {
         for column in [Column::MotorRate, Column::HubPosition] {
-            let Some((slow, doubt)) = clocks::drift(base, &self.recordings, column) else { continue };
+            let Some((slow, doubt)) = clocks::estimate_drift(base, &self.recordings, column) else {
+                continue;
+            };
             for recording in &mut self.recordings {
                 recording.remove(column.channel());
             }
@@ -218,7 +222,7 @@ impl ExaminedRecordings {
                 let known =
                     |f: &InstrumentFault| f.column == column && matches!(f.kind, FaultKind::Coarse { .. });
                 let Some(series) = column.of(&self.recordings[r]) else { continue };
-                let kind = single_column::coarse(column, series, base);
+                let kind = single_column::find_coarse_converter(column, series, base);
                 if let Some(kind) = kind.filter(|_| sound || self.faults.iter().any(known)) {
                     self.note(column, kind, &[r], Treatment::UsedAsItIs);
                 }
@@ -234,7 +238,7 @@ impl ExaminedRecordings {
     }
 
     fn offsets(&mut self, base: &Parameters) {
-        let found = clocks::offsets(base, &self.recordings);
+        let found = clocks::estimate_offsets(base, &self.recordings);
         found.into_iter().for_each(|(r, column, lateness)| self.shift(r, column, lateness));
     }
 
@@ -247,7 +251,7 @@ impl ExaminedRecordings {
         let done = if column == Column::MotorRate {
             Treatment::NotCompared
         } else {
-            let shifted = series.and_then(|series| Some(late(series.as_slice()?, -samples)));
+            let shifted = series.and_then(|series| Some(delay_series(series.as_slice()?, -samples)));
             shifted.and_then(|shifted| recording.set(column.channel(), shifted));
             Treatment::ShiftedBack
         };
@@ -272,7 +276,7 @@ impl ExaminedRecordings {
 
 /// Returns the motor's mean rate beyond the resolver's, if the resolver has none beyond the gyroscopes.
 fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usize, f64, f64)> {
-    let found = identities::identities(base, &Loop::Open, recording);
+    let found = identities::list_identities(base, &Loop::Open, recording);
     let of = |column| found.iter().find(|i| i.of == column);
     let (motor, resolver) = (of(Column::MotorRate)?, of(Column::HubPosition)?);
     let apart = motor.constant.0 - resolver.constant.0;
@@ -312,7 +316,7 @@ fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool 
         return false;
     };
     let error: Vec<f64> = demand.iter().zip(hub).map(|(d, h)| d - h).collect();
-    let made = identities::acted(controller, &error, recording.sample_period_s);
+    let made = identities::apply_proportional_integral(controller, &error, recording.sample_period_s);
     let one = vec![1.0; u.len()];
     let rest: Vec<f64> = u.iter().zip(&made).map(|(u, m)| u - m).collect();
     let Some(fit) = regress(&[&one], &rest) else { return false };

@@ -10,8 +10,8 @@ use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
-use super::fault::{is_known, meant};
-use super::identities::{Identity, Ratio, identities};
+use super::fault::{intended_factor, is_known};
+use super::identities::{Identity, Ratio, list_identities};
 
 /// A mistake in writing the columns.
 #[derive(Debug, Clone)]
@@ -42,31 +42,31 @@ type Table = Vec<Vec<Identity>>;
 
 /// The identities of every recording.
 fn table_of(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Table {
-    recordings.iter().map(|r| identities(base, control, r)).collect()
+    recordings.iter().map(|r| list_identities(base, control, r)).collect()
 }
 
 /// Returns the mistake that explains what is wrong; `None` if nothing is wrong, if it may be a gyroscope's own gain, or if no
 /// single mistake explains it.
-pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Option<Found> {
+pub(super) fn find_mistake(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Option<Found> {
     let table = table_of(base, control, recordings);
     let bad: Vec<usize> = (0..table.len()).filter(|r| !holds(&table[*r])).collect();
     if bad.is_empty() || own_gain(&table) {
         return None;
     }
     let whole = |found: &Found| {
-        let cured: Vec<Recording> = cured(recordings, found);
-        found.recordings.iter().map(|r| broken(&identities(base, control, &cured[*r]))).sum::<f64>()
+        let cured: Vec<Recording> = correct_mistake(recordings, found);
+        found.recordings.iter().map(|r| broken(&list_identities(base, control, &cured[*r]))).sum::<f64>()
     };
     let heard = |found: &Found| {
-        let after = cured(recordings, found);
-        let exact = |r: &usize| identities(base, control, &after[*r]).iter().all(|i| is_exact(i, base));
+        let after = correct_mistake(recordings, found);
+        let exact = |r: &usize| list_identities(base, control, &after[*r]).iter().all(|i| is_exact(i, base));
         !needs_exactness(found) || found.recordings.iter().all(exact)
     };
     let scales = Column::ALL.into_iter().filter_map(|column| scaled(&table, column, &bad)).filter(heard);
     let exchanges = pairs(&recordings[bad[0]]).into_iter().filter_map(|(one, other)| {
         let all = (0..recordings.len()).collect();
         let found = Found { mistake: Mistake::Exchange { one, other }, recordings: all, or: Vec::new() };
-        let after = table_of(base, control, &cured(recordings, &found));
+        let after = table_of(base, control, &correct_mistake(recordings, &found));
         let better = |r: &usize| is_better(&table[*r], &after[*r]);
         let everywhere = (0..after.len()).all(|r| better(&r) || (!bad.contains(&r) && holds(&after[r])));
         let recordings = (0..after.len()).filter(|r| everywhere || better(r)).collect();
@@ -93,7 +93,7 @@ fn is_better(before: &[Identity], after: &[Identity]) -> bool {
 }
 
 /// Returns the recordings without the mistake.
-pub(super) fn cured(recordings: &[Recording], found: &Found) -> Vec<Recording> {
+pub(super) fn correct_mistake(recordings: &[Recording], found: &Found) -> Vec<Recording> {
     let mut out = recordings.to_vec();
     for &r in &found.recordings {
         match found.mistake {
@@ -180,7 +180,7 @@ fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Foun
     let mut gains = Vec::new();
     for &r in bad {
         let (found, doubt) = gain(&table[r], origin)?;
-        let found = meant(found, doubt);
+        let found = intended_factor(found, doubt);
         if !is_known(found) && !has_kinematics(&table[r]) {
             return None;
         }

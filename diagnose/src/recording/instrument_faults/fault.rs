@@ -161,7 +161,7 @@ impl FaultKind {
 }
 
 /// The factor that is meant: exactly that of a unit or a sign where it is as near as its doubt and a few percent.
-pub(super) fn meant(gain: f64, doubt: f64) -> f64 {
+pub(super) fn intended_factor(gain: f64, doubt: f64) -> f64 {
     let near = |known: f64| {
         (gain.abs() / known - 1.0).abs() < UNIT_FACTOR_REACH + doubt.min(2.0 * UNIT_FACTOR_REACH)
     };

@@ -16,7 +16,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
-use super::regression::{Regression, late, regress};
+use super::regression::{Regression, delay_series, regress};
 use crate::recording::series::{derivative, deviation, low_pass};
 
 /// Factor of one column over the factor of another.
@@ -47,16 +47,16 @@ pub(super) struct Identity {
 }
 
 /// All identities that a recording allows.
-pub(super) fn identities(base: &Parameters, control: &Loop, r: &Recording) -> Vec<Identity> {
+pub(super) fn list_identities(base: &Parameters, control: &Loop, r: &Recording) -> Vec<Identity> {
     let ratio = base.gearbox.ratio;
     let motor = r.samples(Channel::MotorRate).map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
     let angle = r.samples(Channel::HubPosition).map(|a| derivative(a, r.sample_period_s));
     let kinematic = [
-        motor.and_then(|w| kinematic(Column::MotorRate, &w, r)),
-        angle.and_then(|w| kinematic(Column::HubPosition, &w, r)),
+        motor.and_then(|w| kinematic_identity(Column::MotorRate, &w, r)),
+        angle.and_then(|w| kinematic_identity(Column::HubPosition, &w, r)),
     ];
-    let loops =
-        proportional_integral(control).and_then(|controller| controlled(controller, r, ColumnShift::NONE));
+    let loops = proportional_integral(control)
+        .and_then(|controller| controller_identity(controller, r, ColumnShift::NONE));
     kinematic.into_iter().flatten().chain(loops).collect()
 }
 
@@ -70,7 +70,7 @@ pub(super) fn proportional_integral(control: &Loop) -> Option<&ProportionalInteg
 }
 
 /// The kinematics of one sensor's rate of the hub on the platform.
-pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Identity> {
+pub(super) fn kinematic_identity(of: Column, rate: &[f64], r: &Recording) -> Option<Identity> {
     let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
     let margin = 4 * half;
     let ready = |series: &[f64]| {
@@ -153,7 +153,7 @@ impl ColumnShift {
 }
 
 /// The controller's identity with one column taken as late.
-pub(super) fn controlled(
+pub(super) fn controller_identity(
     controller: &ProportionalIntegral,
     r: &Recording,
     moved: ColumnShift,
@@ -161,12 +161,12 @@ pub(super) fn controlled(
     let shift = |column: Column| {
         let series = column.of(r)?;
         let shifted = column == moved.column && moved.samples != 0;
-        Some(if shifted { late(series, -f64::from(moved.samples)) } else { series.to_vec() })
+        Some(if shifted { delay_series(series, -f64::from(moved.samples)) } else { series.to_vec() })
     };
     let (demand, hub) = (shift(Column::Demand)?, shift(Column::HubRate)?);
     let mut control = shift(Column::Control)?;
     control.iter_mut().filter(|u| (u.abs() - 10.0).abs() < NEAR_LIMIT_V).for_each(|u| *u = f64::NAN);
-    let driven = |series: &[f64]| acted(controller, series, r.sample_period_s);
+    let driven = |series: &[f64]| apply_proportional_integral(controller, series, r.sample_period_s);
     let (wanted, had) = (driven(&demand), driven(&hub));
     let one = vec![1.0; control.len()];
     let moves = deviation(&demand) > 0.0;
@@ -201,7 +201,11 @@ pub(super) fn controlled(
 }
 
 /// kp x + ki (sum of x before); what is missing counts as the last value known in the sum, and stays missing itself.
-pub(super) fn acted(controller: &ProportionalIntegral, series: &[f64], period_s: f64) -> Vec<f64> {
+pub(super) fn apply_proportional_integral(
+    controller: &ProportionalIntegral,
+    series: &[f64],
+    period_s: f64,
+) -> Vec<f64> {
     let (mut sum, mut last) = (0.0, 0.0);
     let step = |x: &f64| {
         let out = controller.kp_v_s_rad * x + sum;

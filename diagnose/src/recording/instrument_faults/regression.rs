@@ -51,7 +51,7 @@ pub(super) fn regress(columns: &[&[f64]], y: &[f64]) -> Option<Regression> {
 }
 
 /// Returns a series delayed by a time that need not be whole samples; not a number where it would need samples from outside.
-pub(super) fn late(series: &[f64], samples: f64) -> Vec<f64> {
+pub(super) fn delay_series(series: &[f64], samples: f64) -> Vec<f64> {
     let at = |k: usize| {
         let place = k as f64 - samples;
         let low = place.floor();

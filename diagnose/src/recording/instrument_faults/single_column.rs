@@ -20,13 +20,18 @@ struct Run {
 }
 
 /// A fault of a column, with the samples that are no readings.
-pub(super) struct Seen {
+pub(super) struct ColumnFault {
     pub kind: FaultKind,
     pub useless: Vec<usize>,
 }
 
 /// Detects the faults that a column shows by itself.
-pub(super) fn seen(column: Column, series: &[f64], base: &Parameters, period_s: f64) -> Vec<Seen> {
+pub(super) fn find_faults(
+    column: Column,
+    series: &[f64],
+    base: &Parameters,
+    period_s: f64,
+) -> Vec<ColumnFault> {
     let runs = runs(series);
     let sensor = Column::SENSORS.contains(&column);
     if let Some(held) = held(&runs).filter(|_| sensor) {
@@ -52,7 +57,7 @@ fn runs(series: &[f64]) -> Vec<Run> {
 }
 
 /// Detects readings that change only every so many samples: the first of each run is a reading, the others are not.
-fn held(runs: &[Run]) -> Option<Seen> {
+fn held(runs: &[Run]) -> Option<ColumnFault> {
     let inner = runs.get(1..runs.len().saturating_sub(1)).filter(|inner| inner.len() >= FEWEST_RUNS)?;
     let mut lengths: Vec<usize> = inner.iter().map(|run| run.length).collect();
     lengths.sort_unstable();
@@ -64,11 +69,11 @@ fn held(runs: &[Run]) -> Option<Seen> {
     let first = inner[0].from % samples;
     let end = runs.last().map_or(0, |run| run.from + run.length);
     let useless = (0..end).filter(|k| k % samples != first).collect();
-    Some(Seen { kind: FaultKind::Held { samples }, useless })
+    Some(ColumnFault { kind: FaultKind::Held { samples }, useless })
 }
 
 /// Detects long standstills of readings that otherwise never stand still.
-fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
+fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
     let short = || runs.iter().filter(|run| run.length < STUCK_READINGS);
     let pairs: usize = short().map(|run| run.length).sum();
     let equal: usize = short().map(|run| run.length - 1).sum();
@@ -82,11 +87,11 @@ fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
         for_s: samples as f64 * period_s,
         value: first.value,
     };
-    Some(Seen { kind, useless: long.iter().flat_map(|run| run.from..run.from + run.length).collect() })
+    Some(ColumnFault { kind, useless: long.iter().flat_map(|run| run.from..run.from + run.length).collect() })
 }
 
 /// Detects repeated flat tops at an extreme: a limit that is not the converter's.
-fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
+fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<ColumnFault> {
     let there = || series.iter().copied().filter(|v| v.is_finite());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     if high - low < FLAT_TOP_STEPS * step(series) {
@@ -107,11 +112,14 @@ fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
     let limit = limits.iter().copied().max_by_key(|l| samples(*l))?;
     let count: usize = limits.iter().map(|l| samples(*l)).sum();
     let useless = (0..series.len()).filter(|k| limits.contains(&series[*k])).collect();
-    Some(Seen { kind: FaultKind::Clipped { limit, share: count as f64 / series.len() as f64 }, useless })
+    Some(ColumnFault {
+        kind: FaultKind::Clipped { limit, share: count as f64 / series.len() as f64 },
+        useless,
+    })
 }
 
 /// Detects a sensor's converter that is coarser than the project's; returns `None` for a column that no sensor writes.
-pub(super) fn coarse(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
+pub(super) fn find_coarse_converter(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
     let expected = column.converter_step(base).filter(|_| Column::SENSORS.contains(&column))?;
     let step = step(series);
     let coarser = step.is_finite() && step > COARSER_CONVERTER * expected && is_grid(series, step);
@@ -154,7 +162,7 @@ mod tests {
 
     fn told(series: &[f64]) -> Vec<FaultKind> {
         let rig = reference::rig();
-        seen(Column::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
+        find_faults(Column::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
     }
 
     #[test]
@@ -167,8 +175,8 @@ mod tests {
             .zip(reading(12_000).iter().skip(7000))
             .map(|(a, b)| a + 0.313_707_113 * b + 1e-4 * step * (b * 1e7).sin())
             .collect();
-        assert_eq!(coarse(Column::HubRate, &smooth, &rig), None);
-        let stepped = coarse(Column::HubRate, &reading(5000), &rig);
+        assert_eq!(find_coarse_converter(Column::HubRate, &smooth, &rig), None);
+        let stepped = find_coarse_converter(Column::HubRate, &reading(5000), &rig);
         let FaultKind::Coarse { step: found, .. } = stepped.expect("steps") else { panic!("another fault") };
         assert!((found / step - 1.0).abs() < 1e-6, "{found}");
     }
@@ -192,7 +200,7 @@ mod tests {
         assert!(matches!(told(&held)[..], [FaultKind::Held { .. }]));
         let coarse: Vec<f64> = sound.iter().map(|v| (v / 4e-4).round() * 4e-4).collect();
         let rig = reference::rig();
-        assert!(super::coarse(Column::HubRate, &coarse, &rig).is_some());
-        assert!(super::coarse(Column::HubRate, &sound, &rig).is_none());
+        assert!(find_coarse_converter(Column::HubRate, &coarse, &rig).is_some());
+        assert!(find_coarse_converter(Column::HubRate, &sound, &rig).is_none());
     }
 }

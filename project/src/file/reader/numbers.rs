@@ -21,12 +21,12 @@ impl<'a> Reader<'a> {
             return None;
         };
         let number = self.number_at(path, &value.node, field)?;
-        self.tolerance(path, entries, (number, field));
+        self.tolerance(path, entries, number, field);
         Some(number)
     }
 
     /// Reads the tolerance of a value, and whatever else stands beside the value.
-    fn tolerance(&mut self, path: &str, entries: &'a [Entry], (value, field): (f64, &Field)) {
+    fn tolerance(&mut self, path: &str, entries: &'a [Entry], value: f64, field: &Field) {
         for entry in entries.iter().filter(|entry| !["value", "tolerance"].contains(&entry.key.as_str())) {
             let path = format!("{path}.{}", entry.key);
             let allowed = "there is no such key; known here: value, tolerance";
@@ -34,7 +34,7 @@ impl<'a> Reader<'a> {
         }
         let Some(entry) = entries.iter().find(|entry| entry.key == "tolerance") else { return };
         let (path_of_it, node) = (format!("{path}.tolerance"), &entry.node);
-        let Some((half_width, kind)) = self.half_width(&path_of_it, node, (value, field)) else { return };
+        let Some((half_width, kind)) = self.half_width(&path_of_it, node, value, field) else { return };
         if half_width == 0.0 {
             return;
         }
@@ -54,7 +54,8 @@ impl<'a> Reader<'a> {
         &mut self,
         path: &str,
         node: &'a Node,
-        (value, field): (f64, &Field),
+        value: f64,
+        field: &Field,
     ) -> Option<(f64, ToleranceKind)> {
         let relative = match &node.value {
             Value::Number(value) => Ok(*value),
@@ -95,7 +96,7 @@ impl<'a> Reader<'a> {
         let value = match &node.value {
             Value::Number(value) => *value,
             Value::Whole(value) => *value as f64,
-            Value::Text(text) => self.quantity(path, node, (text, field))?,
+            Value::Text(text) => self.quantity(path, node, text, field)?,
             _ => {
                 self.wrong_type(path, node, &format!("a number{}", in_unit(field.unit)));
                 return None;
@@ -127,7 +128,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns a number with a unit, in the unit of the field.
-    pub(super) fn quantity(&mut self, path: &str, node: &Node, (text, field): (&str, &Field)) -> Option<f64> {
+    pub(super) fn quantity(&mut self, path: &str, node: &Node, text: &str, field: &Field) -> Option<f64> {
         self.units.insert(node.span.start, field.unit);
         match read_quantity(text, field.unit) {
             Ok(value) => Some(value),

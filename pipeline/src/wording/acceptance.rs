@@ -6,8 +6,11 @@
 
 use counterpoise_models::ControlledQuantity;
 
-use crate::signals::rms;
-use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, SightFigure, Source};
+use counterpoise_verify::signals::rms;
+use counterpoise_verify::{
+    Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, SightFigure, Source,
+    Verification,
+};
 
 /// How a requirement on a figure is judged, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,11 +23,16 @@ pub struct Acceptance {
     pub test: String,
 }
 
-impl Acceptance {
-    /// Returns how a figure of the procedure is judged.
-    pub fn of(figure: &Figure, procedure: &Procedure, controlled: ControlledQuantity) -> Self {
-        let of = Judged { procedure, controlled };
-        Self {
+/// A result whose requirements can be traced to runs and to tests.
+pub trait Traceable {
+    /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
+    fn acceptance(&self, figure: &Figure) -> Acceptance;
+}
+
+impl Traceable for Verification {
+    fn acceptance(&self, figure: &Figure) -> Acceptance {
+        let of = Judged { procedure: &self.evidence.procedure, controlled: self.controlled() };
+        Acceptance {
             basis: basis(figure, &of),
             judged_by: judged_by(figure, &of),
             test: acceptance_test(figure, &of),

@@ -1,0 +1,98 @@
+//! What the weights of a specification ask for.
+
+use std::f64::consts::TAU;
+
+use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_synth::Weight;
+use counterpoise_synth::weight::shape::{HighFrequency, LowFrequency, Transition, WeightShape};
+
+use crate::tuning::block_results;
+
+/// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
+pub fn describe_weights(synth: &Synthesis) -> Vec<String> {
+    let s = &synth.specification;
+    let blocks = block_results(&synth.options.structure);
+    let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();
+    lines.extend(
+        synth
+            .options
+            .imported
+            .iter()
+            .map(|imported| format!("feedback: the controller in {}", imported.file)),
+    );
+    if lines.is_empty() {
+        lines.push(format!("feedback: {}", describe_weight(&s.feedback.error, "measured error")));
+        lines.push(format!("feedback: {}", describe_weight(&s.feedback.control, "control")));
+    }
+    if let Some(gain) = s.position_gain {
+        lines.push(format!(
+            "cascade: a position loop with the gain {gain} 1/s around this rate loop; the rate is the difference of two readings over the sample period"
+        ));
+    }
+    for (name, part) in [("heave", &s.heave), ("pitch", &s.pitch)] {
+        if let Some(part) = part {
+            lines.push(format!("{name}: {}", describe_weight(&part.error, "hub rate")));
+            lines.push(format!("{name}: {}", describe_weight(&part.control, "control")));
+        }
+    }
+    lines
+}
+
+/// Describes a weight on a signal ("error", "control"): what it says of the steady and of the fast signal, up to where it is the one,
+/// and where it weighs most or least in between.
+pub fn describe_weight(weight: &Weight, signal: &str) -> String {
+    match weight.shape() {
+        WeightShape::Constant { modulus } => {
+            format!("weight on the {signal}: {} at every frequency", plain(modulus))
+        }
+        WeightShape::Varying { low, transition, high } => {
+            let (low, high) = (steady(low, signal), fast(high, signal));
+            format!("weight on the {signal}: {low}, {}; {high}", between(transition))
+        }
+    }
+}
+
+fn steady(low: LowFrequency, signal: &str) -> String {
+    match low {
+        LowFrequency::Level { modulus } => format!("{} at low frequency", plain(modulus)),
+        LowFrequency::Unbounded => {
+            format!("without bound towards zero frequency, so that no steady {signal} may remain")
+        }
+        LowFrequency::Zero => format!("nothing at zero frequency, so that a steady {signal} is free"),
+    }
+}
+
+fn fast(high: HighFrequency, signal: &str) -> String {
+    match high {
+        HighFrequency::Level { modulus } => format!("{} at high frequency", plain(modulus)),
+        HighFrequency::Rising { power } => {
+            format!("rising with the power {power} of frequency, so that fast {signal} is forbidden")
+        }
+        HighFrequency::Falling { power } => {
+            format!("falling with the power {power} of frequency, so that fast {signal} is let be")
+        }
+    }
+}
+
+fn between(transition: Transition) -> String {
+    match transition {
+        Transition::UnitModulus { rate_rad_s } => format!("1 at {} Hz", plain(rate_rad_s / TAU)),
+        Transition::Corner { rate_rad_s } => format!("up to {} Hz", plain(rate_rad_s / TAU)),
+        Transition::Peak { rate_rad_s, modulus } => {
+            format!("most at {} Hz ({})", plain(rate_rad_s / TAU), plain(modulus))
+        }
+        Transition::Dip { rate_rad_s, modulus } => {
+            format!("least at {} Hz ({})", plain(rate_rad_s / TAU), plain(modulus))
+        }
+    }
+}
+
+/// Three significant digits, as a person writes them.
+fn plain(value: f64) -> String {
+    if !(1e-3..1e6).contains(&value) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - value.log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
