@@ -49,6 +49,15 @@ pub(crate) const QUIET: f64 = 2e-6;
 /// Iterations after which a step is halved.
 pub(crate) const STEP_ITERATIONS: usize = 8;
 
+// ---- two axes ----
+
+/// Change of the torque between two axes at which the relaxation of a sample ends, relative to the step's tolerance and the scale of the hub's
+/// torques: a small part of the defect that a step may leave.
+pub(crate) const COUPLING_SHARE: f64 = 0.1;
+/// Passes over a sample after which its torque is taken as it is: smooth samples need one or two, and where teeth meet the instants of contact
+/// are only known to their own tolerance.
+pub(crate) const COUPLING_PASSES: usize = 8;
+
 // ---- joints that truly stick ----
 
 /// Rate below zero that is still zero but for rounding, rad/s at the hub.

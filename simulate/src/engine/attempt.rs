@@ -159,6 +159,18 @@ impl Attempt {
         self.about = from.about;
     }
 
+    /// Returns what the next step continues from, whatever the length of the one before.
+    pub fn resumption(&self) -> Resumption {
+        let from =
+            Continuation { before: self.before.values, contraction: self.contraction, about: self.about };
+        Resumption { step_s: self.before.step_s, from }
+    }
+
+    /// Continues from there again.
+    pub fn resume(&mut self, from: &Resumption) {
+        self.continue_from(from.step_s, &from.from);
+    }
+
     /// Keeps the torques of the step that was just taken.
     pub fn accept(&mut self, step_s: f64) {
         let values = std::array::from_fn(|k| [self.values[k * PORTS], self.values[k * PORTS + 1]]);
@@ -286,6 +298,18 @@ impl Attempt {
         [at(0), at(1), middle, at(2), at(3)]
     }
 
+    /// Returns what is seen at the nodes under the values of the ports that the iteration ended with: [`Self::outputs`] are those that they
+    /// were computed from.
+    pub fn settled_outputs(&self, table: &StepTable) -> [[f64; OUTPUTS]; 4] {
+        let mut rows = [0.0; STAGE_ROWS];
+        rows.copy_from_slice(&self.result[..STAGE_ROWS]);
+        table.stages.multiply_add(&self.values, &mut rows);
+        std::array::from_fn(|node| match node {
+            0 => self.outputs[0],
+            _ => std::array::from_fn(|row| rows[(node - 1) * OUTPUTS + row]),
+        })
+    }
+
     /// Returns what the nonlinear parts see at the nodes.
     pub fn outputs(&self) -> &[[f64; OUTPUTS]; 4] {
         &self.outputs
@@ -336,6 +360,13 @@ pub(crate) struct Continuation {
     pub contraction: f64,
     /// The angle whose sine is known.
     pub about: AngleNearby,
+}
+
+/// A continuation with the length of the step before; 0 at the start of a run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Resumption {
+    step_s: f64,
+    from: Continuation,
 }
 
 /// A step that is compiled for every width of registers.

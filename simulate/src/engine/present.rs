@@ -122,6 +122,24 @@ impl Present {
         self.hub_gyro = start.hub_gyro;
     }
 
+    /// Writes where the plant is.
+    pub fn save(&self, to: &mut Place) {
+        to.core = self.core;
+        to.z.clone_from(&self.z);
+        to.bonds.copy(&self.bonds);
+        (to.seen, to.friction, to.travelled) = (self.seen, self.friction, self.travelled);
+        (to.hub_gyro, to.changes) = (self.hub_gyro, self.changes);
+    }
+
+    /// Puts the plant back to a place that was saved in the same run.
+    pub fn restore(&mut self, from: &Place) {
+        self.core = from.core;
+        self.z.clone_from(&from.z);
+        self.bonds.copy(&from.bonds);
+        (self.seen, self.friction, self.travelled) = (from.seen, from.friction, from.travelled);
+        (self.hub_gyro, self.changes) = (from.hub_gyro, from.changes);
+    }
+
     /// Returns the state of the plant.
     pub fn state(&self) -> PlantState {
         PlantState {
@@ -316,6 +334,19 @@ impl Present {
             *seen = linear.see(z);
         }
     }
+}
+
+/// Where a plant was at an instant of a run: what changes along it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Place {
+    core: usize,
+    z: Vec<f64>,
+    seen: Seen,
+    friction: FrictionState,
+    bonds: Bonds,
+    travelled: Option<[f64; 2]>,
+    hub_gyro: [f64; 2],
+    changes: usize,
 }
 
 /// What a step is given besides the present.
