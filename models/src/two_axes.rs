@@ -107,6 +107,7 @@ impl BodyInertia {
         Self::slender(elevation.body().inertia_kg_m2 - rotor)
     }
 
+    #[inline]
     fn times(&self, rate: BodyVector) -> BodyVector {
         BodyVector {
             beam: self.about_beam_kg_m2 * rate.beam - self.product_kg_m2 * rate.normal,
@@ -130,7 +131,12 @@ impl BodyInertia {
 
 impl ElevatedBody {
     /// Returns the body of an elevation plant with an inertia of its own about the other axes.
-    pub fn of_plant(elevation: &Plant, inertia: BodyInertia, pivot: PivotPosition, included_at: SinCos) -> Self {
+    pub fn of_plant(
+        elevation: &Plant,
+        inertia: BodyInertia,
+        pivot: PivotPosition,
+        included_at: SinCos,
+    ) -> Self {
         let body = elevation.body();
         Self {
             out_of_balance_kg_m: body.out_of_balance_kg_m,
@@ -142,12 +148,14 @@ impl ElevatedBody {
     }
 
     /// Returns the first moment along the ring's forward and upward axes at an elevation, kg m.
+    #[inline]
     fn first_moment(&self, SinCos { sin, cos }: SinCos) -> Vector3<f64> {
         let (mu, nu) = (self.out_of_balance_kg_m, self.vertical_offset_kg_m);
         Vector3::new(mu * cos - nu * sin, 0.0, mu * sin + nu * cos)
     }
 
     /// Returns the moment of inertia about the ring's axis at an elevation, without that of the mass at the pivot, kg m^2.
+    #[inline]
     pub fn inertia_about_ring_kg_m2(&self, tilt: SinCos) -> f64 {
         let SinCos { sin, cos } = tilt;
         let inertia = &self.inertia;
@@ -157,38 +165,51 @@ impl ElevatedBody {
     }
 
     /// Returns how much larger the moment of inertia about the ring's axis is than the parameters of the traverse axis say, kg m^2.
+    #[inline]
     pub fn added_inertia_kg_m2(&self, tilt: SinCos) -> f64 {
         self.inertia_about_ring_kg_m2(tilt) - self.inertia_about_ring_kg_m2(self.included_at)
     }
 
     /// Returns the specific force at the elevation pivot in axes of the ring, m/s^2.
+    #[inline]
     pub fn specific_force_at_pivot(&self, ring: &RingMotion) -> [f64; 3] {
+        if self.pivot == PivotPosition::default() {
+            return ring.specific_force_m_s2;
+        }
         let (rate, turn) = (Vector3::from(ring.rate_rad_s), Vector3::from(ring.acceleration_rad_s2));
         let at = Vector3::new(self.pivot.forward_m, self.pivot.left_m, 0.0);
         (Vector3::from(ring.specific_force_m_s2) + turn.cross(&at) + rate.cross(&rate.cross(&at))).into()
     }
 
     /// Returns the rates about the beam and about its normal, rad/s.
+    #[inline]
     pub fn off_axis_rates(ring: &RingMotion, SinCos { sin, cos }: SinCos) -> [f64; 2] {
         let [forward, _, up] = ring.rate_rad_s;
         [forward * cos + up * sin, up * cos - forward * sin]
     }
 
     /// Returns the torque of the elevated body on the traverse axis beside what the parameters of that axis hold of it, N m.
+    #[inline]
     pub fn torque_on_traverse_nm(&self, ring: &RingMotion, elevation: &ElevationMotion) -> f64 {
         let moment = self.first_moment(elevation.tilt);
-        let force = self.specific_force_at_pivot(ring);
-        let pull = second_derivative(&moment, ring, elevation);
-        let at = &self.pivot;
-        let needed = at.forward_m * pull.y - at.left_m * pull.x
-            + self.spin(ring, elevation)
-            + moment.x * force[1];
+        let mut needed = self.spin(ring, elevation) + moment.x * ring.specific_force_m_s2[1];
+        if self.pivot != PivotPosition::default() {
+            needed += self.torque_off_axis(&moment, ring, elevation);
+        }
         let included = self.inertia_about_ring_kg_m2(self.included_at) * ring.acceleration_rad_s2[2]
             + self.first_moment(self.included_at).x * ring.specific_force_m_s2[1];
         included - needed
     }
 
+    /// Returns what a pivot off the ring's axis adds to the torque that a motion needs, N m.
+    fn torque_off_axis(&self, moment: &Vector3<f64>, ring: &RingMotion, elevation: &ElevationMotion) -> f64 {
+        let lateral = self.specific_force_at_pivot(ring)[1] - ring.specific_force_m_s2[1];
+        let pull = second_derivative(moment, ring, elevation);
+        moment.x * lateral + self.pivot.forward_m * pull.y - self.pivot.left_m * pull.x
+    }
+
     /// Returns the derivative of the angular momentum about the pivot along the ring's axis, N m: Euler's equations in axes of the body.
+    #[inline]
     fn spin(&self, ring: &RingMotion, elevation: &ElevationMotion) -> f64 {
         let SinCos { sin, cos } = elevation.tilt;
         let [beam, normal] = Self::off_axis_rates(ring, elevation.tilt);
@@ -227,11 +248,7 @@ impl ElevatedBody {
 }
 
 /// Returns the inertial second derivative of a vector of the elevated body, in axes of the ring.
-fn second_derivative(
-    of: &Vector3<f64>,
-    ring: &RingMotion,
-    elevation: &ElevationMotion,
-) -> Vector3<f64> {
+fn second_derivative(of: &Vector3<f64>, ring: &RingMotion, elevation: &ElevationMotion) -> Vector3<f64> {
     let ([forward, left, up], turned) = (ring.rate_rad_s, ring.acceleration_rad_s2);
     let relative = elevation.rate_rad_s + left;
     let rate = Vector3::new(forward, -elevation.rate_rad_s, up);

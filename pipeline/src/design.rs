@@ -21,8 +21,9 @@ use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
-    Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, choose_and_tune, model,
-    project_procedure, reduce, run_observed, studies, synthesise, verify_on,
+    Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, TraverseCode,
+    TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce, run_observed,
+    studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -44,6 +45,8 @@ pub struct Stages {
     pub files: Vec<File>,
     /// Code that the project asks for and cannot have.
     pub left_out: Vec<LeftOut>,
+    /// The traverse axis under this elevation axis, with its code; `None` if the project has none.
+    pub traverse: Option<Box<TraverseCode>>,
 }
 
 /// Which project a result belongs to.
@@ -97,6 +100,8 @@ pub struct Designed {
     pub verified_loop: VerifiedLoop,
     /// The trials of the project's adaptation; `None` if it has none.
     pub adaptation: Option<Trials>,
+    /// Both axes verified together; `None` if the project has no traverse axis.
+    pub two_axes: Option<TwoAxisStudy>,
 }
 
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
@@ -173,7 +178,18 @@ impl VerifiedDesign {
         let Exported { files, left_out } = run_observed(world, Step::Export, || {
             export_by(project, &modelled, &verified, &procedure, world)
         })?;
-        Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
+        let traverse = export_traverse(project, world)?.map(Box::new);
+        Ok(Stages {
+            modelled,
+            reduced,
+            synthesised,
+            procedure,
+            verified,
+            stability,
+            files,
+            left_out,
+            traverse,
+        })
     }
 
     /// Certifies the loop and runs the controller in every kind of numbers, side by side on the processors at hand.
@@ -212,6 +228,15 @@ struct StudiedTargets {
     by_form: Vec<FormFigures>,
 }
 
+impl Stages {
+    /// Verifies both axes together.
+    fn two_axes(&self, project: &Project, world: &dyn World) -> Result<Option<TwoAxisStudy>, PipelineError> {
+        let Self { modelled, synthesised, procedure, .. } = self;
+        let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
+        study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
+    }
+}
+
 /// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
 ///
 /// # Errors
@@ -240,6 +265,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
             &stages.procedure,
         )?,
         adaptation: own_trials(project, &stages.modelled, &stages.synthesised, &stages.procedure)?,
+        two_axes: stages.two_axes(project, world)?,
         stages,
     })
 }

@@ -3,6 +3,7 @@
 mod balance;
 mod certificate;
 mod robustness;
+mod two_axes;
 
 use std::collections::BTreeMap;
 
@@ -26,6 +27,7 @@ use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
 pub use robustness::{AdviceResult, RobustnessResult};
+pub use two_axes::{JointFigureResult, JointHistoryResult, JointVerdictResult, TwoAxesResult};
 
 use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;
@@ -209,6 +211,9 @@ pub struct VerifyResult {
     /// What the error of the line of sight is made of; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
+    /// The traverse axis alone, and both axes together; absent if the project has no traverse axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub two_axes: Option<TwoAxesResult>,
     /// What the linear figures are measured on.
     #[serde(flatten)]
     pub measured_on: VerifiedLoop,
@@ -225,6 +230,13 @@ impl VerifyResult {
         self.histories.clear();
         self.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
         self.adaptation_trials.iter_mut().for_each(|trials| trials.histories.clear());
+        self.two_axes.iter_mut().for_each(TwoAxesResult::leave_histories_out);
+    }
+
+    /// Returns the result with both axes verified together: requirements that they do not meet are not met.
+    pub fn with_two_axes(self, two_axes: Option<TwoAxesResult>) -> Self {
+        let failed = two_axes.as_ref().is_some_and(|both| !both.passes);
+        Self { passes: self.passes && !failed, two_axes, ..self }
     }
 
     /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
@@ -445,6 +457,7 @@ impl VerifyResult {
             sight_procedure: SightProcedureResult::of(&found.evidence.procedure),
             error_budget: found.error_budget.as_ref().map(Into::into),
             certificate: None,
+            two_axes: None,
             adaptation_trials: None,
         }
     }

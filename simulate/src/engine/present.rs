@@ -122,6 +122,24 @@ impl Present {
         self.hub_gyro = start.hub_gyro;
     }
 
+    /// Adds the answer to a torque on the hub over a whole sample that has just been taken: the cubic through its values at the nodes.
+    pub fn add_hub_torque(&mut self, torque_nm: &[f64; 4]) {
+        let Self { cores, core, z, seen, travelled, .. } = self;
+        let linear = &cores[*core];
+        let Some(table) = linear.table(0) else { return };
+        for (row, z) in z.iter_mut().enumerate() {
+            let answers = table.hub_answers(row);
+            *z += answers.iter().zip(torque_nm).map(|(answer, torque)| answer * torque).sum::<f64>();
+        }
+        let before = *seen;
+        *seen = linear.see(z);
+        if let Some([motor, pivot]) = travelled {
+            let hub = seen[2] - before[2];
+            *pivot += hub;
+            *motor += self.turns[0] * (seen[1] - before[1] + hub);
+        }
+    }
+
     /// Writes where the plant is.
     pub fn save(&self, to: &mut Place) {
         to.core = self.core;

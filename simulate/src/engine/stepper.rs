@@ -205,6 +205,12 @@ impl Stepper {
         self.advance_observed(sample, &mut |_, _, _| {});
     }
 
+    /// Adds the answer to a further torque on the hub over the sample that one step has just taken, which is the cubic through its values at the nodes.
+    /// Dry friction is left as it is: the torque is to be so small that its motion within the sample changes nothing.
+    pub fn add_hub_torque(&mut self, torque_nm: &[f64; 4]) {
+        self.present.add_hub_torque(torque_nm);
+    }
+
     /// Returns where the run is, so that its next sample can be taken again.
     pub fn checkpoint(&self, to: &mut Checkpoint) {
         self.present.save(&mut to.place);
@@ -223,7 +229,11 @@ impl Stepper {
 
     /// Moves the state over one sample period; `observer` sees every step that is taken, and which part of the sample it is.
     #[inline]
-    pub fn advance_observed(&mut self, sample: &Sample, observer: &mut impl FnMut(&Attempt, &StepTable, Part)) {
+    pub fn advance_observed(
+        &mut self,
+        sample: &Sample,
+        observer: &mut impl FnMut(&Attempt, &StepTable, Part),
+    ) {
         self.present.settle_joints(sample);
         let before = self.present.changes;
         let (mut tick, mut approach) = (0, Approach::default());

@@ -65,21 +65,27 @@ impl<'a> BaseTrack<'a> {
     }
 
     /// Returns the base over the next sample.
+    #[inline]
     pub fn sample(&mut self) -> BaseSample {
         let (k, period_s) = (self.next, self.period_s);
         self.next += 1;
         let start_s = k as f64 * period_s;
         let force = self.force.each_mut().map(|signal| signal.next(k, start_s, period_s));
         let rate = self.rate.each_mut().map(|signal| signal.next(k, start_s, period_s));
-        let places = AT.map(|s| BasePoint {
-            force: force.each_ref().map(|c| quartic(c, s)),
-            rate: rate.each_ref().map(|c| quartic(c, s)),
-            turn: rate.each_ref().map(|c| slope(c, s) / period_s),
-        });
+        let mut places = [BasePoint::default(); PLACES];
+        let per_s = 1.0 / period_s;
+        for (place, s) in places.iter_mut().zip(AT) {
+            for axis in 0..3 {
+                place.force[axis] = quartic(&force[axis], s);
+                place.rate[axis] = quartic(&rate[axis], s);
+                place.turn[axis] = slope(&rate[axis], s) * per_s;
+            }
+        }
         BaseSample { yaw: rate[2], places }
     }
 }
 
+#[inline]
 fn slope(c: &[f64; 5], s: f64) -> f64 {
     c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
 }

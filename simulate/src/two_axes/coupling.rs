@@ -163,7 +163,11 @@ impl Coupler {
     }
 
     /// Returns the rates about the normal of the beam at the places, rad/s.
-    pub fn cross_rates(&mut self, ring: &[RingMotion; PLACES], elevation_rad: &[f64; PLACES]) -> [f64; PLACES] {
+    pub fn cross_rates(
+        &mut self,
+        ring: &[RingMotion; PLACES],
+        elevation_rad: &[f64; PLACES],
+    ) -> [f64; PLACES] {
         std::array::from_fn(|k| {
             let [_, normal] = ElevatedBody::off_axis_rates(&ring[k], self.elevation.follow(elevation_rad[k]));
             normal
@@ -213,10 +217,6 @@ fn ring_at(base: &BasePoint, SinCos { sin, cos }: SinCos, up: Upward) -> RingMot
     RingMotion {
         specific_force_m_s2: [forward, left, base.force[2]],
         rate_rad_s: [roll, pitch, up.rate_rad_s],
-        acceleration_rad_s2: [
-            roll_turn + relative * pitch,
-            pitch_turn - relative * roll,
-            up.turn_rad_s2,
-        ],
+        acceleration_rad_s2: [roll_turn + relative * pitch, pitch_turn - relative * roll, up.turn_rad_s2],
     }
 }

@@ -39,6 +39,7 @@ impl Quartics {
     }
 
     /// Returns the quartic through values at the places, in powers of the fraction of the sample.
+    #[inline]
     pub fn through(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
         let mut sum = [0.0; PLACES];
         for (value, cardinal) in values.iter().zip(&self.coefficients) {
@@ -48,17 +49,20 @@ impl Quartics {
     }
 
     /// Returns the derivative at the places, per sample.
+    #[inline]
     pub fn slopes(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
         self.slopes.each_ref().map(|row| row.iter().zip(values).map(|(c, value)| c * value).sum())
     }
 
     /// Returns the mean over the sample.
+    #[inline]
     pub fn mean(&self, values: &[f64; PLACES]) -> f64 {
         let c = self.through(values);
         c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0 + c[4] / 5.0
     }
 
     /// Returns the values at the places of the next sample, by the parabola through the last three.
+    #[inline]
     pub fn ahead(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
         self.ahead.map(|row| row.iter().zip(&values[2..]).map(|(c, value)| c * value).sum())
     }
@@ -79,9 +83,7 @@ fn cardinal(place: usize) -> [f64; PLACES] {
 
 /// Returns the values of the cardinal polynomials at a fraction.
 fn weights(at: f64) -> [f64; PLACES] {
-    std::array::from_fn(|k| {
-        (0..PLACES).filter(|&j| j != k).map(|j| (at - AT[j]) / (AT[k] - AT[j])).product()
-    })
+    std::array::from_fn(|k| (0..PLACES).filter(|&j| j != k).map(|j| (at - AT[j]) / (AT[k] - AT[j])).product())
 }
 
 /// Angle and rate of a hub at the places of a sample.
@@ -91,6 +93,8 @@ pub(super) struct Trace {
     pub rate_rad_s: [f64; PLACES],
     /// Places that are known.
     pub known: usize,
+    /// Whether one step took the sample.
+    pub is_whole: bool,
 }
 
 impl Trace {
@@ -101,11 +105,11 @@ impl Trace {
         if part.share == 1.0 {
             self.angle_rad = seen.map(|outputs| outputs[2]);
             self.rate_rad_s = seen.map(|outputs| outputs[3]);
-            self.known = PLACES;
+            (self.known, self.is_whole) = (PLACES, true);
             return;
         }
         if part.start == 0.0 {
-            self.known = 0;
+            (self.known, self.is_whole) = (0, false);
         }
         while self.known < PLACES && AT[self.known] <= part.start + part.share {
             let weights = weights((AT[self.known] - part.start) / part.share);
