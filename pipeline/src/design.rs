@@ -15,15 +15,15 @@ use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
     Exported, LeftOut, PathForms, TargetCode, describe_weights, every_target, export_by, half_step_v,
-    path_forms, project_hash,
+    path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
-    Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, TraverseCode,
-    TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce, run_observed,
-    studies, study_two_axes, synthesise, verify_on,
+    Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised,
+    TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce,
+    run_observed, studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -47,15 +47,6 @@ pub struct Stages {
     pub left_out: Vec<LeftOut>,
     /// The traverse axis under this elevation axis, with its code; `None` if the project has none.
     pub traverse: Option<Box<TraverseCode>>,
-}
-
-/// Which project a result belongs to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ProjectIdentity {
-    /// Name of the mechanism.
-    pub name: String,
-    /// Hash of the project as it was resolved.
-    pub hash: String,
 }
 
 /// The controller in every kind of numbers, before any compiler has seen it.
@@ -123,13 +114,6 @@ pub struct SynthesisStudy {
     pub comparison: Comparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
-}
-
-impl ProjectIdentity {
-    /// Returns the identity of a project.
-    pub fn of(project: &Project, world: &dyn World) -> Self {
-        Self { name: project.plant.name.clone(), hash: project_hash(project, world) }
-    }
 }
 
 /// Runs every stage from the project to its code.

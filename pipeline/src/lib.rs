@@ -10,7 +10,7 @@
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`loop_view`](mod@loop_view), [`two_axes`], [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`design_views`], [`loop_view`](mod@loop_view), [`two_axes`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`results`].
 //!
@@ -35,6 +35,7 @@ pub mod error;
 pub mod exchange;
 pub mod export;
 pub mod first_design;
+pub mod identity;
 pub mod inertial_unit;
 pub mod loop_view;
 pub mod model;
@@ -55,10 +56,11 @@ pub mod verify;
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
-pub use design::{Designed, ProjectIdentity, Stages, SynthesisStudy, design, run_stages, study_synthesis};
+pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};
 pub use first_design::{Chosen, FirstDesignResult, choose_weights, with_chosen_weights};
+pub use identity::ProjectIdentity;
 pub use model::{
     Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
 };

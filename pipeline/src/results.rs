@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
 use crate::exchange::systems::{controllers_of_design, stored_frequencies_hz};
-use crate::exchange::verified::{history_results, response_results};
+use crate::exchange::verified::{history_results, response_results, verified_loop};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,
@@ -27,14 +27,14 @@ use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
 pub use robustness::{AdviceResult, RobustnessResult};
-pub use two_axes::{JointFigureResult, JointHistoryResult, JointVerdictResult, TwoAxesResult};
+pub use two_axes::{JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
 use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::Trials;
 use crate::studies::comparison::Comparison;
-use crate::{Designed, Modelled, Reduced, Synthesised};
+use crate::{Designed, Modelled, PipelineError, Reduced, Synthesised, TwoAxisStudy};
 
 /// A complex number as real and imaginary part.
 pub type Pair = [f64; 2];
@@ -222,6 +222,44 @@ pub struct VerifyResult {
     /// Time histories of every experiment; absent unless they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<HistoryResult>,
+}
+
+/// The traverse axis alone, and both axes together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwoAxesResult {
+    /// Name of the traverse axis' machine.
+    pub name: String,
+    /// Whether no requirement of the traverse axis or of both axes fails.
+    pub passes: bool,
+    /// The verification of the traverse axis alone.
+    pub traverse: Box<VerifyResult>,
+    /// Both axes together.
+    #[serde(flatten)]
+    pub joint: JointResult,
+}
+
+impl TwoAxesResult {
+    /// Returns the result of a study.
+    ///
+    /// # Errors
+    /// Those of the traverse axis' linear loop.
+    pub fn new(study: &TwoAxisStudy) -> Result<Self, PipelineError> {
+        let design = &study.traverse;
+        let (verified, plant) = (&design.verified, &design.modelled.plant);
+        let measured_on = verified_loop(plant, verified.controller(), &design.procedure)?;
+        Ok(Self {
+            name: design.project.plant.name.clone(),
+            passes: study.passes(),
+            traverse: Box::new(VerifyResult::new(verified.verification(), measured_on)),
+            joint: (&study.joint).into(),
+        })
+    }
+
+    /// Leaves out the time histories.
+    pub fn leave_histories_out(&mut self) {
+        self.traverse.leave_histories_out();
+        self.joint.histories.clear();
+    }
 }
 
 impl VerifyResult {

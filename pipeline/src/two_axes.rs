@@ -14,10 +14,9 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
-use crate::design::ProjectIdentity;
 use crate::export::{Exported, LeftOut, export_by};
 use crate::verify::moved;
-use crate::{Modelled, PipelineError, Synthesised, World};
+use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
 use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
 
 /// The traverse axis of a project, designed and verified alone.

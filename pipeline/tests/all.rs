@@ -7,3 +7,4 @@ mod inertial_unit;
 mod preview;
 mod requirements;
 mod road;
+mod two_axes;

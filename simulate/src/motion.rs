@@ -227,7 +227,7 @@ impl MotionSample {
     /// Returns what the platform does beside heave and pitch at a fraction of the sample.
     #[inline]
     pub fn further_at(&self, s: f64) -> Option<FurtherPoint> {
-        self.further.as_ref().map(|all| all.map(|c| quartic(&c, s)).into())
+        self.further.as_ref().map(|all| further_point(all, s))
     }
 
     /// Returns the platform along a step that starts at a fraction of the sample and takes a share of it.
@@ -237,9 +237,11 @@ impl MotionSample {
             nodes: NODES.map(|node| self.at(start + node * share)),
             middle: self.at(start + 0.5 * share),
             further: self.further.as_ref().map(|all| {
-                let [a, b, c, d] = NODES;
-                [a, b, c, d, 0.5]
-                    .map(|part| all.map(|coefficients| quartic(&coefficients, start + part * share)).into())
+                let mut points = [FurtherPoint::default(); 5];
+                for (point, part) in points.iter_mut().zip([NODES[0], NODES[1], NODES[2], NODES[3], 0.5]) {
+                    *point = further_point(all, start + part * share);
+                }
+                points
             }),
         }
     }
@@ -253,6 +255,15 @@ impl MotionSample {
     pub fn pitch_acceleration_at(&self, s: f64) -> f64 {
         let r = &self.rate;
         (r[1] + s * (2.0 * r[2] + s * (3.0 * r[3] + s * 4.0 * r[4]))) / self.period_s
+    }
+}
+
+#[inline]
+fn further_point([surge, roll, yaw, torque]: &[[f64; 5]; 4], s: f64) -> FurtherPoint {
+    FurtherPoint {
+        surge: quartic(surge, s),
+        rates: [quartic(roll, s), quartic(yaw, s)],
+        torque: quartic(torque, s),
     }
 }
 

@@ -8,9 +8,9 @@ use counterpoise_models::{
     AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Parameters, Plant, reference,
 };
 use counterpoise_simulate::{
-    AxisScenario, BaseMotion, Controllers, Coupling, Detail, Firing, Imperfections, Initial, PlatformMotion,
-    Playback, Scenario, Signal, Simulator, TraverseGyroscope, TwoAxisHistory, TwoAxisScenario,
-    TwoAxisSimulator,
+    AxisScenario, BaseMotion, Controllers, Coupling, Detail, Firing, FurtherMotion, Imperfections, Initial,
+    PlatformMotion, Playback, Scenario, Signal, Simulator, TraverseGyroscope, TwoAxisHistory,
+    TwoAxisScenario, TwoAxisSimulator,
 };
 
 const G: f64 = 9.80665;
@@ -204,10 +204,14 @@ fn a_gyroscope_on_the_elevated_mass_reads_cross_elevation() {
     assert!((found.traverse.readings.hub_rate_rad_s[last] - cross).abs() < 1e-4);
 }
 
+fn further(surge_m_s2: Signal, roll_rate_rad_s: Signal, yaw_rate_rad_s: Signal) -> Option<FurtherMotion> {
+    Some(FurtherMotion { surge_m_s2, roll_rate_rad_s, yaw_rate_rad_s })
+}
+
 /// Both loops with noise on a base that moves about all its axes: what two axes cost beside one. The work is counted in evaluations of the
 /// nonlinear parts; `docs/evidence/base-motion.md` has the instructions.
 #[test]
-fn two_axes_take_a_sample_little_more_than_twice() {
+fn two_axes_seldom_take_a_sample_twice() {
     let plants = rigs();
     let sine = Signal::sine;
     let base = BaseMotion {
@@ -230,6 +234,7 @@ fn two_axes_take_a_sample_little_more_than_twice() {
         platform: PlatformMotion {
             heave_m_s2: sine(1.0, 9.0),
             pitch_rate_rad_s: sine(-0.1, 7.0),
+            further: further(sine(2.0, 6.0), sine(0.1, 8.0), sine(0.1, 6.0)),
             ..PlatformMotion::STILL
         },
         imperfections: noisy,
@@ -243,6 +248,7 @@ fn two_axes_take_a_sample_little_more_than_twice() {
         platform: PlatformMotion {
             heave_m_s2: sine(1.0, 5.0),
             pitch_rate_rad_s: sine(0.1, 6.0),
+            further: further(sine(2.0, 6.0), Signal::ZERO, Signal::ZERO),
             ..PlatformMotion::STILL
         },
         imperfections: noisy,
@@ -250,5 +256,5 @@ fn two_axes_take_a_sample_little_more_than_twice() {
     };
     let below = Simulator::new(&plants[1]).unwrap().run(&mut PI_GAINS.clone(), &scenario_below).unwrap();
     println!("{:?} {:?} {:?} {:?}", both.elevation.effort, both.traverse.effort, alone.effort, below.effort);
-    assert!(both.passes_per_sample < 1.2 && both.unconverged == 0);
+    assert!(both.passes_per_sample < 1.1 && both.unconverged == 0);
 }

@@ -1,21 +1,11 @@
 //! Both axes verified together, as plain data.
 
-use counterpoise_verify::{JointRun, Limit, Verdict};
+use counterpoise_verify::{JointRun, JointVerification, Limit, Verdict};
 use serde::Serialize;
 
-use super::VerifyResult;
-use crate::exchange::verified::verified_loop;
-use crate::{PipelineError, TwoAxisStudy};
-
-/// The traverse axis alone, and both axes together.
+/// Both axes together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TwoAxesResult {
-    /// Name of the traverse axis' machine.
-    pub name: String,
-    /// Whether no requirement of the traverse axis or of both axes fails.
-    pub passes: bool,
-    /// The verification of the traverse axis alone.
-    pub traverse: Box<VerifyResult>,
+pub struct JointResult {
     /// Verdicts on both axes, in the order of the project file.
     pub verdicts: Vec<JointVerdictResult>,
     /// Every figure of both axes.
@@ -78,16 +68,9 @@ pub struct JointHistoryResult {
     pub traverse_control_v: Vec<f64>,
 }
 
-impl TwoAxesResult {
-    /// Returns the result of a study.
-    ///
-    /// # Errors
-    /// Those of the traverse axis' linear loop.
-    pub fn new(study: &TwoAxisStudy) -> Result<Self, PipelineError> {
-        let design = &study.traverse;
-        let (verified, plant) = (&design.verified, &design.modelled.plant);
-        let measured_on = verified_loop(plant, verified.controller(), &design.procedure)?;
-        let verdicts = study.joint.verdicts.iter().map(|(requirement, verdict)| JointVerdictResult {
+impl From<&JointVerification> for JointResult {
+    fn from(found: &JointVerification) -> Self {
+        let verdicts = found.verdicts.iter().map(|(requirement, verdict)| JointVerdictResult {
             figure: requirement.figure.key(),
             verdict: match verdict {
                 Verdict::Holds { .. } => "holds",
@@ -105,26 +88,17 @@ impl TwoAxesResult {
             },
             source: requirement.source.clone(),
         });
-        let figures = study.joint.values.iter().map(|value| JointFigureResult {
+        let figures = found.values.iter().map(|value| JointFigureResult {
             figure: value.figure.key(),
             value: value.together,
             alone: value.alone,
             unit: value.figure.quantity.unit(),
         });
-        Ok(Self {
-            name: design.project.plant.name.clone(),
-            passes: study.passes(),
-            traverse: Box::new(VerifyResult::new(verified.verification(), measured_on)),
+        Self {
             verdicts: verdicts.collect(),
             figures: figures.collect(),
-            histories: study.joint.runs.iter().map(Into::into).collect(),
-        })
-    }
-
-    /// Leaves out the time histories.
-    pub fn leave_histories_out(&mut self) {
-        self.traverse.leave_histories_out();
-        self.histories.clear();
+            histories: found.runs.iter().map(Into::into).collect(),
+        }
     }
 }
 

@@ -61,12 +61,6 @@ pub(crate) struct FurtherPoint {
     pub torque: f64,
 }
 
-impl From<[f64; 4]> for FurtherPoint {
-    fn from([surge, roll, yaw, torque]: [f64; 4]) -> Self {
-        Self { surge, rates: [roll, yaw], torque }
-    }
-}
-
 /// The platform along a step: at the four nodes and in the middle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PlatformSpan {

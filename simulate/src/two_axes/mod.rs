@@ -400,8 +400,8 @@ impl<'a> Run<'a> {
             let change = error.iter().map(|error| error.abs()).fold(0.0, f64::max);
             let held = self.held_shares(&found)?;
             let step: [f64; PLACES] = std::array::from_fn(|place| error[place] / held[place]);
-            let is_small = change <= LINEAR_ANSWER * self.allowed_nm[0] && self.lower.trace.is_whole;
-            if !changed && is_small {
+            let is_small = change <= LINEAR_ANSWER * self.allowed_nm[0] && !changed;
+            if is_small && self.lower.trace.is_whole {
                 // so little is answered linearly, without taking the sample again
                 self.lower.stepper.add_hub_torque(&[step[0], step[1], step[3], step[4]]);
                 self.passes += pass;
@@ -409,7 +409,8 @@ impl<'a> Run<'a> {
                 self.keep(&ring, std::array::from_fn(|place| torque[place] + step[place]), elevation);
                 break;
             }
-            let is_done = change <= self.allowed_nm[0] && !changed;
+            // between events the next sample makes up for the impulse of so little
+            let is_done = is_small || (change <= self.allowed_nm[0] && !changed);
             if is_done || pass == COUPLING_PASSES || !change.is_finite() {
                 self.unconverged += usize::from(!is_done);
                 self.passes += pass;

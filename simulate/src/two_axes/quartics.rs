@@ -11,26 +11,25 @@ pub(super) const PLACES: usize = 5;
 /// The places, as fractions of the sample.
 pub(super) const AT: [f64; PLACES] = [NODES[0], NODES[1], 0.5, NODES[2], NODES[3]];
 
-/// The cardinal polynomials of the places.
+/// The cardinal polynomials of the places. What they give is a sum over the values, so each matrix is stored value by value.
 #[derive(Debug, Clone)]
 pub(super) struct Quartics {
-    /// Coefficients, lowest power first, place by place.
+    /// Coefficients, lowest power first.
     coefficients: [[f64; PLACES]; PLACES],
-    /// Derivative at each place by the values at all, per sample.
+    /// Derivatives at the places, per sample.
     slopes: [[f64; PLACES]; PLACES],
-    /// Values at the places of the next sample by those at the last three of this one.
-    ahead: [[f64; 3]; PLACES],
+    /// Values at the places of the next sample, by those at the last three of this one.
+    ahead: [[f64; PLACES]; 3],
 }
 
 impl Quartics {
     pub fn new() -> Self {
-        let coefficients = std::array::from_fn(cardinal);
-        let slopes = AT.map(|s| {
-            coefficients.map(|c: [f64; PLACES]| c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4])))
-        });
+        let coefficients: [[f64; PLACES]; PLACES] = std::array::from_fn(cardinal);
+        let slopes =
+            coefficients.map(|c| AT.map(|s| c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))));
         let last = [AT[2], AT[3], AT[4]];
-        let ahead = AT.map(|s| {
-            std::array::from_fn(|k| {
+        let ahead = std::array::from_fn(|k| {
+            AT.map(|s| {
                 let others = (0..3).filter(|&j| j != k);
                 others.map(|j| (1.0 + s - last[j]) / (last[k] - last[j])).product()
             })
@@ -41,17 +40,13 @@ impl Quartics {
     /// Returns the quartic through values at the places, in powers of the fraction of the sample.
     #[inline]
     pub fn through(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
-        let mut sum = [0.0; PLACES];
-        for (value, cardinal) in values.iter().zip(&self.coefficients) {
-            sum.iter_mut().zip(cardinal).for_each(|(sum, c)| *sum += value * c);
-        }
-        sum
+        combined(&self.coefficients, values)
     }
 
     /// Returns the derivative at the places, per sample.
     #[inline]
     pub fn slopes(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
-        self.slopes.each_ref().map(|row| row.iter().zip(values).map(|(c, value)| c * value).sum())
+        combined(&self.slopes, values)
     }
 
     /// Returns the mean over the sample.
@@ -64,8 +59,20 @@ impl Quartics {
     /// Returns the values at the places of the next sample, by the parabola through the last three.
     #[inline]
     pub fn ahead(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
-        self.ahead.map(|row| row.iter().zip(&values[2..]).map(|(c, value)| c * value).sum())
+        combined(&self.ahead, &[values[2], values[3], values[4]])
     }
+}
+
+/// Returns the sum of rows, each times its factor.
+#[inline]
+fn combined<const COUNT: usize>(rows: &[[f64; PLACES]; COUNT], factors: &[f64; COUNT]) -> [f64; PLACES] {
+    let mut sum = [0.0; PLACES];
+    for (row, factor) in rows.iter().zip(factors) {
+        for (sum, entry) in sum.iter_mut().zip(row) {
+            *sum += factor * entry;
+        }
+    }
+    sum
 }
 
 /// Returns the coefficients of the polynomial that is 1 at a place and 0 at the others.
