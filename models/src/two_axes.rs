@@ -38,6 +38,24 @@ pub struct ElevatedBody {
     pub included_at: SinCos,
 }
 
+/// What couples the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coupling {
+    /// The elevated body as the traverse ring feels it.
+    pub body: ElevatedBody,
+    /// Where the gyroscope of the traverse axis is.
+    pub gyroscope: TraverseGyroscope,
+}
+
+/// Where the gyroscope of the traverse axis is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraverseGyroscope {
+    /// On the ring: it reads the ring's rate R about its own axis.
+    Ring,
+    /// On the elevated mass, along the normal of the beam: it reads R cos(theta) - P sin(theta), the rate in cross-elevation.
+    ElevatedMass,
+}
+
 /// Moments of inertia of a body with a plane of symmetry, at its pivot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyInertia {

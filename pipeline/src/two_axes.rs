@@ -4,11 +4,10 @@ use counterpoise_export::File;
 use counterpoise_models::Measured;
 use counterpoise_models::Plant;
 use counterpoise_models::base_motion::{BaseState, FeltMotion, base_of_felt};
-use counterpoise_models::two_axes::{BodyInertia, ElevatedBody};
+use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody};
 use counterpoise_project::resolve::platform::{MotionKind, PlatformSource};
 use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
-use counterpoise_verify::two_axes::Coupling;
 use counterpoise_verify::{
     AxisPair, JointMachine, JointProcedure, JointVerification, Procedure, Road, VerifiedController,
     verify_two_axes,

@@ -6,13 +6,12 @@ use std::error::Error;
 use std::io::{BufRead, Write};
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_models::two_axes::{BodyInertia, ElevatedBody, PivotPosition};
+use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody, PivotPosition, TraverseGyroscope};
 use counterpoise_models::{
     AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Plant, Sensor, reference,
 };
 use counterpoise_simulate::{
-    AxisScenario, BaseMotion, Controllers, Coupling, Detail, Firing, Signal, TraverseGyroscope,
-    TwoAxisScenario, TwoAxisSimulator,
+    AxisScenario, BaseMotion, Controllers, Detail, Firing, Signal, TwoAxisScenario, TwoAxisSimulator,
 };
 
 /// One inertia with viscous friction, driven by a torque.

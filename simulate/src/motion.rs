@@ -246,6 +246,13 @@ impl MotionSample {
         }
     }
 
+    /// Returns the torque of another axis at the stages of a step that starts at a fraction of the sample and takes a share of it, N m.
+    #[inline]
+    pub fn other_torques(&self, start: f64, share: f64) -> [f64; 3] {
+        let Some([_, _, _, torque]) = &self.further else { return [0.0; 3] };
+        [NODES[1], NODES[2], NODES[3]].map(|part| quartic(torque, start + part * share))
+    }
+
     /// Returns the input of a platform sensor at the nodes of the whole sample.
     pub fn nodes(&self, of: impl Fn(&PlatformPoint) -> f64) -> [f64; 4] {
         NODES.map(|node| of(&self.at(node)))

@@ -11,11 +11,11 @@ use counterpoise_models::Plant;
 use counterpoise_models::base_motion::{
     BaseState, FeltMotion, Level, Traverse, motion_at_elevation_axis, motion_at_traverse_axis,
 };
+use counterpoise_models::two_axes::{Coupling, TraverseGyroscope};
 use counterpoise_simulate::{
     AxisScenario, BaseMotion, Controllers, Detail, Firing, FurtherMotion, Imperfections, Initial,
     PlatformMotion, Scenario, Signal, Simulator, TwoAxisHistory, TwoAxisScenario, TwoAxisSimulator,
 };
-pub use counterpoise_simulate::{Coupling, TraverseGyroscope};
 
 use crate::history::integrated;
 use crate::signals::rms;

@@ -1,7 +1,6 @@
 //! The `[traverse]` section: the traverse axis under the elevation axis, whose own project is another file, and what couples them.
 
-use counterpoise_models::two_axes::{BodyInertia, PivotPosition};
-use counterpoise_verify::two_axes::TraverseGyroscope;
+use counterpoise_models::two_axes::{BodyInertia, PivotPosition, TraverseGyroscope};
 use counterpoise_verify::{JointFigure, JointRequirement, Limit as Bound};
 
 use crate::diagnostic::nearest;

@@ -85,6 +85,15 @@ pub(crate) struct Present {
     travelled: Option<[f64; 2]>,
     /// The loop's sensor: what it shows, and its derivative.
     pub hub_gyro: [f64; 2],
+    answers: HubAnswers,
+}
+
+/// The answers of a core's states to a torque on the hub over a sample, at its nodes.
+#[derive(Debug, Clone, Default)]
+struct HubAnswers {
+    /// Which core they are of.
+    core: Option<usize>,
+    rows: Vec<[f64; 4]>,
 }
 
 impl Present {
@@ -108,6 +117,7 @@ impl Present {
             bonds: Bonds::default(),
             travelled: None,
             hub_gyro: [0.0; 2],
+            answers: HubAnswers::default(),
         })
     }
 
@@ -124,12 +134,15 @@ impl Present {
 
     /// Adds the answer to a torque on the hub over a whole sample that has just been taken: the cubic through its values at the nodes.
     pub fn add_hub_torque(&mut self, torque_nm: &[f64; 4]) {
-        let Self { cores, core, z, seen, travelled, .. } = self;
+        let Self { cores, core, z, seen, travelled, answers, .. } = self;
         let linear = &cores[*core];
         let Some(table) = linear.table(0) else { return };
-        for (row, z) in z.iter_mut().enumerate() {
-            let answers = table.hub_answers(row);
-            *z += answers.iter().zip(torque_nm).map(|(answer, torque)| answer * torque).sum::<f64>();
+        if answers.core != Some(*core) {
+            answers.rows = (0..z.len()).map(|row| table.hub_answers(row)).collect();
+            answers.core = Some(*core);
+        }
+        for (z, [a, b, c, d]) in z.iter_mut().zip(&answers.rows) {
+            *z += a * torque_nm[0] + b * torque_nm[1] + c * torque_nm[2] + d * torque_nm[3];
         }
         let before = *seen;
         *seen = linear.see(z);

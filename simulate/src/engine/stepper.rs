@@ -232,7 +232,7 @@ impl Stepper {
     pub fn advance_observed(
         &mut self,
         sample: &Sample,
-        observer: &mut impl FnMut(&Attempt, &StepTable, Part),
+        observer: &mut impl FnMut(&mut Attempt, &StepTable, Part),
     ) {
         self.present.settle_joints(sample);
         let before = self.present.changes;
@@ -251,7 +251,7 @@ impl Stepper {
                 Tried::Good { defect } => {
                     if let Some(table) = self.present.linear().table(self.level) {
                         let part = Part { start: fraction(tick), share: fraction(TICKS >> self.level) };
-                        observer(&self.attempt, table, part);
+                        observer(&mut self.attempt, table, part);
                     }
                     self.take_step(&mode);
                     tick += TICKS >> self.level;

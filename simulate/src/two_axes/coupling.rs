@@ -102,11 +102,13 @@ impl Coupler {
         traverse: &Trace,
     ) -> [RingMotion; PLACES] {
         let turns = self.quartics.slopes(&traverse.rate_rad_s);
-        std::array::from_fn(|k| {
+        let mut ring = [RingMotion::default(); PLACES];
+        for k in 0..PLACES {
             let angle = traverse.angle_rad[k] - motion.at(AT[k]).angle;
             let up = Upward { rate_rad_s: traverse.rate_rad_s[k], turn_rad_s2: turns[k] / self.period_s };
-            ring_at(&base.places[k], self.traverse.follow(angle), up)
-        })
+            ring[k] = ring_at(&base.places[k], self.traverse.follow(angle), up);
+        }
+        ring
     }
 
     /// Returns what the elevation axis feels of a ring's motion, from an angle of its platform on; `elevation_rad` is its angle relative to
@@ -209,6 +211,7 @@ struct Upward {
 }
 
 /// Returns the motion of a ring that is turned by an angle on its base.
+#[inline]
 fn ring_at(base: &BasePoint, SinCos { sin, cos }: SinCos, up: Upward) -> RingMotion {
     let turned = |[x, y, _]: [f64; 3]| [x * cos + y * sin, y * cos - x * sin];
     let ([forward, left], [roll, pitch]) = (turned(base.force), turned(base.rate));

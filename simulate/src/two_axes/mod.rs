@@ -26,30 +26,12 @@ use crate::tolerance::{COUPLING_PASSES, COUPLING_SHARE, LEAST_HUB_SHARE, LINEAR_
 use base::{BaseSample, BaseTrack};
 use counterpoise_controller::SampledController;
 use counterpoise_models::plant::core::input;
-use counterpoise_models::two_axes::{ElevatedBody, RingMotion};
+use counterpoise_models::two_axes::{Coupling, RingMotion, TraverseGyroscope};
 use counterpoise_models::{Axis, Mesh, Plant};
 use coupling::{Coupler, TraverseTorque};
 use quartics::{PLACES, Trace};
 
 pub use base::BaseMotion;
-
-/// What couples the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
-    /// The elevated body as the traverse ring feels it.
-    pub body: ElevatedBody,
-    /// Where the gyroscope of the traverse axis is.
-    pub gyroscope: TraverseGyroscope,
-}
-
-/// Where the gyroscope of the traverse axis is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TraverseGyroscope {
-    /// On the ring: it reads the ring's rate R about its own axis.
-    Ring,
-    /// On the elevated mass, along the normal of the beam: it reads R cos(theta) - P sin(theta), the rate in cross-elevation.
-    ElevatedMass,
-}
 
 /// A run of both axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -313,7 +295,10 @@ impl<'a> Side<'a> {
     fn advance(&mut self, k: usize) {
         let Self { stepper, trace, motion, drive_v, lap, .. } = self;
         let sample = Sample { drive_v: *drive_v, start_s: lap.time(k), motion };
-        stepper.advance_observed(&sample, &mut |attempt, table, part| trace.add(attempt, table, part));
+        stepper.advance_observed(&sample, &mut |attempt, table, part| {
+            attempt.accept_torque(sample.motion.other_torques(part.start, part.share));
+            trace.add(attempt, table, part);
+        });
     }
 
     /// Moves over sample k once more, on a motion of the base.
@@ -395,9 +380,11 @@ impl<'a> Run<'a> {
             let ring = self.coupler.ring(base, &self.lower.motion, &self.lower.trace);
             let changed = self.move_elevation(k, pass, &ring, &mut elevation, controllers);
             let found = self.coupler.torque(&ring, &elevation, &self.upper.trace);
-            let error: [f64; PLACES] =
-                std::array::from_fn(|place| found.torque_nm[place] + carried - torque[place]);
-            let change = error.iter().map(|error| error.abs()).fold(0.0, f64::max);
+            let (mut error, mut change) = ([0.0; PLACES], 0.0_f64);
+            for (place, error) in error.iter_mut().enumerate() {
+                *error = found.torque_nm[place] + carried - torque[place];
+                change = if error.abs() <= change { change } else { error.abs() };
+            }
             let held = self.held_shares(&found)?;
             let step: [f64; PLACES] = std::array::from_fn(|place| error[place] / held[place]);
             let is_small = change <= LINEAR_ANSWER * self.allowed_nm[0] && !changed;
