@@ -23,7 +23,7 @@ fn main() -> std::io::Result<()> {
             vertical_offset_kg_m: x[1],
             inertia,
             pivot: PivotPosition { forward_m: x[6], left_m: x[7] },
-            included_at: x[8].sin_cos().into(),
+            included_at: SinCos::of(x[8]),
         };
         let ring = RingMotion {
             specific_force_m_s2: [x[9], x[10], x[11]],
@@ -31,7 +31,7 @@ fn main() -> std::io::Result<()> {
             acceleration_rad_s2: [x[15], x[16], x[17]],
         };
         let elevation =
-            ElevationMotion { tilt: x[18].sin_cos().into(), rate_rad_s: x[19], acceleration_rad_s2: x[20] };
+            ElevationMotion { tilt: SinCos::of(x[18]), rate_rad_s: x[19], acceleration_rad_s2: x[20] };
         // what the traverse axis' own parameters say: inertia, first moments forward and to the left
         let [forward, left, _] = ring.specific_force_m_s2;
         let own = x[21] * ring.acceleration_rad_s2[2] + x[22] * left - x[23] * forward;

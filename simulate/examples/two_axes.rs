@@ -6,6 +6,7 @@ use std::error::Error;
 use std::io::{BufRead, Write};
 
 use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody, PivotPosition, TraverseGyroscope};
 use counterpoise_models::{
     AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Plant, Sensor, reference,
@@ -83,7 +84,7 @@ fn run(elevation: &Plant, traverse: &Plant, base: BaseMotion) -> Result<(), Box<
         product_kg_m2: 0.7,
     };
     let pivot = PivotPosition { forward_m: 0.4, left_m: -0.6 };
-    let body = ElevatedBody::of_plant(elevation, inertia, pivot, 0.2_f64.sin_cos().into());
+    let body = ElevatedBody::of_plant(elevation, inertia, pivot, SinCos::of(0.2));
     let coupling = Coupling { body, gyroscope: TraverseGyroscope::ElevatedMass };
     let steps = |pairs: &[(f64, f64)]| Signal::Steps(pairs.to_vec());
     let scenario = TwoAxisScenario {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::plant::SinCos;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::two_axes::{
     BodyInertia, Coupling, ElevatedBody, ElevationMotion, PivotPosition, TraverseGyroscope,
@@ -39,7 +40,7 @@ fn free(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
 /// kinetic energy and the angular momentum at the start.
 fn drift(inertia: BodyInertia, pivot: PivotPosition) -> ([f64; 2], TwoAxisHistory) {
     let (elevation, traverse) = (free(12.0, 1.5, 0.4, G), free(30.0, 0.7, 0.0, 0.0));
-    let body = ElevatedBody::of_plant(&elevation, inertia, pivot, 0.2_f64.sin_cos().into());
+    let body = ElevatedBody::of_plant(&elevation, inertia, pivot, SinCos::of(0.2));
     let coupling = Coupling { body, gyroscope: TraverseGyroscope::Ring };
     let mut turning = Simulator::new(&traverse).unwrap().rest(0.3, 0.0, 0.0);
     turning.core[state::RATE] = 0.8;
@@ -62,7 +63,7 @@ fn drift(inertia: BodyInertia, pivot: PivotPosition) -> ([f64; 2], TwoAxisHistor
     let conserved = |k: usize| {
         let (ring, angle) = (found.traverse.truth.hub_rate_rad_s[k], found.elevation_rad[k]);
         let elevation = ElevationMotion {
-            tilt: angle.sin_cos().into(),
+            tilt: SinCos::of(angle),
             rate_rad_s: found.elevation.truth.hub_rate_rad_s[k],
             acceleration_rad_s2: 0.0,
         };
@@ -150,7 +151,7 @@ fn run_both(plants: &[Plant; 2], coupling: Coupling, scenario: &TwoAxisScenario)
 }
 
 fn coupling(inertia: BodyInertia, plant: &Plant, gyroscope: TraverseGyroscope) -> Coupling {
-    let body = ElevatedBody::of_plant(plant, inertia, PivotPosition::default(), 0.1_f64.sin_cos().into());
+    let body = ElevatedBody::of_plant(plant, inertia, PivotPosition::default(), SinCos::of(0.1));
     Coupling { body, gyroscope }
 }
 
