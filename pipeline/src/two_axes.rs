@@ -4,6 +4,7 @@ use counterpoise_export::File;
 use counterpoise_models::Measured;
 use counterpoise_models::Plant;
 use counterpoise_models::base_motion::{BaseState, FeltMotion, base_of_felt};
+use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody};
 use counterpoise_project::resolve::platform::{MotionKind, PlatformSource};
 use counterpoise_project::resolve::traverse::TraverseAxis;
@@ -122,7 +123,7 @@ pub fn study_two_axes(
     let (Some(axis), Some(traverse)) = (&elevation.project.traverse, traverse) else { return Ok(None) };
     let included = axis.included_at_rad.unwrap_or(elevation.project.model.operating_point.hub_angle_rad);
     let inertia = axis.inertia(BodyInertia::of_plant(elevation.plant));
-    let body = ElevatedBody::of_plant(elevation.plant, inertia, axis.pivot, included.sin_cos().into());
+    let body = ElevatedBody::of_plant(elevation.plant, inertia, axis.pivot, SinCos::of(included));
     let machine = JointMachine {
         plants: AxisPair { elevation: elevation.plant, traverse: &traverse.modelled.plant },
         controllers: AxisPair {
