@@ -373,6 +373,9 @@ impl<'a> Run<'a> {
         let carried = self.carried_nm;
         let mut torque = self.coupler.quartics.ahead(&self.torque_nm).map(|torque| torque + carried);
         let mut elevation = self.coupler.quartics.ahead(&self.elevation_rad);
+        if k == 0 {
+            self.settle_gyroscope(base, &below);
+        }
         let shown = self.gyroscope.shown.map(|shown| shown[0]);
         self.lower.read(k, controllers.traverse, self.under(&below, &torque), shown);
         self.lower.advance(k);
@@ -413,6 +416,22 @@ impl<'a> Run<'a> {
         }
         self.upper.finish(k)?;
         self.lower.finish(k)
+    }
+
+    /// Lets a gyroscope on the elevated mass show what it would after a long time in the motion at the start.
+    fn settle_gyroscope(&mut self, base: &BaseSample, below: &MotionSample) {
+        let outputs = self.lower.stepper.outputs();
+        let trace = Trace {
+            angle_rad: [outputs[HUB_ANGLE]; PLACES],
+            rate_rad_s: [outputs[HUB_ANGLE + 1]; PLACES],
+            ..Trace::default()
+        };
+        let ring = self.coupler.ring(base, below, &trace);
+        let elevation = self.upper.stepper.outputs()[HUB_ANGLE] - self.upper.lap.angle;
+        let [cross, ..] = self.coupler.cross_rates(&ring, &[elevation; PLACES]);
+        if self.gyroscope.place == TraverseGyroscope::ElevatedMass {
+            self.gyroscope.shown = Some([cross, 0.0]);
+        }
     }
 
     /// Returns the inertia of the traverse hub with the elevated body where it is, over that in the parameters of the axis.
