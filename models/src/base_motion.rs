@@ -144,6 +144,53 @@ pub fn motion_at_elevation_axis(
     ring.iter().zip(&turned).map(of).collect()
 }
 
+/// Returns what a traverse axis feels of a base's motion: its yaw as the rate about the axis, and as heave and surge the specific force to the
+/// left and forward in axes that are turned back by the integral of the yaw.
+pub fn motion_at_traverse_axis(base: &[BaseState], period_s: f64) -> Vec<FeltMotion> {
+    let yaw: Vec<f64> = base.iter().map(|state| state.rate_rad_s[2]).collect();
+    let of = |(state, turned): (&BaseState, &f64)| {
+        let ((sin, cos), [x, y, _]) = (turned.sin_cos(), state.specific_force_m_s2);
+        FeltMotion {
+            heave_m_s2: x * sin + y * cos,
+            surge_m_s2: x * cos - y * sin,
+            pitch_rate_rad_s: state.rate_rad_s[2],
+            ..FeltMotion::default()
+        }
+    };
+    base.iter().zip(&integral(&yaw, period_s)).map(of).collect()
+}
+
+/// Returns the base's motion from what an elevation axis feels of it that points forward, and one that points to the left, both in axes that do
+/// not turn about their own axis. An axis that points to the left may be missing: then nothing acts across the plane of the first.
+pub fn base_of_felt(
+    forward: &[FeltMotion],
+    left: Option<&[FeltMotion]>,
+    period_s: f64,
+    gravity_m_s2: f64,
+) -> Vec<BaseState> {
+    let on_ring = |felt: &[FeltMotion]| -> Vec<Ring> {
+        let rates: Vec<f64> = felt.iter().map(|at| at.pitch_rate_rad_s).collect();
+        let of = |(at, phi): (&FeltMotion, &f64)| {
+            let turned = Ring {
+                forward: at.surge_m_s2,
+                up: at.heave_m_s2 + gravity_m_s2,
+                roll: at.roll_rate_rad_s,
+                pitch: at.pitch_rate_rad_s,
+                yaw: at.yaw_rate_rad_s,
+            };
+            let [forward, up, roll, yaw] = turned.turned_back(-phi);
+            Ring { forward, up, roll, yaw, ..turned }
+        };
+        felt.iter().zip(&integral(&rates, period_s)).map(of).collect()
+    };
+    let sideways = left.map(on_ring);
+    let of = |(k, at): (usize, Ring)| BaseState {
+        specific_force_m_s2: [at.forward, sideways.as_ref().map_or(0.0, |left| left[k].forward), at.up],
+        rate_rad_s: [at.roll, -at.pitch, at.yaw],
+    };
+    on_ring(forward).into_iter().enumerate().map(of).collect()
+}
+
 /// How the axes that do not turn are chosen at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
@@ -245,6 +292,26 @@ mod tests {
         let base = from_inertial(&acceleration, &rate, 1e-4, G);
         let at = motion_at_elevation_axis(&base, 1e-4, traverse, G, Level::Known)[0];
         assert!((at.pitch_rate_rad_s - 0.2).abs() < 1e-15 && (at.surge_m_s2 - 1.5).abs() < 1e-12, "{at:?}");
+    }
+
+    #[test]
+    fn two_axes_that_point_forward_and_to_the_left_tell_the_whole_motion_of_the_base() {
+        let at = |t: f64| BaseState {
+            specific_force_m_s2: [2.0 * (5.0 * t).sin(), (3.0 * t).cos(), G + (7.0 * t).sin()],
+            rate_rad_s: [0.3 * (2.0 * t).cos(), -0.8 * (6.0 * t).cos(), 0.5 * (4.0 * t).sin()],
+        };
+        let base: Vec<BaseState> = (0..2000).map(|k| at(1e-3 * f64::from(k))).collect();
+        let felt = |angle_rad| {
+            let traverse = Traverse { angle_rad, rate_rad_s: 0.0 };
+            motion_at_elevation_axis(&base, 1e-3, traverse, G, Level::Known)
+        };
+        let found = base_of_felt(&felt(0.0), Some(&felt(FRAC_PI_2)), 1e-3, G);
+        for (a, b) in found.iter().zip(&base) {
+            for axis in 0..3 {
+                assert!((a.specific_force_m_s2[axis] - b.specific_force_m_s2[axis]).abs() < 1e-12);
+                assert!((a.rate_rad_s[axis] - b.rate_rad_s[axis]).abs() < 1e-12);
+            }
+        }
     }
 
     #[test]

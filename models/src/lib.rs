@@ -4,7 +4,7 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`], [`friction`], [`loads`], [`plant`], [`structure`], [`base_motion`], [`mod@reference`] (the machine that examples start
+//! Modules in reading order: [`parameters`], [`friction`], [`loads`], [`plant`], [`structure`], [`base_motion`], [`two_axes`], [`mod@reference`] (the machine that examples start
 //! from), [`tolerance`] (the numbers that decide), [`error`].
 #![allow(non_snake_case)]
 
@@ -18,6 +18,7 @@ mod range;
 pub mod reference;
 pub mod structure;
 pub mod tolerance;
+pub mod two_axes;
 
 pub use error::Error;
 pub use loads::{EndStops, Equilibrator, LoadPoint, Loads, Recoil};

@@ -14,15 +14,16 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms, project_hash,
+    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::wording::weights::describe_weights;
 use crate::{
-    Decided, FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, choose_and_tune, model,
-    project_procedure, reduce, run_observed, studies, synthesise, verify_on,
+    Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised,
+    TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce,
+    run_observed, studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -44,15 +45,8 @@ pub struct Stages {
     pub files: Vec<File>,
     /// Code that the project asks for and cannot have.
     pub left_out: Vec<LeftOut>,
-}
-
-/// Which project a result belongs to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ProjectIdentity {
-    /// Name of the mechanism.
-    pub name: String,
-    /// Hash of the project as it was resolved.
-    pub hash: String,
+    /// The traverse axis under this elevation axis, with its code; `None` if the project has none.
+    pub traverse: Option<Box<TraverseCode>>,
 }
 
 /// The controller in every kind of numbers, before any compiler has seen it.
@@ -97,6 +91,8 @@ pub struct Designed {
     pub verified_loop: VerifiedLoop,
     /// The trials of the project's adaptation; `None` if it has none.
     pub adaptation: Option<Trials>,
+    /// Both axes verified together; `None` if the project has no traverse axis.
+    pub two_axes: Option<TwoAxisStudy>,
 }
 
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
@@ -118,13 +114,6 @@ pub struct SynthesisStudy {
     pub comparison: Comparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
-}
-
-impl ProjectIdentity {
-    /// Returns the identity of a project.
-    pub fn of(project: &Project, world: &dyn World) -> Self {
-        Self { name: project.plant.name.clone(), hash: project_hash(project, world) }
-    }
 }
 
 /// Runs every stage from the project to its code.
@@ -173,7 +162,18 @@ impl VerifiedDesign {
         let Exported { files, left_out } = run_observed(world, Step::Export, || {
             export_by(project, &modelled, &verified, &procedure, world)
         })?;
-        Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
+        let traverse = export_traverse(project, world)?.map(Box::new);
+        Ok(Stages {
+            modelled,
+            reduced,
+            synthesised,
+            procedure,
+            verified,
+            stability,
+            files,
+            left_out,
+            traverse,
+        })
     }
 
     /// Certifies the loop and runs the controller in every kind of numbers, side by side on the processors at hand.
@@ -220,6 +220,15 @@ struct StudiedTargets {
     by_form: Vec<FormFigures>,
 }
 
+impl Stages {
+    /// Verifies both axes together.
+    fn two_axes(&self, project: &Project, world: &dyn World) -> Result<Option<TwoAxisStudy>, PipelineError> {
+        let Self { modelled, synthesised, procedure, .. } = self;
+        let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
+        study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
+    }
+}
+
 /// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
 ///
 /// # Errors
@@ -248,6 +257,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
             &stages.procedure,
         )?,
         adaptation: own_trials(project, &stages.modelled, &stages.synthesised, &stages.procedure)?,
+        two_axes: stages.two_axes(project, world)?,
         stages,
     })
 }

@@ -16,6 +16,21 @@ pub enum PipelineError {
         /// The step.
         needed_by: &'static str,
     },
+    /// Two axes on a road whose sideways motion is not known.
+    #[error(
+        "verify.road: the road of ISO 8608 states what an elevation axis that points forward feels, which is not enough under a traverse axis: give          kind = \"six-axes\", \"sea\" or \"inertial-unit\", or a recording of heave, pitch and surge"
+    )]
+    PlaneRoad,
+    /// A road on a ring at another angle than the traverse axis.
+    #[error(
+        "verify.road.traverse_angle and traverse_rate must be {ring_rad} rad and 0 rad/s: the ring stands where [model] hub_angle of the traverse axis says,          and its axis turns it; the road has {road_rad} rad"
+    )]
+    RingAngle {
+        /// Of the road.
+        road_rad: f64,
+        /// Of the traverse axis.
+        ring_rad: f64,
+    },
     /// A campaign on a project that says nothing of what varies.
     #[error(
         "nothing varies from mechanism to mechanism: give a value of [plant] a tolerance, for example {{ value = 2.0, tolerance = 0.1 }}, or list what varies as [[sweep.variation]]"

@@ -10,7 +10,7 @@
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`loop_view`](mod@loop_view), [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`design_views`], [`loop_view`](mod@loop_view), [`two_axes`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
@@ -35,6 +35,7 @@ pub mod error;
 pub mod exchange;
 pub mod export;
 pub mod first_design;
+pub mod identity;
 pub mod inertial_unit;
 pub mod loop_view;
 pub mod model;
@@ -49,18 +50,20 @@ pub mod studies;
 pub mod synth;
 mod tolerance;
 pub mod tuning;
+pub mod two_axes;
 pub mod verify;
 pub mod wording;
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
-pub use design::{Designed, ProjectIdentity, Stages, SynthesisStudy, design, run_stages, study_synthesis};
+pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};
 pub use first_design::{
     Chosen, FirstDesignResult, choose_weights, with_chosen_weights, with_chosen_weights_on,
 };
+pub use identity::ProjectIdentity;
 pub use model::{
     Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
 };
@@ -70,6 +73,10 @@ pub use studies::adaptation_choice::with_chosen_adaptation;
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
+pub use two_axes::{
+    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, design_traverse, export_traverse,
+    study_two_axes, traverse_project,
+};
 pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 
 /// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.

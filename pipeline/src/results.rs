@@ -3,6 +3,7 @@
 mod balance;
 mod certificate;
 mod robustness;
+mod two_axes;
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,7 @@ use serde::Serialize;
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
 use crate::exchange::systems::{controllers_of_design, stored_frequencies_hz};
-use crate::exchange::verified::{history_results, response_results};
+use crate::exchange::verified::{history_results, response_results, verified_loop};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,
@@ -26,6 +27,7 @@ use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
 pub use robustness::{AdviceResult, RobustnessResult};
+pub use two_axes::{JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
 use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;
@@ -33,7 +35,7 @@ use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::Trials;
 use crate::studies::comparison::Comparison;
 use crate::wording::acceptance::Traceable;
-use crate::{Designed, Modelled, Reduced, Synthesised};
+use crate::{Designed, Modelled, PipelineError, Reduced, Synthesised, TwoAxisStudy};
 
 /// A complex number as real and imaginary part.
 pub type Pair = [f64; 2];
@@ -210,6 +212,9 @@ pub struct VerifyResult {
     /// What the error of the line of sight is made of; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
+    /// The traverse axis alone, and both axes together; absent if the project has no traverse axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub two_axes: Option<TwoAxesResult>,
     /// What the linear figures are measured on.
     #[serde(flatten)]
     pub measured_on: VerifiedLoop,
@@ -220,12 +225,57 @@ pub struct VerifyResult {
     pub histories: Vec<HistoryResult>,
 }
 
+/// The traverse axis alone, and both axes together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwoAxesResult {
+    /// Name of the traverse axis' machine.
+    pub name: String,
+    /// Whether no requirement of the traverse axis or of both axes fails.
+    pub passes: bool,
+    /// The verification of the traverse axis alone.
+    pub traverse: Box<VerifyResult>,
+    /// Both axes together.
+    #[serde(flatten)]
+    pub joint: JointResult,
+}
+
+impl TwoAxesResult {
+    /// Returns the result of a study.
+    ///
+    /// # Errors
+    /// Those of the traverse axis' linear loop.
+    pub fn new(study: &TwoAxisStudy) -> Result<Self, PipelineError> {
+        let design = &study.traverse;
+        let (verified, plant) = (&design.verified, &design.modelled.plant);
+        let measured_on = verified_loop(plant, verified.controller(), &design.procedure)?;
+        Ok(Self {
+            name: design.project.plant.name.clone(),
+            passes: study.passes(),
+            traverse: Box::new(VerifyResult::new(verified.verification(), measured_on)),
+            joint: (&study.joint).into(),
+        })
+    }
+
+    /// Leaves out the time histories.
+    pub fn leave_histories_out(&mut self) {
+        self.traverse.leave_histories_out();
+        self.joint.histories.clear();
+    }
+}
+
 impl VerifyResult {
     /// Leaves out the time histories, those of the certificate's motions, and those of the adaptation's trials.
     pub fn leave_histories_out(&mut self) {
         self.histories.clear();
         self.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
         self.adaptation_trials.iter_mut().for_each(|trials| trials.histories.clear());
+        self.two_axes.iter_mut().for_each(TwoAxesResult::leave_histories_out);
+    }
+
+    /// Returns the result with both axes verified together: requirements that they do not meet are not met.
+    pub fn with_two_axes(self, two_axes: Option<TwoAxesResult>) -> Self {
+        let failed = two_axes.as_ref().is_some_and(|both| !both.passes);
+        Self { passes: self.passes && !failed, two_axes, ..self }
     }
 
     /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
@@ -446,6 +496,7 @@ impl VerifyResult {
             sight_procedure: SightProcedureResult::of(&found.evidence.procedure),
             error_budget: found.error_budget.as_ref().map(Into::into),
             certificate: None,
+            two_axes: None,
             adaptation_trials: None,
         }
     }

@@ -104,7 +104,11 @@ pub fn project_procedure(project: &Project, world: &dyn World) -> Result<Procedu
 const SHORTEST_ROAD_PERIOD_S: f64 = 1e-3;
 
 /// Returns the platform's motion, read or made.
-fn moved(source: &PlatformSource, world: &dyn World, gravity_m_s2: f64) -> Result<Road, PipelineError> {
+pub(crate) fn moved(
+    source: &PlatformSource,
+    world: &dyn World,
+    gravity_m_s2: f64,
+) -> Result<Road, PipelineError> {
     match source {
         PlatformSource::Recording(source) => {
             Ok(road_from_table(source, &recorded(&source.recording, world)?)?)

@@ -7,4 +7,5 @@ mod inertial_unit;
 mod preview;
 mod requirements;
 mod road;
+mod two_axes;
 mod wording;

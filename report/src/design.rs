@@ -50,6 +50,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     ];
     more.extend(run.first_design.map(crate::first_design::first_design_section));
     more.extend(alternatives::alternatives_sections(&designed.comparison, &designed.views.families));
+    more.extend(designed.two_axes.as_ref().map(crate::two_axes::two_axes_section));
     more.push(order_section(result));
     more.push(crate::check::assumptions_section(run.assumptions, run.effects));
     let controlled = stages.synthesised.controlled;

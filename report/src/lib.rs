@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
-//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
+//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
@@ -46,6 +46,7 @@ pub mod targets;
 mod tolerance;
 pub mod trade_off;
 pub mod triangle;
+pub mod two_axes;
 pub mod verification;
 pub mod wording;
 

@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`two_axes`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`], [`recording`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -51,6 +51,7 @@ pub mod scenario;
 pub mod sensing;
 pub mod signal;
 pub mod tolerance;
+pub mod two_axes;
 
 pub use engine::ports::{Bonds, FrictionState};
 pub use engine::state::{Effort, PlantState};
@@ -64,3 +65,6 @@ pub use run::{Simulator, run, state_at_rest};
 pub use scenario::{Detail, Initial, Scenario};
 pub use sensing::Imperfections;
 pub use signal::{Signal, Sine};
+pub use two_axes::{
+    AxisScenario, BaseMotion, Controllers, TwoAxisHistory, TwoAxisScenario, TwoAxisSimulator,
+};

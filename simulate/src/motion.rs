@@ -116,24 +116,24 @@ impl<'a> Track<'a> {
             period_s,
             rate: self.rate.next(k, start_s, period_s),
             heave: self.heave.next(k, start_s, period_s),
-            further: self
-                .further
-                .as_mut()
-                .map(|all| all.each_mut().map(|followed| followed.next(k, start_s, period_s))),
+            further: self.further.as_mut().map(|all| {
+                let [surge, roll, yaw] = all.each_mut().map(|followed| followed.next(k, start_s, period_s));
+                [surge, roll, yaw, [0.0; 5]]
+            }),
         }
     }
 }
 
 /// A signal that is followed from sample to sample.
 #[derive(Debug, Clone)]
-enum Followed<'a> {
+pub(crate) enum Followed<'a> {
     Constant(f64),
     Sines(Vec<Rotor>),
     Other(&'a Signal),
 }
 
 impl<'a> Followed<'a> {
-    fn new(signal: &'a Signal, period_s: f64) -> Self {
+    pub fn new(signal: &'a Signal, period_s: f64) -> Self {
         match signal {
             Signal::Constant(value) => Self::Constant(*value),
             Signal::Sines(sines)
@@ -145,7 +145,8 @@ impl<'a> Followed<'a> {
         }
     }
 
-    fn next(&mut self, k: usize, start_s: f64, period_s: f64) -> [f64; 5] {
+    /// Returns the quartic in the fraction of sample k, which starts at a time; the samples are asked for one after the other.
+    pub fn next(&mut self, k: usize, start_s: f64, period_s: f64) -> [f64; 5] {
         match self {
             Self::Constant(value) => [*value, 0.0, 0.0, 0.0, 0.0],
             Self::Sines(rotors) => {
@@ -166,7 +167,7 @@ impl<'a> Followed<'a> {
 
 /// A sine in the middle of a sample, turned from sample to sample.
 #[derive(Debug, Clone, Copy)]
-struct Rotor {
+pub(crate) struct Rotor {
     sine: Sine,
     turn: f64,
     rotation: (f64, f64),
@@ -201,12 +202,13 @@ impl Rotor {
 /// The platform over one sample: polynomials in the fraction of the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MotionSample {
-    angle_rad: f64,
-    period_s: f64,
-    rate: [f64; 5],
-    heave: [f64; 5],
-    /// Surge, roll rate, yaw rate.
-    further: Option<[[f64; 5]; 3]>,
+    /// Angle of the platform at the start, rad.
+    pub angle_rad: f64,
+    pub period_s: f64,
+    pub rate: [f64; 5],
+    pub heave: [f64; 5],
+    /// Surge, roll rate, yaw rate, torque of another axis.
+    pub further: Option<[[f64; 5]; 4]>,
 }
 
 impl MotionSample {
@@ -225,7 +227,7 @@ impl MotionSample {
     /// Returns what the platform does beside heave and pitch at a fraction of the sample.
     #[inline]
     pub fn further_at(&self, s: f64) -> Option<FurtherPoint> {
-        self.further.as_ref().map(|all| all.map(|c| quartic(&c, s)).into())
+        self.further.as_ref().map(|all| further_point(all, s))
     }
 
     /// Returns the platform along a step that starts at a fraction of the sample and takes a share of it.
@@ -235,11 +237,20 @@ impl MotionSample {
             nodes: NODES.map(|node| self.at(start + node * share)),
             middle: self.at(start + 0.5 * share),
             further: self.further.as_ref().map(|all| {
-                let [a, b, c, d] = NODES;
-                [a, b, c, d, 0.5]
-                    .map(|part| all.map(|coefficients| quartic(&coefficients, start + part * share)).into())
+                let mut points = [FurtherPoint::default(); 5];
+                for (point, part) in points.iter_mut().zip([NODES[0], NODES[1], NODES[2], NODES[3], 0.5]) {
+                    *point = further_point(all, start + part * share);
+                }
+                points
             }),
         }
+    }
+
+    /// Returns the torque of another axis at the stages of a step that starts at a fraction of the sample and takes a share of it, N m.
+    #[inline]
+    pub fn other_torques(&self, start: f64, share: f64) -> [f64; 3] {
+        let Some([_, _, _, torque]) = &self.further else { return [0.0; 3] };
+        [NODES[1], NODES[2], NODES[3]].map(|part| quartic(torque, start + part * share))
     }
 
     /// Returns the input of a platform sensor at the nodes of the whole sample.
@@ -255,7 +266,17 @@ impl MotionSample {
 }
 
 #[inline]
-fn quartic(c: &[f64; 5], s: f64) -> f64 {
+fn further_point([surge, roll, yaw, torque]: &[[f64; 5]; 4], s: f64) -> FurtherPoint {
+    FurtherPoint {
+        surge: quartic(surge, s),
+        rates: [quartic(roll, s), quartic(yaw, s)],
+        torque: quartic(torque, s),
+    }
+}
+
+/// Returns the value of a quartic, lowest power first.
+#[inline]
+pub(crate) fn quartic(c: &[f64; 5], s: f64) -> f64 {
     c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
 }
 

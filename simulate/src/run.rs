@@ -160,7 +160,7 @@ pub fn state_at_rest(
     PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
 }
 
-fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -384,14 +384,14 @@ impl<'a> Lap<'a> {
     }
 
     /// Sets the current that the limits of the drive leave over the sample.
-    fn limit_current(&self, stepper: &mut Stepper) {
+    pub fn limit_current(&self, stepper: &mut Stepper) {
         if self.limited.is_some() {
             stepper.limit_current(self.range_a);
         }
     }
 
     /// Returns the current where the plant is, A; 0 if nobody asks.
-    fn current_a(&self, motion: &MotionSample, stepper: &Stepper) -> f64 {
+    pub fn current_a(&self, motion: &MotionSample, stepper: &Stepper) -> f64 {
         if self.limited.is_none() {
             return 0.0;
         }
@@ -399,7 +399,7 @@ impl<'a> Lap<'a> {
     }
 
     /// Heats the drive over a sample that was taken.
-    fn heat(&mut self, before_a: f64, motion: &MotionSample, stepper: &Stepper) {
+    pub fn heat(&mut self, before_a: f64, motion: &MotionSample, stepper: &Stepper) {
         let Some(drive) = &mut self.limited else { return };
         let after_a = stepper.outputs()[4] + self.plant.direct_current_a(self.drive_v, motion.at(1.0).rate);
         drive.advance([before_a, after_a]);

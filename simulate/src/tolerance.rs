@@ -49,6 +49,23 @@ pub(crate) const QUIET: f64 = 2e-6;
 /// Iterations after which a step is halved.
 pub(crate) const STEP_ITERATIONS: usize = 8;
 
+// ---- two axes ----
+
+/// Change of the torque between two axes at which the relaxation of a sample ends, relative to the step's tolerance and the scale of the hub's
+/// torques: a small part of the defect that a step may leave.
+pub(crate) const COUPLING_SHARE: f64 = 0.1;
+/// Change of the torque, as a multiple of that at which the relaxation ends, whose effect on the traverse axis within the sample is taken from
+/// its linear core: on the reference rig 0.2 N m turns the hub by 1e-10 rad in a sample, where dry friction answers with 5e-5 N m. A sample of
+/// several steps leaves its impulse, 4e-7 rad/s there, to the next one.
+pub(crate) const LINEAR_ANSWER: f64 = 1000.0;
+/// Passes over a sample after which its torque is taken as it is: smooth samples need one or two, and where teeth meet the instants of contact
+/// are only known to their own tolerance.
+pub(crate) const COUPLING_PASSES: usize = 8;
+
+/// Least inertia of the traverse hub with the elevated body where it is, over that in its parameters: below, the body weighs more in the
+/// motion than in the parameters, and the two contradict each other.
+pub(crate) const LEAST_HUB_SHARE: f64 = 0.05;
+
 // ---- joints that truly stick ----
 
 /// Rate below zero that is still zero but for rounding, rad/s at the hub.

@@ -15,3 +15,4 @@ mod sampled_world;
 mod second_method;
 mod sticking;
 mod stiff_drive;
+mod two_axes;

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`unmeasured`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`nonlinear`], [`unmeasured`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`two_axes`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -39,6 +39,7 @@ pub mod spectral;
 mod spelling;
 pub mod structured;
 pub mod tolerance;
+pub mod two_axes;
 pub mod unmeasured;
 pub mod verification;
 
@@ -58,6 +59,10 @@ pub use measure::{Measured, Value};
 pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use sight_options::LineOfSight;
+pub use two_axes::{
+    AxisPair, JointExperiment, JointFigure, JointMachine, JointProcedure, JointQuantity, JointRequirement,
+    JointRun, JointValue, JointVerification, verify_two_axes,
+};
 pub use unmeasured::Unmeasured;
 pub use verification::{
     Evidence, FrequencyFigures, Verification, VerifiedController, frequency_figures, linear_plant, verify,

@@ -67,6 +67,18 @@ impl Limit {
             Limit::AtMost(limit) => limit - value,
         }
     }
+
+    /// Holds `value` against the limit as [`Requirement::judge`] does.
+    pub fn judge(self, value: f64) -> Verdict {
+        let room = self.distance_to_limit(value);
+        if room.is_nan() {
+            Verdict::NotApplicable { why: Unmeasured::NoValue }
+        } else if room >= 0.0 {
+            Verdict::Holds { value, limit: self, margin: room }
+        } else {
+            Verdict::Fails { value, limit: self, by: -room }
+        }
+    }
 }
 
 impl fmt::Display for Limit {
@@ -101,14 +113,7 @@ impl Requirement {
 
     /// Holds `value` against the limit. A value exactly at the limit holds; a value that is not a number cannot be judged.
     pub fn judge(&self, value: f64) -> Verdict {
-        let room = self.limit.distance_to_limit(value);
-        if room.is_nan() {
-            Verdict::NotApplicable { why: Unmeasured::NoValue }
-        } else if room >= 0.0 {
-            Verdict::Holds { value, limit: self.limit, margin: room }
-        } else {
-            Verdict::Fails { value, limit: self.limit, by: -room }
-        }
+        self.limit.judge(value)
     }
 }
 

@@ -10,20 +10,20 @@ use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::{ControllerResult, error_budget_result};
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
-use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::results::{DesignResult, TwoAxesResult};
 use counterpoise_pipeline::studies::advice::Kept;
 use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::wording::acceptance::Traceable;
-use counterpoise_pipeline::{FirstDesignResult, Stages, design};
+use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, design};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_bands, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html_page, of_design};
+use counterpoise_report::{Origin, html_page, of_design, two_axes};
 use counterpoise_verify::{Limit, Verdict, Verification};
 use serde::Serialize;
 
-use super::first_design;
+use super::{export, first_design};
 use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output;
@@ -61,6 +61,8 @@ pub fn run(options: &DesignOptions) -> Done {
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
     let mut result = DesignResult::from(&designed);
+    let both = designed.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
+    result.verify = result.verify.with_two_axes(both);
     if options.histories {
         let (verified, plant) = (&designed.stages.verified, &designed.stages.modelled.plant);
         result.verify.error_budget =
@@ -95,9 +97,14 @@ pub fn run(options: &DesignOptions) -> Done {
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
     let report = File { name: "report.html".to_owned(), text: page };
     code_files::write_with_controller(&options.output, &designed.stages.files, &controller, &[report])?;
+    if let Some(traverse) = &designed.stages.traverse {
+        export::write_traverse(&options.output, traverse)?;
+    }
     if !output::write_json(&options.results, &Whole { design: &result, first_design })? {
         first_design::print_first_design(&loaded);
         print(options, &designed.stages);
+        let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
+        both.for_each(|line| say!("two axes: {line}"));
     }
     compiled.said.iter().for_each(|line| print_message(line));
     let made = &designed.stages;
@@ -106,7 +113,9 @@ pub fn run(options: &DesignOptions) -> Done {
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
     refused.clone().for_each(|why| print_message(&describe_refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
-    Ok(verdict_code([holds, compiled.differing == 0]))
+    let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
+    let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
+    Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
 }
 
 /// What compilers and the compiled code said.

@@ -7,8 +7,8 @@ use clap::Args;
 use counterpoise_export::{Checked, File, check_file};
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::{code_files, files};
-use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::exchange::ControllerResult;
+use counterpoise_pipeline::{self as pipeline, TraverseCode};
 use counterpoise_project::Purpose;
 use serde::Serialize;
 
@@ -40,17 +40,41 @@ pub fn run(options: &ExportOptions) -> Done {
     let world = Surroundings::of(&loaded, options.results.progress());
     let made = pipeline::run_stages(&loaded.project, &world)?;
     if !options.check.is_empty() {
-        return checked(options, &made.files);
+        let below = made.traverse.iter().flat_map(|axis| &axis.files);
+        let inside =
+            below.map(|file| File { name: format!("{TRAVERSE_FOLDER}/{}", file.name), ..file.clone() });
+        let code: Vec<File> = made.files.iter().cloned().chain(inside).collect();
+        return checked(options, &code);
     }
     let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
     let controller = ControllerResult::new(&identity, made.verified.controller());
     let written = code_files::write_with_controller(&options.output, &made.files, &controller, &[])?;
+    let mut written = written;
+    if let Some(traverse) = &made.traverse {
+        written.extend(write_traverse(&options.output, traverse)?);
+    }
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    made.left_out.iter().for_each(|code| print_message(&format!("left out  {code}")));
-    Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty()]))
+    let below = made.traverse.iter().flat_map(|axis| &axis.left_out);
+    made.left_out.iter().chain(below).for_each(|code| print_message(&format!("left out  {code}")));
+    let traverse = made.traverse.as_ref().is_none_or(|axis| holds(axis));
+    Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty(), traverse]))
+}
+
+/// Folder of the traverse axis' code within that of the project.
+const TRAVERSE_FOLDER: &str = "traverse";
+
+/// Writes the code of the traverse axis into a folder of its own, with its controller; returns the files.
+pub(crate) fn write_traverse(folder: &Path, axis: &TraverseCode) -> anyhow::Result<Vec<PathBuf>> {
+    let controller = ControllerResult::new(&axis.design.identity, axis.design.verified.controller());
+    code_files::write_with_controller(&folder.join(TRAVERSE_FOLDER), &axis.files, &controller, &[])
+}
+
+/// Returns whether the traverse axis meets its requirements and has all code that its project asks for.
+pub(crate) fn holds(axis: &TraverseCode) -> bool {
+    axis.design.verified.verification().passes() && axis.left_out.is_empty()
 }
 
 /// What became of a file that was checked.
@@ -101,7 +125,7 @@ fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
     if own.is_empty() {
         return (false, "the project generates no unit of this name".to_owned());
     }
-    match own.iter().find(|file| !holds(archive, file.text.as_bytes())) {
+    match own.iter().find(|file| !contains(archive, file.text.as_bytes())) {
         None => (true, "holds the sources that the project gives; its library is not compared".to_owned()),
         Some(file) => {
             let path = file.name.strip_prefix(&inside).unwrap_or(&file.name);
@@ -111,7 +135,7 @@ fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
 }
 
 /// Returns whether bytes stand in an archive.
-fn holds(archive: &[u8], part: &[u8]) -> bool {
+fn contains(archive: &[u8], part: &[u8]) -> bool {
     archive.windows(part.len().max(1)).any(|window| window == part)
 }
 

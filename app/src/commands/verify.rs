@@ -6,16 +6,17 @@ use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
 use counterpoise_pipeline::loop_view::{LoopView, loop_view};
-use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, VerifyResult};
+use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, TwoAxesResult, VerifyResult};
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
-use counterpoise_pipeline::{self as pipeline, ProjectIdentity, studies};
+use counterpoise_pipeline::{self as pipeline, DesignedAxis, ProjectIdentity, TwoAxisStudy, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{describe_bands, describe_refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::{
     Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
+    two_axes,
 };
 use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
@@ -94,7 +95,8 @@ pub fn run(options: &VerifyOptions) -> Done {
         say!("report  {}", path.display());
     }
     let refused = study.adaptation.as_ref().is_some_and(|tried| !tried.refused.is_empty());
-    Ok(verdict_code([found.passes(), !refused]))
+    let together = study.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
+    Ok(verdict_code([found.passes(), !refused, together]))
 }
 
 /// The verdicts and the linear worst case, for another program.
@@ -116,7 +118,8 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let mut result = VerifyResult::new(found, study.measured_on.clone());
     result.error_budget = study.budget.clone();
     result.certificate = study.certificate.as_ref().map(Into::into);
-    let mut result = result.with_adaptation(study.adaptation.clone());
+    let both = study.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
+    let mut result = result.with_adaptation(study.adaptation.clone()).with_two_axes(both);
     if !options.histories {
         result.leave_histories_out();
     }
@@ -127,6 +130,8 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let shown = Shown { result, robust_to_times_the_ranges, robustness, advice: advised };
     if !output::write_json(&options.results, &shown)? {
         print_verdicts(found);
+        let both = study.two_axes.iter().flat_map(two_axes::two_axes_lines);
+        both.for_each(|line| say!("two axes: {line}"));
         error_budget::budget_lines(found).iter().for_each(|line| say!("line of sight: {line}"));
         advice::advice_lines(&study.advice).iter().for_each(|line| say!("advice: {line}"));
         worse_feedforwards(&study.found).iter().for_each(|line| say!("note: {line}"));
@@ -167,6 +172,8 @@ struct VerificationStudy {
     budget: Option<ErrorBudgetResult>,
     /// Trials of the project's adaptation; `None` if it has none, or on the linear plant alone.
     adaptation: Option<Trials>,
+    /// The traverse axis and both axes together; `None` if the project has none, or on the linear plant alone.
+    two_axes: Option<TwoAxisStudy>,
 }
 
 fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
@@ -213,6 +220,8 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let kept = if options.histories { Kept::Histories } else { Kept::Systems };
     let advice = studies::advice::advise_changes(project, &modelled, &reduced, &procedure, &found, kept)?;
     let budget = error_budget_result(&found, &plant, controller, kept)?;
+    let axis = DesignedAxis { project, plant: &plant, synthesised: &made, procedure: &procedure };
+    let two_axes = if linear { None } else { both_axes(axis, &world)? };
     Ok(VerificationStudy {
         measured_on,
         budget,
@@ -225,7 +234,13 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         regimes,
         advice,
         adaptation,
+        two_axes,
     })
+}
+
+fn both_axes(elevation: DesignedAxis, world: &Surroundings) -> Result<Option<TwoAxisStudy>> {
+    let traverse = pipeline::design_traverse(elevation.project, world)?;
+    Ok(pipeline::study_two_axes(elevation, traverse, world)?)
 }
 
 fn with_structure(project: &Project, structure: StructureChoice) -> Project {
@@ -287,6 +302,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
             .chain(certified)
             .chain(study.stability.as_ref().map(robust::robustness_section))
             .chain(study.adaptation.as_ref().map(trial_section))
+            .chain(study.two_axes.as_ref().map(two_axes::two_axes_section))
             .collect(),
         provenance: origin.provenance(&study.identity),
     };

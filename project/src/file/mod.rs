@@ -30,7 +30,7 @@ use tree::{Entry, Found, Node, Start, Value};
 pub const FORMAT: u32 = 2;
 
 /// Keys that name a file which resolving the project needs; some may hold the table itself instead.
-const NAMING_FILES: [&str; 10] = [
+const NAMING_FILES: [&str; 11] = [
     "plant.amplifier.map",
     "plant.import.mass_matrix",
     "plant.import.stiffness_matrix",
@@ -41,6 +41,7 @@ const NAMING_FILES: [&str; 10] = [
     "verify.road.sines",
     "recording_controller.file",
     "synth.controller.file",
+    "traverse.file",
 ];
 
 /// A project file as written.

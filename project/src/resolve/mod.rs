@@ -36,6 +36,7 @@ pub mod sweep;
 pub mod synthesis;
 pub mod synthesis_options;
 mod transmission;
+pub mod traverse;
 mod users_unit;
 pub mod verify;
 mod weight;
@@ -78,6 +79,8 @@ pub struct Project {
     pub synth: Option<Synthesis>,
     /// What is done to the loop, and the limits of its figures.
     pub verify: Option<Verification>,
+    /// The traverse axis under this elevation axis, if there is one.
+    pub traverse: Option<traverse::TraverseAxis>,
     /// How robustness is tried.
     pub sweep: Option<Sweep>,
     /// What code is generated.
@@ -231,6 +234,7 @@ impl Project {
             reduce: Reduction::default(),
             synth: None,
             verify: None,
+            traverse: None,
             sweep: None,
             export: Export::default(),
             recording_controller: None,
@@ -295,6 +299,11 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     optional(v, &section, &mut project.verify, verify::blank(period_s), |v, verification| {
         verify::verify(v, verification, controlled, period_s);
     });
+    let section = TableField::optional(
+        "traverse",
+        "the traverse axis under this elevation axis, verified together with it",
+    );
+    optional(v, &section, &mut project.traverse, traverse::blank(), traverse::traverse);
     let section = TableField::optional("sweep", "robustness campaign");
     optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
     if let Some(verification) = &mut project.verify {

@@ -63,6 +63,8 @@ pub(crate) struct Attempt {
     travelled: [f64; 2],
     about: AngleNearby,
     before: Before,
+    /// Torque of another axis at the stages of the step before, N m.
+    other: [f64; STAGES],
     /// Factor from the change in one iteration to that in the next.
     contraction: f64,
     /// Evaluations of the ports.
@@ -85,6 +87,7 @@ impl Attempt {
             travelled: [0.0; 2],
             about: AngleNearby::new(0.0),
             before: Before::default(),
+            other: [0.0; STAGES],
             contraction: 1.0,
             iterations: 0,
             predicted: false,
@@ -136,6 +139,12 @@ impl Attempt {
                 let inner: f64 = (0..STAGES).map(|k| weights[stage][k] * self.before.values[k][p]).sum();
                 self.values[at + p] = if quiet[p] { self.start[p] } else { self.start[p] + inner };
             }
+            if let Some(further) = &given.platform.further {
+                // the torque of another axis is known; what went on of it does not count
+                let went: f64 = (0..STAGES).map(|k| weights[stage][k] * self.other[k]).sum();
+                let change = further[stage + 1].torque - further[0].torque;
+                self.values[at + 1] += if quiet[1] { change } else { change - went };
+            }
             let (heave, further) =
                 (given.platform.nodes[stage + 1].heave, given.platform.further_at(stage + 1));
             self.values[at + 2] = given.ports.load(tilt, heave, further);
@@ -157,6 +166,19 @@ impl Attempt {
         self.before.keep(step_s, from.before);
         self.contraction = from.contraction;
         self.about = from.about;
+    }
+
+    /// Returns what the next step continues from, whatever the length of the one before.
+    pub fn resumption(&self) -> Resumption {
+        let from =
+            Continuation { before: self.before.values, contraction: self.contraction, about: self.about };
+        Resumption { step_s: self.before.step_s, from, other: self.other }
+    }
+
+    /// Continues from there again.
+    pub fn resume(&mut self, from: &Resumption) {
+        self.continue_from(from.step_s, &from.from);
+        self.other = from.other;
     }
 
     /// Keeps the torques of the step that was just taken.
@@ -286,6 +308,23 @@ impl Attempt {
         [at(0), at(1), middle, at(2), at(3)]
     }
 
+    /// Keeps the torque of another axis in the step that was just taken, at its stages.
+    pub fn accept_torque(&mut self, torque_nm: [f64; STAGES]) {
+        self.other = torque_nm;
+    }
+
+    /// Returns what is seen at the nodes under the values of the ports that the iteration ended with: [`Self::outputs`] are those that they
+    /// were computed from.
+    pub fn settled_outputs(&self, table: &StepTable) -> [[f64; OUTPUTS]; 4] {
+        let mut rows = [0.0; STAGE_ROWS];
+        rows.copy_from_slice(&self.result[..STAGE_ROWS]);
+        table.stages.multiply_add(&self.values, &mut rows);
+        std::array::from_fn(|node| match node {
+            0 => self.outputs[0],
+            _ => std::array::from_fn(|row| rows[(node - 1) * OUTPUTS + row]),
+        })
+    }
+
     /// Returns what the nonlinear parts see at the nodes.
     pub fn outputs(&self) -> &[[f64; OUTPUTS]; 4] {
         &self.outputs
@@ -336,6 +375,14 @@ pub(crate) struct Continuation {
     pub contraction: f64,
     /// The angle whose sine is known.
     pub about: AngleNearby,
+}
+
+/// A continuation with the length of the step before; 0 at the start of a run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Resumption {
+    step_s: f64,
+    from: Continuation,
+    other: [f64; STAGES],
 }
 
 /// A step that is compiled for every width of registers.

@@ -57,12 +57,8 @@ pub(crate) struct FurtherPoint {
     pub surge: f64,
     /// About the forward and about the upward axis.
     pub rates: [f64; 2],
-}
-
-impl From<[f64; 3]> for FurtherPoint {
-    fn from([surge, roll, yaw]: [f64; 3]) -> Self {
-        Self { surge, rates: [roll, yaw] }
-    }
+    /// Torque on the hub that another axis makes, N m.
+    pub torque: f64,
 }
 
 /// The platform along a step: at the four nodes and in the middle.
@@ -151,6 +147,13 @@ impl AngleNearby {
     pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { angle, sin, cos }
+    }
+
+    /// Returns the sine and the cosine of an angle, about which the next angles are taken to lie.
+    #[inline]
+    pub fn follow(&mut self, angle: f64) -> SinCos {
+        *self = self.moved_to(angle);
+        self.sin_cos(angle)
     }
 
     /// Returns the angle, its sine and its cosine.
@@ -571,7 +574,8 @@ impl Ports {
         if let Some(further) = at.further {
             load -= further.surge * sin;
             hub += self.vertical_offset * further.surge * cos
-                + plant.gyroscopic_torque_nm(SinCos { sin, cos }, further.rates);
+                + plant.gyroscopic_torque_nm(SinCos { sin, cos }, further.rates)
+                + further.torque;
         }
         if self.motor_extras {
             let current = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);

@@ -85,6 +85,15 @@ pub(crate) struct Present {
     travelled: Option<[f64; 2]>,
     /// The loop's sensor: what it shows, and its derivative.
     pub hub_gyro: [f64; 2],
+    answers: HubAnswers,
+}
+
+/// The answers of a core's states to a torque on the hub over a sample, at its nodes.
+#[derive(Debug, Clone, Default)]
+struct HubAnswers {
+    /// Which core they are of.
+    core: Option<usize>,
+    rows: Vec<[f64; 4]>,
 }
 
 impl Present {
@@ -108,6 +117,7 @@ impl Present {
             bonds: Bonds::default(),
             travelled: None,
             hub_gyro: [0.0; 2],
+            answers: HubAnswers::default(),
         })
     }
 
@@ -120,6 +130,45 @@ impl Present {
         self.bonds = start.bonds.clone();
         self.travelled = None;
         self.hub_gyro = start.hub_gyro;
+    }
+
+    /// Adds the answer to a torque on the hub over a whole sample that has just been taken: the cubic through its values at the nodes.
+    pub fn add_hub_torque(&mut self, torque_nm: &[f64; 4]) {
+        let Self { cores, core, z, seen, travelled, answers, .. } = self;
+        let linear = &cores[*core];
+        let Some(table) = linear.table(0) else { return };
+        if answers.core != Some(*core) {
+            answers.rows = (0..z.len()).map(|row| table.hub_answers(row)).collect();
+            answers.core = Some(*core);
+        }
+        for (z, [a, b, c, d]) in z.iter_mut().zip(&answers.rows) {
+            *z += a * torque_nm[0] + b * torque_nm[1] + c * torque_nm[2] + d * torque_nm[3];
+        }
+        let before = *seen;
+        *seen = linear.see(z);
+        if let Some([motor, pivot]) = travelled {
+            let hub = seen[2] - before[2];
+            *pivot += hub;
+            *motor += self.turns[0] * (seen[1] - before[1] + hub);
+        }
+    }
+
+    /// Writes where the plant is.
+    pub fn save(&self, to: &mut Place) {
+        to.core = self.core;
+        to.z.clone_from(&self.z);
+        to.bonds.copy(&self.bonds);
+        (to.seen, to.friction, to.travelled) = (self.seen, self.friction, self.travelled);
+        (to.hub_gyro, to.changes) = (self.hub_gyro, self.changes);
+    }
+
+    /// Puts the plant back to a place that was saved in the same run.
+    pub fn restore(&mut self, from: &Place) {
+        self.core = from.core;
+        self.z.clone_from(&from.z);
+        self.bonds.copy(&from.bonds);
+        (self.seen, self.friction, self.travelled) = (from.seen, from.friction, from.travelled);
+        (self.hub_gyro, self.changes) = (from.hub_gyro, from.changes);
     }
 
     /// Returns the state of the plant.
@@ -316,6 +365,19 @@ impl Present {
             *seen = linear.see(z);
         }
     }
+}
+
+/// Where a plant was at an instant of a run: what changes along it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Place {
+    core: usize,
+    z: Vec<f64>,
+    seen: Seen,
+    friction: FrictionState,
+    bonds: Bonds,
+    travelled: Option<[f64; 2]>,
+    hub_gyro: [f64; 2],
+    changes: usize,
 }
 
 /// What a step is given besides the present.

@@ -1,14 +1,14 @@
 //! The steps within a sample: how long they are, and which events end them.
 
-use super::attempt::{Attempt, Continuation, Held};
+use super::attempt::{Attempt, Continuation, Held, Resumption};
 use super::events::{Part, TriedStep};
 use super::filter::Filter;
 use super::joints::Transition;
 use super::linear::{Mode, Seen};
 use super::ports::{PlatformPoint, SensorPoint};
-use super::present::{Ordinary, Present, Sample, StepInput};
+use super::present::{Ordinary, Place, Present, Sample, StepInput};
 use super::state::{Effort, PlantState};
-use super::tables::{DEEPEST, LEVELS, OUTPUTS};
+use super::tables::{DEEPEST, LEVELS, OUTPUTS, StepTable};
 use crate::Error;
 use crate::firing::Firing;
 use crate::tolerance::{
@@ -38,6 +38,14 @@ pub(crate) struct Stepper {
     contact: usize,
     tolerance: f64,
     effort: Effort,
+}
+
+/// Where a run was at the start of a sample.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Checkpoint {
+    place: Place,
+    resumption: Option<Resumption>,
+    level: usize,
 }
 
 /// What came of a step that was tried.
@@ -166,6 +174,11 @@ impl Stepper {
         &self.present.hub_gyro
     }
 
+    /// Returns the torque against which an error of the hub's nonlinear parts is small, N m.
+    pub fn hub_scale_nm(&self) -> f64 {
+        self.present.ports.scales[1]
+    }
+
     /// Returns whether the motion is still finite.
     pub fn is_finite(&self) -> bool {
         self.present.is_finite()
@@ -189,6 +202,38 @@ impl Stepper {
 
     /// Moves the state over one sample period.
     pub fn advance(&mut self, sample: &Sample) {
+        self.advance_observed(sample, &mut |_, _, _| {});
+    }
+
+    /// Adds the answer to a further torque on the hub over the sample that one step has just taken, which is the cubic through its values at the nodes.
+    /// Dry friction is left as it is: the torque is to be so small that its motion within the sample changes nothing.
+    pub fn add_hub_torque(&mut self, torque_nm: &[f64; 4]) {
+        self.present.add_hub_torque(torque_nm);
+    }
+
+    /// Returns where the run is, so that its next sample can be taken again.
+    pub fn checkpoint(&self, to: &mut Checkpoint) {
+        self.present.save(&mut to.place);
+        to.resumption = Some(self.attempt.resumption());
+        to.level = self.level;
+    }
+
+    /// Goes back to a checkpoint of this run. The effort is not taken back.
+    pub fn go_back(&mut self, to: &Checkpoint) {
+        self.present.restore(&to.place);
+        if let Some(resumption) = &to.resumption {
+            self.attempt.resume(resumption);
+        }
+        self.level = to.level;
+    }
+
+    /// Moves the state over one sample period; `observer` sees every step that is taken, and which part of the sample it is.
+    #[inline]
+    pub fn advance_observed(
+        &mut self,
+        sample: &Sample,
+        observer: &mut impl FnMut(&mut Attempt, &StepTable, Part),
+    ) {
         self.present.settle_joints(sample);
         let before = self.present.changes;
         let (mut tick, mut approach) = (0, Approach::default());
@@ -204,6 +249,10 @@ impl Stepper {
             let deepest = if self.present.changes - before > MANY_CHANGES { LEVELS } else { DEEPEST };
             match self.try_step(sample, tick, &mode, deepest) {
                 Tried::Good { defect } => {
+                    if let Some(table) = self.present.linear().table(self.level) {
+                        let part = Part { start: fraction(tick), share: fraction(TICKS >> self.level) };
+                        observer(&mut self.attempt, table, part);
+                    }
                     self.take_step(&mode);
                     tick += TICKS >> self.level;
                     match self.transition(sample, tick, &mode) {

@@ -27,6 +27,9 @@ pub(crate) const HOLD_ROWS: usize = 8;
 /// Fixed inputs of a step behind the state: drive, half gap, platform rate at four nodes, ports at the first node.
 pub(crate) const FIXED_INPUTS: usize = 2 + 4 + PORTS;
 
+/// The torque on the hub among the ports.
+const HUB: usize = 1;
+
 pub(crate) const PORT_INPUTS: [usize; PORTS] = [input::MOTOR_TORQUE, input::HUB_TORQUE, input::LOAD];
 
 /// One step of a given length from a given core. A result is \[outputs at the stages (16 rows); outputs in the middle
@@ -48,6 +51,14 @@ pub(crate) struct StepTable {
     /// From \[state, fixed inputs, ports at the stages\] to the state's share of the torques that hold joints at rest, inside the
     /// step; `None` if no joint rests.
     pub hold: Option<Strips>,
+}
+
+impl StepTable {
+    /// Returns the answer of a state at the end to the torque on the hub at each node.
+    pub fn hub_answers(&self, row: usize) -> [f64; STAGES + 1] {
+        let stage = |k: usize| self.end.entry(MIDDLE_ROWS + row, k * PORTS + HUB);
+        [self.drive.entry(row, FIXED_INPUTS - PORTS + HUB), stage(0), stage(1), stage(2)]
+    }
 }
 
 /// exp(A h), block by block.

@@ -1,0 +1,332 @@
+//! The traverse axis under the elevation axis: its project, its own design and verification, and both axes verified together.
+
+use counterpoise_export::File;
+use counterpoise_models::Measured;
+use counterpoise_models::Plant;
+use counterpoise_models::base_motion::{BaseState, FeltMotion, base_of_felt};
+use counterpoise_models::plant::SinCos;
+use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody};
+use counterpoise_project::resolve::platform::{MotionKind, PlatformSource};
+use counterpoise_project::resolve::traverse::TraverseAxis;
+use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
+use counterpoise_verify::{
+    AxisPair, JointMachine, JointProcedure, JointVerification, Procedure, Road, VerifiedController,
+    verify_two_axes,
+};
+
+use crate::export::{Exported, LeftOut, export_by};
+use crate::verify::moved;
+use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
+use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
+
+/// The traverse axis of a project, designed and verified alone.
+#[derive(Debug, Clone)]
+pub struct TraverseDesign {
+    /// Its project, with nothing left open.
+    pub project: Project,
+    /// Which project that is.
+    pub identity: ProjectIdentity,
+    /// Its plant.
+    pub modelled: Modelled,
+    /// Its design.
+    pub synthesised: Synthesised,
+    /// What was done to it alone.
+    pub procedure: Procedure,
+    /// Its controller, verified alone.
+    pub verified: VerifiedController,
+}
+
+/// The traverse axis of a project with its code.
+#[derive(Debug, Clone)]
+pub struct TraverseCode {
+    /// The axis.
+    pub design: TraverseDesign,
+    /// Its code.
+    pub files: Vec<File>,
+    /// Code that its project asks for and cannot have.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// An axis as the joint verification takes it.
+#[derive(Debug, Clone, Copy)]
+pub struct DesignedAxis<'a> {
+    /// Its project.
+    pub project: &'a Project,
+    /// Its plant.
+    pub plant: &'a Plant,
+    /// Its design.
+    pub synthesised: &'a Synthesised,
+    /// What is done to it alone.
+    pub procedure: &'a Procedure,
+}
+
+/// The traverse axis alone, and both axes together.
+#[derive(Debug, Clone)]
+pub struct TwoAxisStudy {
+    /// The traverse axis.
+    pub traverse: TraverseDesign,
+    /// Both axes together.
+    pub joint: JointVerification,
+}
+
+impl TwoAxisStudy {
+    /// Returns whether no requirement of the traverse axis or of both axes fails.
+    pub fn passes(&self) -> bool {
+        self.traverse.verified.verification().passes() && self.joint.passes()
+    }
+}
+
+/// Designs and verifies the traverse axis of a project alone; `None` if it has none.
+///
+/// # Errors
+/// A file of the traverse axis that cannot be read or has errors, axes that do not fit together, and those of the stages.
+pub fn design_traverse(
+    project: &Project,
+    world: &dyn World,
+) -> Result<Option<TraverseDesign>, PipelineError> {
+    let Some(axis) = &project.traverse else { return Ok(None) };
+    let below = Beside::of(&axis.file, world);
+    let traverse = choose_and_tune(&traverse_project(axis, world)?, &below)?.project;
+    check(project, &traverse, &axis.file)?;
+    let modelled = model(&traverse)?;
+    let reduced = reduce(&traverse, &modelled)?;
+    let synthesised = synthesise(&traverse, &modelled, &reduced)?;
+    let procedure = project_procedure(&traverse, &below)?;
+    let verified = verify_on(&traverse, &modelled.plant, &synthesised, &procedure)?;
+    let identity = ProjectIdentity::of(&traverse, &below);
+    Ok(Some(TraverseDesign { project: traverse, identity, modelled, synthesised, procedure, verified }))
+}
+
+/// Designs the traverse axis of a project and writes its code; `None` if it has none.
+///
+/// # Errors
+/// As [`design_traverse`], and those of the export.
+pub fn export_traverse(project: &Project, world: &dyn World) -> Result<Option<TraverseCode>, PipelineError> {
+    let (Some(axis), Some(design)) = (&project.traverse, design_traverse(project, world)?) else {
+        return Ok(None);
+    };
+    let below = Beside::of(&axis.file, world);
+    let TraverseDesign { project, modelled, verified, procedure, .. } = &design;
+    let Exported { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
+    Ok(Some(TraverseCode { design, files, left_out }))
+}
+
+/// Verifies both axes of a project together on the motion of its base and on the steps of both; `None` if it has no traverse axis.
+///
+/// # Errors
+/// As [`design_traverse`], a motion of the base that is not known enough, and those of the simulation.
+pub fn study_two_axes(
+    elevation: DesignedAxis,
+    traverse: Option<TraverseDesign>,
+    world: &dyn World,
+) -> Result<Option<TwoAxisStudy>, PipelineError> {
+    let (Some(axis), Some(traverse)) = (&elevation.project.traverse, traverse) else { return Ok(None) };
+    let included = axis.included_at_rad.unwrap_or(elevation.project.model.operating_point.hub_angle_rad);
+    let inertia = axis.inertia(BodyInertia::of_plant(elevation.plant));
+    let body = ElevatedBody::of_plant(elevation.plant, inertia, axis.pivot, SinCos::of(included));
+    let machine = JointMachine {
+        plants: AxisPair { elevation: elevation.plant, traverse: &traverse.modelled.plant },
+        controllers: AxisPair {
+            elevation: &elevation.synthesised.sampled.controller,
+            traverse: &traverse.synthesised.sampled.controller,
+        },
+        coupling: Coupling { body, gyroscope: axis.gyroscope },
+    };
+    let both = joint_procedure(elevation.project, [elevation.procedure, &traverse.procedure], world)?;
+    let joint = verify_two_axes(&machine, &both, &axis.requirements)?;
+    Ok(Some(TwoAxisStudy { traverse, joint }))
+}
+
+/// Returns the project of the traverse axis as its file states it.
+///
+/// # Errors
+/// A file that cannot be read, and every error in it, with its name.
+pub fn traverse_project(axis: &TraverseAxis, world: &dyn World) -> Result<Project, PipelineError> {
+    let problem =
+        |problem: String| PipelineError::File { name: axis.file.clone(), section: "traverse", problem };
+    let in_words = |found: Vec<counterpoise_project::Diagnostic>| {
+        problem(found.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+    };
+    let bytes = world.read(&axis.file).map_err(problem)?;
+    let document = Document::from_bytes(&bytes, &axis.file).map_err(in_words)?;
+    let attachments = attachments(&document, &Beside::of(&axis.file, world));
+    let Parsed { project, .. } =
+        Project::resolve_for(&document, &attachments, Purpose::Verify).map_err(in_words)?;
+    Ok(project)
+}
+
+/// Reads what a project file names; a part that was read can name further files.
+fn attachments(document: &Document, world: &dyn World) -> Attachments {
+    let (mut all, mut tried) = (Attachments::none(), Vec::new());
+    loop {
+        let names = document.with_parts(&all).attachments();
+        let new: Vec<String> = names.into_iter().filter(|name| !tried.contains(name)).collect();
+        if new.is_empty() {
+            return all;
+        }
+        for name in new {
+            all = match world.read(&name) {
+                Ok(bytes) => all.with(&name, bytes),
+                Err(problem) => all.with_problem(&name, problem),
+            };
+            tried.push(name);
+        }
+    }
+}
+
+/// The files beside a file.
+struct Beside<'a> {
+    folder: &'a str,
+    world: &'a dyn World,
+}
+
+impl<'a> Beside<'a> {
+    fn of(file: &'a str, world: &'a dyn World) -> Self {
+        Self { folder: file.rsplit_once('/').map_or("", |(folder, _)| folder), world }
+    }
+}
+
+impl World for Beside<'_> {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        match self.folder {
+            "" => self.world.read(name),
+            folder => self.world.read(&format!("{folder}/{name}")),
+        }
+    }
+}
+
+/// Checks that two axes fit together.
+fn check(elevation: &Project, traverse: &Project, file: &str) -> Result<(), PipelineError> {
+    let wrong = |problem: &str| {
+        Err(PipelineError::File { name: file.to_owned(), section: "traverse", problem: problem.to_owned() })
+    };
+    if traverse.traverse.is_some() {
+        return wrong(
+            "it has a [traverse] section itself: a machine has one traverse axis under one elevation axis",
+        );
+    }
+    if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != Measured::HubRate) {
+        return wrong(
+            "both loops must hold the inertial rate of their hub: leave plant.sensors.loop at its usual value in both files",
+        );
+    }
+    if traverse.plant.gravity_m_s2 != 0.0 {
+        return wrong(
+            "plant.gravity must be 0: the axis is upright, and what a tilted base makes of gravity comes with the base's motion",
+        );
+    }
+    if traverse.plant.interface.sample_period_s != elevation.plant.interface.sample_period_s {
+        return wrong("plant.interface.sample_period must be that of the elevation axis");
+    }
+    Ok(())
+}
+
+/// Returns what is done to both axes: the elevation project's motion of the base, and the step of each.
+fn joint_procedure(
+    project: &Project,
+    [elevation, traverse]: [&Procedure; 2],
+    world: &dyn World,
+) -> Result<JointProcedure, PipelineError> {
+    let gravity_m_s2 = project.plant.gravity_m_s2;
+    let ring_rad = traverse.operating_point.hub_angle_rad;
+    let source = project.verify.as_ref().and_then(|asked| asked.road.as_ref());
+    let moved = match source {
+        Some(source) => base_of_source(source, ring_rad, gravity_m_s2, world)?,
+        None => base_of_sines(project, elevation),
+    };
+    let duration_s = moved.states.len() as f64 * moved.period_s;
+    Ok(JointProcedure {
+        base: moved.states,
+        base_period_s: moved.period_s,
+        duration_s,
+        settle_s: elevation.settle_s,
+        steps: AxisPair { elevation: elevation.step, traverse: traverse.step },
+        start_rad: AxisPair { elevation: elevation.operating_point.hub_angle_rad, traverse: ring_rad },
+        // the sensors of the axes do not share their noise
+        seeds: AxisPair { elevation: elevation.seed, traverse: traverse.seed ^ TRAVERSE_NOISE },
+    })
+}
+
+/// What tells the seed of the traverse axis' noise from that of the elevation axis where both files have the same.
+const TRAVERSE_NOISE: u64 = 1 << 40;
+
+/// Motion of the base in samples.
+struct Moved {
+    states: Vec<BaseState>,
+    period_s: f64,
+}
+
+/// Returns heave and pitch as the procedure's sines.
+fn base_of_sines(project: &Project, procedure: &Procedure) -> Moved {
+    let period_s = project.plant.interface.sample_period_s;
+    let samples = (procedure.duration_s / period_s) as usize;
+    let sine = |sine: &counterpoise_verify::Sine, t: f64| {
+        sine.amplitude * (std::f64::consts::TAU * sine.frequency_hz * t).sin()
+    };
+    let felt: Vec<FeltMotion> = (0..samples)
+        .map(|k| k as f64 * period_s)
+        .map(|t| FeltMotion {
+            heave_m_s2: sine(&procedure.heave, t),
+            pitch_rate_rad_s: sine(&procedure.pitch, t),
+            ..FeltMotion::default()
+        })
+        .collect();
+    Moved { states: base_of_felt(&felt, None, period_s, project.plant.gravity_m_s2), period_s }
+}
+
+/// Returns the motion of the base from what an elevation axis feels of it that points forward, and one that points to the left.
+fn base_of_source(
+    source: &PlatformSource,
+    ring_rad: f64,
+    gravity_m_s2: f64,
+    world: &dyn World,
+) -> Result<Moved, PipelineError> {
+    let turned = |angle_rad: f64| turned_source(source, angle_rad, ring_rad);
+    let forward = moved(&turned(0.0)?.unwrap_or_else(|| source.clone()), world, gravity_m_s2)?;
+    let left = turned(std::f64::consts::FRAC_PI_2)?;
+    let left = left.map(|source| moved(&source, world, gravity_m_s2)).transpose()?;
+    let period_s = forward.sample_period_s;
+    let left = left.as_ref().map(felt_of);
+    Ok(Moved { states: base_of_felt(&felt_of(&forward), left.as_deref(), period_s, gravity_m_s2), period_s })
+}
+
+/// Returns a source as an elevation axis on a ring at an angle feels it; `None` if the base moves in a plane alone.
+fn turned_source(
+    source: &PlatformSource,
+    angle_rad: f64,
+    ring_rad: f64,
+) -> Result<Option<PlatformSource>, PipelineError> {
+    let mut turned = source.clone();
+    let traverse = match &mut turned {
+        PlatformSource::InertialUnit(unit) => &mut unit.traverse,
+        PlatformSource::Made(motion) => match &mut motion.kind {
+            MotionKind::SixAxes(axes) => &mut axes.traverse,
+            MotionKind::Sea(sea) => &mut sea.traverse,
+            MotionKind::IsoRoad { .. } => return Err(PipelineError::PlaneRoad),
+            MotionKind::Spectrum { .. } | MotionKind::Simulator { .. } => return Ok(None),
+        },
+        PlatformSource::Recording(_) => return Ok(None),
+    };
+    if traverse.angle_rad != ring_rad || traverse.rate_rad_s != 0.0 {
+        return Err(PipelineError::RingAngle { road_rad: traverse.angle_rad, ring_rad });
+    }
+    traverse.angle_rad = angle_rad;
+    Ok(Some(turned))
+}
+
+fn felt_of(road: &Road) -> Vec<FeltMotion> {
+    let of = |k: usize| {
+        let further = road.further.as_ref().map(|further| FeltMotion {
+            surge_m_s2: further.surge_m_s2[k],
+            roll_rate_rad_s: further.roll_rate_rad_s[k],
+            yaw_rate_rad_s: further.yaw_rate_rad_s[k],
+            ..FeltMotion::default()
+        });
+        FeltMotion {
+            heave_m_s2: road.heave_m_s2[k],
+            pitch_rate_rad_s: road.pitch_rate_rad_s[k],
+            ..further.unwrap_or_default()
+        }
+    };
+    (0..road.heave_m_s2.len()).map(of).collect()
+}

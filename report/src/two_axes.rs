@@ -1,0 +1,101 @@
+//! Both axes verified together, in words and tables.
+
+use counterpoise_pipeline::TwoAxisStudy;
+use counterpoise_plot::number::short_number;
+use counterpoise_verify::{JointExperiment, JointQuantity, JointRequirement, JointValue, Limit, Verdict};
+
+use crate::{Cell, Column, Section, Table};
+
+/// Milliradians in a radian.
+const MILLI: f64 = 1e3;
+
+/// Returns the section on both axes.
+pub fn two_axes_section(study: &TwoAxisStudy) -> Section {
+    let name = &study.traverse.project.plant.name;
+    let mut section = Section::new("Two axes together")
+        .saying(format!(
+            "The traverse axis \"{name}\" under this elevation axis has its own design. Both axes are simulated together: the ring's motion is the base's motion \
+             to the elevation axis, and the elevated body's inertia, out-of-balance and angular momentum act on the ring."
+        ))
+        .saying(
+            "Alone, the elevation axis stands on a ring that does not turn, and the traverse axis carries the body at the elevation that its parameters include. \
+             Values are RMS from the settling time on; the angle of the line of sight is about its mean.",
+        );
+    for line in verdict_lines(study) {
+        section = section.saying(format!("{line}."));
+    }
+    section.listing(table(&study.joint.values))
+}
+
+fn table(values: &[JointValue]) -> Table {
+    let columns = [
+        Column::Text("run"),
+        Column::Text("figure"),
+        Column::Number("together"),
+        Column::Number("each axis alone"),
+        Column::Text("unit"),
+    ];
+    let mut table = Table::new("RMS of both axes", &columns);
+    for value in values {
+        let quantity = value.figure.quantity;
+        table.rows.push(vec![
+            Cell::text(value.figure.experiment.name()),
+            Cell::text(quantity.name()),
+            Cell::number(MILLI * value.together),
+            Cell::number(MILLI * value.alone),
+            Cell::text(format!("m{}", quantity.unit())),
+        ]);
+    }
+    table
+}
+
+/// Returns both axes in lines, for a terminal: the verdicts, then the line of sight and the rates of each run.
+pub fn two_axes_lines(study: &TwoAxisStudy) -> Vec<String> {
+    let mut lines = verdict_lines(study);
+    lines.extend(JointExperiment::ALL.into_iter().map(|experiment| {
+        let found = |quantity: JointQuantity| {
+            let values = &study.joint.values;
+            let value = values.iter().find(|value| {
+                value.figure.experiment == experiment && value.figure.quantity == quantity
+            });
+            let milli = |of: fn(&JointValue) -> f64| short_number(value.map_or(f64::NAN, |v| MILLI * of(v)));
+            format!("{} ({} alone)", milli(|v| v.together), milli(|v| v.alone))
+        };
+        format!(
+            "{}: line of sight {} mrad RMS, in elevation {}, in cross-elevation {}; rate errors {} and {} mrad/s",
+            experiment.name(),
+            found(JointQuantity::Sight),
+            found(JointQuantity::ElevationSight),
+            found(JointQuantity::CrossElevationSight),
+            found(JointQuantity::ElevationRate),
+            found(JointQuantity::TraverseRate)
+        )
+    }));
+    lines
+}
+
+fn verdict_lines(study: &TwoAxisStudy) -> Vec<String> {
+    let (holds, fails, _) = study.traverse.verified.verification().counts();
+    let mut lines = vec![format!("traverse axis alone: {holds} requirements hold, {fails} fail")];
+    lines.extend(study.joint.verdicts.iter().map(verdict_line));
+    lines
+}
+
+fn verdict_line((requirement, verdict): &(JointRequirement, Verdict)) -> String {
+    let (figure, unit) = (&requirement.figure, requirement.figure.quantity.unit());
+    let side = match requirement.limit {
+        Limit::AtLeast(_) => "at least",
+        Limit::AtMost(_) => "at most",
+    };
+    let limit = short_number(requirement.limit.value());
+    match verdict {
+        Verdict::Holds { value, .. } => {
+            format!("holds: {figure}, {} {unit} ({side} {limit})", short_number(*value))
+        }
+        Verdict::Fails { value, by, .. } => {
+            let (value, by) = (short_number(*value), short_number(*by));
+            format!("FAILS: {figure}, {value} {unit} ({side} {limit}), by {by}")
+        }
+        Verdict::NotApplicable { why } => format!("not applicable: {figure}, {why}"),
+    }
+}
