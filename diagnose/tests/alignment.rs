@@ -6,6 +6,7 @@ use crate::common;
 use common::controller;
 use counterpoise_diagnose::fitting::output_error::{FitSelection, Problem};
 use counterpoise_diagnose::library::{Component, EffectName, find_effects};
+use counterpoise_diagnose::recording::instrument_faults::{FaultKind, find_instrument_faults};
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, Sensor, reference};
@@ -123,4 +124,18 @@ fn the_tilt_of_the_accelerometer_is_found() {
         p.sensors.platform_accelerometer.alignment.tilt_rad = 0.08;
     });
     near(&values, &[0.08], 0.01);
+}
+
+#[test]
+fn a_sensor_that_is_stated_to_be_slower_has_no_fault() {
+    let mut machine = rig();
+    machine.sensors.platform_gyro.own_period_s = 5.0 * PERIOD_S;
+    machine.sensors.hub_resolver.as_mut().unwrap().own_period_s = 4.0 * PERIOD_S;
+    let recordings = [recording(&machine, 2)];
+    let control = Loop::from(&controller(BIAS_V));
+    let stated = find_instrument_faults(&machine, &control, &recordings);
+    assert!(stated.faults.is_empty(), "{:?}", stated.faults);
+    let not_stated = find_instrument_faults(&rig(), &control, &recordings);
+    let held = |samples| not_stated.faults.iter().any(|fault| fault.kind == FaultKind::Held { samples });
+    assert!(held(5) && held(4), "{:?}", not_stated.faults);
 }

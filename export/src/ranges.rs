@@ -67,7 +67,7 @@ impl Run {
 }
 
 /// What happens to a state along a run.
-pub(crate) trait Played<S> {
+pub(crate) trait RunVisitor<S> {
     /// The state before the first sample.
     fn start(&self) -> S;
     /// The out-of-balance is set.
@@ -92,20 +92,20 @@ impl<A> RunState<A> {
 
 /// Plays runs; returns the state after each. Runs in which the out-of-balance is set follow the run without, whose beginning they
 /// share: up to the setting they are played once.
-pub(crate) fn play<S: Clone>(runs: &[Run], played: &impl Played<S>) -> Vec<S> {
+pub(crate) fn play<S: Clone>(runs: &[Run], visitor: &impl RunVisitor<S>) -> Vec<S> {
     let mut ends = Vec::with_capacity(runs.len());
     let mut at_setting: Option<S> = None;
     for (i, run) in runs.iter().enumerate() {
         let mut first = 0;
-        let mut state = played.start();
+        let mut state = visitor.start();
         match run.set_at() {
             None => at_setting = None,
             Some((at, value)) if at < run.readings.len() => {
                 if let Some(shared) = &at_setting {
                     (state, first) = (shared.clone(), at);
                 }
-                (first..at).for_each(|k| played.sample(&mut state, run, k));
-                played.set(&mut state, value);
+                (first..at).for_each(|k| visitor.sample(&mut state, run, k));
+                visitor.set(&mut state, value);
                 first = at;
             }
             Some(_) => {}
@@ -115,7 +115,7 @@ pub(crate) fn play<S: Clone>(runs: &[Run], played: &impl Played<S>) -> Vec<S> {
             if branch.is_some_and(|(at, _)| at == k) {
                 at_setting = Some(state.clone());
             }
-            played.sample(&mut state, run, k);
+            visitor.sample(&mut state, run, k);
         }
         ends.push(state);
     }
@@ -135,11 +135,12 @@ impl Ranges {
         let count = states + inputs + controller.programs().step.locals.len();
         let mut ranges =
             Self { states, inputs, largest: vec![0.0; count], runs: runs(controller, histories) };
-        let watch = Watch { controller, largest: RefCell::new(std::mem::take(&mut ranges.largest)) };
-        let controls = play(&ranges.runs, &watch);
-        ranges.largest = watch.largest.into_inner();
-        for (run, played) in ranges.runs.iter_mut().zip(controls) {
-            run.reference_v = played.voltages_v;
+        let largest_values =
+            LargestValues { controller, largest: RefCell::new(std::mem::take(&mut ranges.largest)) };
+        let controls = play(&ranges.runs, &largest_values);
+        ranges.largest = largest_values.largest.into_inner();
+        for (run, state) in ranges.runs.iter_mut().zip(controls) {
+            run.reference_v = state.voltages_v;
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
         for (state, bound) in settings::settable(controller, &ranges.largest[..states]) {
@@ -156,11 +157,11 @@ impl Ranges {
     /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
     /// `start` creates the controller for each run.
     pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
-        play(&self.runs, &Comparison { start }).into_iter().fold(Measured::default(), |most, compared| {
+        play(&self.runs, &Comparison { start }).into_iter().fold(Measured::default(), |most, state| {
             let mut found = Measured::default();
-            for off in &compared.off_v {
+            for off in &state.off_v {
                 found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
-                found.rms_v += off * off / compared.off_v.len() as f64;
+                found.rms_v += off * off / state.off_v.len() as f64;
             }
             Measured {
                 largest_v: larger(most.largest_v, found.largest_v),
@@ -211,12 +212,12 @@ fn runs(controller: &Controller, histories: &[Vec<[f64; READINGS]>]) -> Vec<Run>
 }
 
 /// The reference, which grows the largest magnitudes; its control of every sample, V, is kept.
-struct Watch<'a> {
+struct LargestValues<'a> {
     controller: &'a Controller,
     largest: RefCell<Vec<f64>>,
 }
 
-impl Played<RunState<Runner>> for Watch<'_> {
+impl RunVisitor<RunState<Runner>> for LargestValues<'_> {
     fn start(&self) -> RunState<Runner> {
         RunState::of(self.controller.runner())
     }
@@ -239,29 +240,29 @@ struct Comparison<'a> {
 }
 
 /// A controller, and how far its control was from the reference's, V.
-struct Compared {
+struct ComparisonState {
     acting: Box<dyn Adjustable>,
     off_v: Vec<f64>,
 }
 
-impl Clone for Compared {
+impl Clone for ComparisonState {
     fn clone(&self) -> Self {
         Self { acting: self.acting.copied(), off_v: self.off_v.clone() }
     }
 }
 
-impl Played<Compared> for Comparison<'_> {
-    fn start(&self) -> Compared {
-        Compared { acting: (self.start)(), off_v: Vec::new() }
+impl RunVisitor<ComparisonState> for Comparison<'_> {
+    fn start(&self) -> ComparisonState {
+        ComparisonState { acting: (self.start)(), off_v: Vec::new() }
     }
 
-    fn set(&self, compared: &mut Compared, out_of_balance_kg_m: f64) {
-        compared.acting.adjust(out_of_balance_kg_m);
+    fn set(&self, state: &mut ComparisonState, out_of_balance_kg_m: f64) {
+        state.acting.adjust(out_of_balance_kg_m);
     }
 
-    fn sample(&self, compared: &mut Compared, run: &Run, k: usize) {
-        let control_v = compared.acting.step(&Readings::from_array(run.readings[k]));
-        compared.off_v.push(run.reference_v[k] - control_v);
+    fn sample(&self, state: &mut ComparisonState, run: &Run, k: usize) {
+        let control_v = state.acting.step(&Readings::from_array(run.readings[k]));
+        state.off_v.push(run.reference_v[k] - control_v);
     }
 }
 

@@ -60,7 +60,7 @@ pub(crate) enum Line {
 }
 
 /// An operation with what it read and wrote.
-pub(crate) struct Executed<'a> {
+pub(crate) struct ExecutedOperation<'a> {
     /// Its number in its line.
     pub number: usize,
     pub operation: &'a Operation,
@@ -84,7 +84,7 @@ pub(crate) trait Arithmetic {
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
     /// Returns what an operation of a line rounds as it was executed.
-    fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded;
+    fn rounded(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded;
 }
 
 /// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse

@@ -11,6 +11,7 @@ use counterpoise_pipeline::{
     Step, TunedProject, World, with_chosen_adaptation, with_chosen_weights_on, with_tuned_structure,
 };
 use counterpoise_project::diagnostic::first_findings;
+use counterpoise_project::resolve::synthesis_options::AdaptationUse;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 use counterpoise_synth::FirstDesign;
 
@@ -54,6 +55,18 @@ pub struct BadProject {
     pub errors: Vec<Diagnostic>,
     /// The file as written, with its parts.
     pub document: Document,
+}
+
+impl Loaded {
+    /// Returns whether trials left an adaptation out that the project asks for.
+    pub fn adaptation_is_left_out(&self) -> bool {
+        let used = |project: &Project| {
+            let adaptation = project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
+            adaptation.map(|adaptation| adaptation.use_in_code)
+        };
+        used(&self.stated) == Some(AdaptationUse::Exported)
+            && used(&self.project) == Some(AdaptationUse::LeftOut)
+    }
 }
 
 /// Returns the first errors with the lines that they speak of, and how many there are.

@@ -99,3 +99,6 @@ pub(crate) const MODE_SEARCHES: usize = 12;
 
 /// Places between two modes at which they are counted: the second and third if the stiffness is nearly singular there by chance.
 pub(crate) const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];
+
+/// Relative rounding of moments of inertia that a file states with ten digits.
+pub(crate) const SAME_INERTIA: f64 = 1e-9;

@@ -21,6 +21,7 @@
 
 use crate::Plant;
 use crate::plant::SinCos;
+use crate::tolerance::SAME_INERTIA;
 use nalgebra::Vector3;
 
 /// The elevated body as the traverse ring feels it.
@@ -67,6 +68,17 @@ pub struct BodyInertia {
     pub about_normal_kg_m2: f64,
     /// Product of inertia: the integral of beam times normal coordinate over the mass, kg m^2.
     pub product_kg_m2: f64,
+}
+
+impl BodyInertia {
+    /// Returns whether a body can have it: a plane one in which the square of the product is at most beam times normal, and the moment about the axis, across
+    /// the plane, at most their sum. A body that is not slender is as thick as the sum exceeds the moment.
+    pub fn is_physical(&self) -> bool {
+        let (beam, normal) = (self.about_beam_kg_m2, self.about_normal_kg_m2);
+        let rounding = 1.0 + SAME_INERTIA;
+        self.product_kg_m2.powi(2) <= beam * normal * rounding
+            && self.about_axis_kg_m2 <= (beam + normal) * rounding
+    }
 }
 
 /// The elevation pivot on the traverse ring.

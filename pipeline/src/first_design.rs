@@ -14,7 +14,7 @@ use counterpoise_models::plant::Angles;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_synth::{
-    Circumstances, DesignPlant, FirstDesign, LimitKind, LimitLoops, Motion, Processors, RequiredMargins,
+    Circumstances, DesignPlant, FirstDesign, LimitKind, LimitLoops, Motion, ParallelRun, RequiredMargins,
     Weight, first_design_on,
 };
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
@@ -80,7 +80,7 @@ fn choose_weights_on(
 ) -> Result<Chosen, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
     let run = |count: usize, part: &(dyn Fn(usize) + Sync)| pool.run(count, part);
-    let processors = Processors { count: pool.processors(), run: &run };
+    let processors = ParallelRun { count: pool.processors(), run: &run };
     let first = first_design_on(&circumstances(project, &asked, modelled, reduced)?, processors)?;
     let mut stated = asked.clone();
     let chosen = &first.specification;

@@ -10,7 +10,7 @@
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`design_views`], [`loop_view`](mod@loop_view), [`two_axes`], [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`design_views`], [`loop_view`](mod@loop_view), [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
@@ -49,6 +49,7 @@ pub mod road;
 pub mod studies;
 pub mod synth;
 mod tolerance;
+pub mod traverse_file;
 pub mod tuning;
 pub mod two_axes;
 pub mod verify;
@@ -72,10 +73,11 @@ pub use reduce::{Reduced, reduce};
 pub use studies::adaptation_choice::with_chosen_adaptation;
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
+pub use traverse_file::traverse_project;
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
 pub use two_axes::{
-    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, design_traverse, export_traverse,
-    study_two_axes, traverse_project,
+    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, check_traverse, design_traverse,
+    export_traverse, study_two_axes,
 };
 pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 

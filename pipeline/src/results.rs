@@ -534,7 +534,7 @@ impl From<&Designed> for DesignResult {
             beside: designed.comparison.clone(),
             targets: TargetsResult::of(&designed.targets, made.synthesised.controlled),
             files: made.files.iter().map(|f| f.name.clone()).collect(),
-            left_out: made.left_out.iter().map(ToString::to_string).collect(),
+            left_out: made.all_left_out().map(ToString::to_string).collect(),
         }
     }
 }

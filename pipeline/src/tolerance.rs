@@ -65,13 +65,13 @@ pub(crate) const NEVER_WORSE: f64 = 1e-3;
 pub(crate) const LEAST_ADDED: f64 = 0.05;
 
 /// Times the difference of two runs whose histories alone differ that a changed load must add: below, friction decides what is measured.
-pub(crate) const HISTORIES: f64 = 3.0;
+pub(crate) const LEAST_ADDED_OVER_HYSTERESIS: f64 = 3.0;
 
 /// Share of what a changed load adds that an adaptation must remove.
 pub(crate) const LEAST_REMOVED: f64 = 0.8;
 
 /// Times the liveliest moment of a motion that a dead-band must be for the estimate to stand still on it: its noise differs from run to run by less.
-pub(crate) const LIVELIER: f64 = 1.05;
+pub(crate) const DEAD_BAND_MARGIN: f64 = 1.05;
 
 /// Least dead-band over the acceleration of the quietest motion that was tried: below, no trial shows what an estimate is worth.
 pub(crate) const BELOW_TRIED: f64 = 0.5;

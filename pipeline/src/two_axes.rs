@@ -1,20 +1,19 @@
 //! The traverse axis under the elevation axis: its project, its own design and verification, and both axes verified together.
 
 use counterpoise_export::File;
-use counterpoise_models::Measured;
-use counterpoise_models::Plant;
 use counterpoise_models::base_motion::{BaseState, FeltMotion, base_of_felt};
 use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody};
+use counterpoise_models::{Axis, Measured, Plant};
+use counterpoise_project::Project;
 use counterpoise_project::resolve::platform::{MotionKind, PlatformSource};
-use counterpoise_project::resolve::traverse::TraverseAxis;
-use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 use counterpoise_verify::{
     AxisPair, JointMachine, JointProcedure, JointVerification, Procedure, Road, VerifiedController,
     verify_two_axes,
 };
 
 use crate::export::{Exported, LeftOut, export_by};
+use crate::traverse_file::{FolderOfFile, traverse_project};
 use crate::verify::moved;
 use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
 use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
@@ -76,6 +75,15 @@ impl TwoAxisStudy {
     }
 }
 
+/// Checks that the traverse axis of a project, if it has one, fits under it, before anything is designed.
+///
+/// # Errors
+/// A file of the traverse axis that cannot be read or has errors, and axes that do not fit together.
+pub fn check_traverse(project: &Project, world: &dyn World) -> Result<(), PipelineError> {
+    let Some(axis) = &project.traverse else { return Ok(()) };
+    check(project, &traverse_project(axis, world)?, &axis.file)
+}
+
 /// Designs and verifies the traverse axis of a project alone; `None` if it has none.
 ///
 /// # Errors
@@ -85,9 +93,10 @@ pub fn design_traverse(
     world: &dyn World,
 ) -> Result<Option<TraverseDesign>, PipelineError> {
     let Some(axis) = &project.traverse else { return Ok(None) };
-    let below = Beside::of(&axis.file, world);
-    let traverse = choose_and_tune(&traverse_project(axis, world)?, &below)?.project;
-    check(project, &traverse, &axis.file)?;
+    let below = FolderOfFile::of(&axis.file, world);
+    let stated = traverse_project(axis, world)?;
+    check(project, &stated, &axis.file)?;
+    let traverse = choose_and_tune(&stated, &below)?.project;
     let modelled = model(&traverse)?;
     let reduced = reduce(&traverse, &modelled)?;
     let synthesised = synthesise(&traverse, &modelled, &reduced)?;
@@ -105,7 +114,7 @@ pub fn export_traverse(project: &Project, world: &dyn World) -> Result<Option<Tr
     let (Some(axis), Some(design)) = (&project.traverse, design_traverse(project, world)?) else {
         return Ok(None);
     };
-    let below = Beside::of(&axis.file, world);
+    let below = FolderOfFile::of(&axis.file, world);
     let TraverseDesign { project, modelled, verified, procedure, .. } = &design;
     let Exported { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
     Ok(Some(TraverseCode { design, files, left_out }))
@@ -123,6 +132,17 @@ pub fn study_two_axes(
     let (Some(axis), Some(traverse)) = (&elevation.project.traverse, traverse) else { return Ok(None) };
     let included = axis.included_at_rad.unwrap_or(elevation.project.model.operating_point.hub_angle_rad);
     let inertia = axis.inertia(BodyInertia::of_plant(elevation.plant));
+    if !inertia.is_physical() {
+        let problem = format!(
+            "no body has the moments of inertia {} about its beam, {} about the normal and {} kg m^2 about the elevation axis with the product {}: \
+             the product's square is at most that of beam times normal, and the axis' at most their sum; state beam_inertia and normal_inertia of [traverse]",
+            inertia.about_beam_kg_m2,
+            inertia.about_normal_kg_m2,
+            inertia.about_axis_kg_m2,
+            inertia.product_kg_m2
+        );
+        return Err(PipelineError::File { name: axis.file.clone(), section: "traverse", problem });
+    }
     let body = ElevatedBody::of_plant(elevation.plant, inertia, axis.pivot, SinCos::of(included));
     let machine = JointMachine {
         plants: AxisPair { elevation: elevation.plant, traverse: &traverse.modelled.plant },
@@ -137,64 +157,6 @@ pub fn study_two_axes(
     Ok(Some(TwoAxisStudy { traverse, joint }))
 }
 
-/// Returns the project of the traverse axis as its file states it.
-///
-/// # Errors
-/// A file that cannot be read, and every error in it, with its name.
-pub fn traverse_project(axis: &TraverseAxis, world: &dyn World) -> Result<Project, PipelineError> {
-    let problem =
-        |problem: String| PipelineError::File { name: axis.file.clone(), section: "traverse", problem };
-    let in_words = |found: Vec<counterpoise_project::Diagnostic>| {
-        problem(found.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
-    };
-    let bytes = world.read(&axis.file).map_err(problem)?;
-    let document = Document::from_bytes(&bytes, &axis.file).map_err(in_words)?;
-    let attachments = attachments(&document, &Beside::of(&axis.file, world));
-    let Parsed { project, .. } =
-        Project::resolve_for(&document, &attachments, Purpose::Verify).map_err(in_words)?;
-    Ok(project)
-}
-
-/// Reads what a project file names; a part that was read can name further files.
-fn attachments(document: &Document, world: &dyn World) -> Attachments {
-    let (mut all, mut tried) = (Attachments::none(), Vec::new());
-    loop {
-        let names = document.with_parts(&all).attachments();
-        let new: Vec<String> = names.into_iter().filter(|name| !tried.contains(name)).collect();
-        if new.is_empty() {
-            return all;
-        }
-        for name in new {
-            all = match world.read(&name) {
-                Ok(bytes) => all.with(&name, bytes),
-                Err(problem) => all.with_problem(&name, problem),
-            };
-            tried.push(name);
-        }
-    }
-}
-
-/// The files beside a file.
-struct Beside<'a> {
-    folder: &'a str,
-    world: &'a dyn World,
-}
-
-impl<'a> Beside<'a> {
-    fn of(file: &'a str, world: &'a dyn World) -> Self {
-        Self { folder: file.rsplit_once('/').map_or("", |(folder, _)| folder), world }
-    }
-}
-
-impl World for Beside<'_> {
-    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        match self.folder {
-            "" => self.world.read(name),
-            folder => self.world.read(&format!("{folder}/{name}")),
-        }
-    }
-}
-
 /// Checks that two axes fit together.
 fn check(elevation: &Project, traverse: &Project, file: &str) -> Result<(), PipelineError> {
     let wrong = |problem: &str| {
@@ -203,6 +165,15 @@ fn check(elevation: &Project, traverse: &Project, file: &str) -> Result<(), Pipe
     if traverse.traverse.is_some() {
         return wrong(
             "it has a [traverse] section itself: a machine has one traverse axis under one elevation axis",
+        );
+    }
+    if [elevation, traverse].iter().any(|axis| axis.plant.axis == Axis::Linear) {
+        return wrong("both axes must turn: leave plant.axis at \"rotary\" in both files");
+    }
+    let gyroscopes = [&traverse.plant.sensors.hub_gyro, &traverse.plant.sensors.platform_gyro];
+    if gyroscopes.iter().any(|gyro| gyro.alignment.has_cross_axis()) {
+        return wrong(
+            "roll_sensitivity and yaw_sensitivity of its gyroscopes must be 0: what they would read of the ring's other rates is not simulated with two axes",
         );
     }
     if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != Measured::HubRate) {
@@ -232,6 +203,7 @@ fn joint_procedure(
     let source = project.verify.as_ref().and_then(|asked| asked.road.as_ref());
     let moved = match source {
         Some(source) => base_of_source(source, ring_rad, gravity_m_s2, world)?,
+        None if ring_rad != 0.0 => return Err(PipelineError::RingAngle { road_rad: 0.0, ring_rad }),
         None => base_of_sines(project, elevation),
     };
     let duration_s = moved.states.len() as f64 * moved.period_s;
@@ -251,13 +223,13 @@ fn joint_procedure(
 const TRAVERSE_NOISE: u64 = 1 << 40;
 
 /// Motion of the base in samples.
-struct Moved {
+struct BaseSamples {
     states: Vec<BaseState>,
     period_s: f64,
 }
 
 /// Returns heave and pitch as the procedure's sines.
-fn base_of_sines(project: &Project, procedure: &Procedure) -> Moved {
+fn base_of_sines(project: &Project, procedure: &Procedure) -> BaseSamples {
     let period_s = project.plant.interface.sample_period_s;
     let samples = (procedure.duration_s / period_s) as usize;
     let sine = |sine: &counterpoise_verify::Sine, t: f64| {
@@ -271,7 +243,7 @@ fn base_of_sines(project: &Project, procedure: &Procedure) -> Moved {
             ..FeltMotion::default()
         })
         .collect();
-    Moved { states: base_of_felt(&felt, None, period_s, project.plant.gravity_m_s2), period_s }
+    BaseSamples { states: base_of_felt(&felt, None, period_s, project.plant.gravity_m_s2), period_s }
 }
 
 /// Returns the motion of the base from what an elevation axis feels of it that points forward, and one that points to the left.
@@ -280,14 +252,17 @@ fn base_of_source(
     ring_rad: f64,
     gravity_m_s2: f64,
     world: &dyn World,
-) -> Result<Moved, PipelineError> {
+) -> Result<BaseSamples, PipelineError> {
     let turned = |angle_rad: f64| turned_source(source, angle_rad, ring_rad);
     let forward = moved(&turned(0.0)?.unwrap_or_else(|| source.clone()), world, gravity_m_s2)?;
     let left = turned(std::f64::consts::FRAC_PI_2)?;
     let left = left.map(|source| moved(&source, world, gravity_m_s2)).transpose()?;
     let period_s = forward.sample_period_s;
     let left = left.as_ref().map(felt_of);
-    Ok(Moved { states: base_of_felt(&felt_of(&forward), left.as_deref(), period_s, gravity_m_s2), period_s })
+    Ok(BaseSamples {
+        states: base_of_felt(&felt_of(&forward), left.as_deref(), period_s, gravity_m_s2),
+        period_s,
+    })
 }
 
 /// Returns a source as an elevation axis on a ring at an angle feels it; `None` if the base moves in a plane alone.
@@ -303,15 +278,20 @@ fn turned_source(
             MotionKind::SixAxes(axes) => &mut axes.traverse,
             MotionKind::Sea(sea) => &mut sea.traverse,
             MotionKind::IsoRoad { .. } => return Err(PipelineError::PlaneRoad),
-            MotionKind::Spectrum { .. } | MotionKind::Simulator { .. } => return Ok(None),
+            MotionKind::Spectrum { .. } | MotionKind::Simulator { .. } => return forward_alone(ring_rad),
         },
-        PlatformSource::Recording(_) => return Ok(None),
+        PlatformSource::Recording(_) => return forward_alone(ring_rad),
     };
     if traverse.angle_rad != ring_rad || traverse.rate_rad_s != 0.0 {
         return Err(PipelineError::RingAngle { road_rad: traverse.angle_rad, ring_rad });
     }
     traverse.angle_rad = angle_rad;
     Ok(Some(turned))
+}
+
+/// A motion of pitch, heave and surge alone belongs to a ring that points forward.
+fn forward_alone(ring_rad: f64) -> Result<Option<PlatformSource>, PipelineError> {
+    if ring_rad == 0.0 { Ok(None) } else { Err(PipelineError::RingAngle { road_rad: 0.0, ring_rad }) }
 }
 
 fn felt_of(road: &Road) -> Vec<FeltMotion> {

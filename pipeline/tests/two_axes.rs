@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::{
-    DesignedAxis, PipelineError, World, design_traverse, export_traverse, model, project_procedure, reduce,
-    study_two_axes, synthesise,
+    DesignedAxis, PipelineError, ProjectIdentity, World, design_traverse, export_traverse, model,
+    project_procedure, reduce, study_two_axes, synthesise,
 };
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_verify::{JointExperiment, JointFigure, JointQuantity, Verdict};
@@ -52,6 +52,8 @@ fn errors_of_the_traverse_axis_are_named_with_its_file() {
     assert!(heavy.contains("traverse.toml") && heavy.contains("plant.gravity must be 0"), "{heavy}");
     let slow = refusal("sample_period = 1.0e-3", "sample_period = 2.0e-3");
     assert!(slow.contains("sample_period must be that of the elevation axis"), "{slow}");
+    let misaligned = refusal("[plant.sensors.hub_gyro]", "[plant.sensors.hub_gyro]\nroll_sensitivity = 0.02");
+    assert!(misaligned.contains("roll_sensitivity and yaw_sensitivity"), "{misaligned}");
     let turned = refusal("hub_inertia = 460.0", "hub_inertia = 460.0\nwheels = 3");
     assert!(turned.contains("wheels"), "{turned}");
 }
@@ -88,6 +90,16 @@ fn both_axes_are_verified_together_and_each_has_its_code() {
         [JointQuantity::ElevationSight, JointQuantity::CrossElevationSight, JointQuantity::Sight]
             .map(|quantity| value(JointExperiment::Motion, quantity).together);
     assert!((up.hypot(across) / all - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_traverse_project_is_part_of_the_identity_of_the_elevation_project() {
+    let project = project();
+    let shipped = ProjectIdentity::of(&project, &AS_SHIPPED);
+    let other = Example { from: "ratio = 200.0", to: "ratio = 201.0" };
+    assert_ne!(shipped.hash, ProjectIdentity::of(&project, &other).hash);
+    let commented = Example { from: "[model]", to: "# a comment\n[model]" };
+    assert_eq!(shipped.hash, ProjectIdentity::of(&project, &commented).hash);
 }
 
 #[test]

@@ -77,13 +77,15 @@ pub fn trial_section(tried: &Trials) -> Section {
     section
 }
 
+/// Why an adaptation that the project asks for is not exported, and what to do.
+pub const LEFT_OUT_BY_TRIALS: &str = "the controller is exported without adaptation: on each motion some trial is worse with it than without, or the mechanism has no gravity \
+     and a changed load adds nothing that could be removed; state `dead_band` or `hold_band` in [synth.adaptation] to export it with those";
+
 /// Returns where recursive least squares act, or why the exported controller does not adapt.
 pub fn describe_bands(bands: &Bands) -> String {
     let Bands { dead_band_m_s2, hold_band, is_exported } = *bands;
     if !is_exported {
-        return "the controller is exported without adaptation: on each motion some trial is worse with it than without, or the mechanism has no gravity \
-                and a changed load adds nothing that could be removed; the trials show the usual bands"
-            .to_owned();
+        return LEFT_OUT_BY_TRIALS.to_owned();
     }
     format!(
         "the estimate is followed where the platform's acceleration exceeds {} m/s^2 RMS and the estimate is off by more than {} % of the design's out-of-balance",

@@ -57,8 +57,8 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     let evidence =
         TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs, controlled };
     more.push(targets::targets_section(&evidence));
-    if !stages.left_out.is_empty() {
-        let lines = stages.left_out.iter().map(ToString::to_string);
+    if stages.all_left_out().next().is_some() {
+        let lines = stages.all_left_out().map(ToString::to_string);
         more.push(lines.fold(Section::new("Code that was left out"), Section::saying));
     }
     if !run.times.is_empty() {

@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lines: Vec<String> = std::io::stdin().lock().lines().collect::<Result<_, _>>()?;
     let (period, rows) = lines.split_first().ok_or("no input")?;
     let period_s: f64 = period.trim().parse()?;
-    let mut columns = vec![Vec::with_capacity(rows.len()); 6];
+    let mut columns = vec![Vec::new(); 6];
     for row in rows {
         for (column, word) in columns.iter_mut().zip(row.split_whitespace()) {
             column.push(word.parse::<f64>()?);

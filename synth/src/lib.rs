@@ -12,7 +12,7 @@
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`error_feedback`] (one that sees the error alone), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
-//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the [`processors`] at hand;
+//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the processors at hand ([`parallel_run`]);
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
@@ -73,9 +73,9 @@ pub mod lqg;
 mod normal_form;
 pub mod observer;
 mod origin;
+pub mod parallel_run;
 pub mod plant;
 pub mod preflight;
-pub mod processors;
 pub mod ramp;
 pub mod rational;
 pub mod refusal;
@@ -120,9 +120,9 @@ pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
+pub use parallel_run::ParallelRun;
 pub use plant::{DesignPlant, RateLoop};
 pub use preflight::preflight;
-pub use processors::Processors;
 pub use ramp::control_of_ramp;
 pub use rational::Rational;
 pub use refusal::Refusal;

@@ -158,7 +158,11 @@ fn print(options: &DesignOptions, made: &Stages) {
     for file in &made.files {
         say!("code    {}", options.output.join(&file.name).display());
     }
-    made.left_out.iter().for_each(|code| say!("left out  {code}"));
+    if let Some(traverse) = &made.traverse {
+        let folder = options.output.join(export::TRAVERSE_FOLDER);
+        traverse.files.iter().for_each(|file| say!("code    {}", folder.join(&file.name).display()));
+    }
+    made.all_left_out().for_each(|code| say!("left out  {code}"));
 }
 
 /// The verdicts, one a line, and their sum.

@@ -48,8 +48,7 @@ pub fn run(options: &ExportOptions) -> Done {
     }
     let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
     let controller = ControllerResult::new(&identity, made.verified.controller());
-    let written = code_files::write_with_controller(&options.output, &made.files, &controller, &[])?;
-    let mut written = written;
+    let mut written = code_files::write_with_controller(&options.output, &made.files, &controller, &[])?;
     if let Some(traverse) = &made.traverse {
         written.extend(write_traverse(&options.output, traverse)?);
     }
@@ -57,14 +56,13 @@ pub fn run(options: &ExportOptions) -> Done {
     if !output::json_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    let below = made.traverse.iter().flat_map(|axis| &axis.left_out);
-    made.left_out.iter().chain(below).for_each(|code| print_message(&format!("left out  {code}")));
+    made.all_left_out().for_each(|code| print_message(&format!("left out  {code}")));
     let traverse = made.traverse.as_ref().is_none_or(|axis| holds(axis));
     Ok(verdict_code([made.verified.verification().passes(), made.left_out.is_empty(), traverse]))
 }
 
 /// Folder of the traverse axis' code within that of the project.
-const TRAVERSE_FOLDER: &str = "traverse";
+pub(crate) const TRAVERSE_FOLDER: &str = "traverse";
 
 /// Writes the code of the traverse axis into a folder of its own, with its controller; returns the files.
 pub(crate) fn write_traverse(folder: &Path, axis: &TraverseCode) -> anyhow::Result<Vec<PathBuf>> {

@@ -7,9 +7,9 @@ use crate::Ranges;
 use crate::fixed::format::{to_integer, unit};
 use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
-use crate::ranges::{Played, Run, RunState, play};
+use crate::ranges::{Run, RunState, RunVisitor, play};
 use crate::rounding::{
-    Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
+    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
 };
 
 /// Returns how far the control can be from the reference.
@@ -87,8 +87,8 @@ impl Arithmetic for Quantised<'_> {
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
     /// the sign of the quotient.
-    fn rounded(&self, line: Line, executed: &Executed<'_>) -> Rounded {
-        let Executed { number, operation, read, written: value } = *executed;
+    fn rounded(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded {
+        let ExecutedOperation { number, operation, read, written: value } = *executed;
         let error = match line {
             Line::Step => self.errors[number],
             Line::Set => self.set[number],
@@ -109,7 +109,7 @@ impl Arithmetic for Quantised<'_> {
 /// The controller with rounded coefficients, and how far its control was from the reference's, V.
 struct Coefficients<'a>(&'a Fixed);
 
-impl<'a> Played<RunState<Unrounded<'a>>> for Coefficients<'a> {
+impl<'a> RunVisitor<RunState<Unrounded<'a>>> for Coefficients<'a> {
     fn start(&self) -> RunState<Unrounded<'a>> {
         RunState::of(Unrounded::new(self.0))
     }

@@ -3,9 +3,11 @@
 use counterpoise_controller::program::{Operation, Slot, Term};
 use counterpoise_controller::{Controller, Number, Runner};
 
-use super::{Arithmetic, Deviation, Executed, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
+use super::{
+    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
+};
 use crate::Ranges;
-use crate::ranges::{Played, Run, RunState, play};
+use crate::ranges::{Run, RunState, RunVisitor, play};
 
 /// Half a unit in the last place of single precision, relative.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
@@ -47,8 +49,8 @@ impl Arithmetic for Single<'_> {
         play(runs, &StoredCoefficients(self.controller)).into_iter().map(|state| state.voltages_v).collect()
     }
 
-    fn rounded(&self, _: Line, executed: &Executed<'_>) -> Rounded {
-        let Executed { operation, read, written: value, .. } = *executed;
+    fn rounded(&self, _: Line, executed: &ExecutedOperation<'_>) -> Rounded {
+        let ExecutedOperation { operation, read, written: value, .. } = *executed;
         let square = match operation {
             Operation::Sum { constant, terms, .. } => sum(*constant, terms, read),
             Operation::Product { .. } if read.iter().any(|one| is_power_of_two(*one)) => 0.0,
@@ -68,7 +70,7 @@ impl Arithmetic for Single<'_> {
 /// The controller with coefficients in single precision, and how far its control was from the reference's, V.
 struct StoredCoefficients<'a>(&'a Controller);
 
-impl Played<RunState<Runner<Stored>>> for StoredCoefficients<'_> {
+impl RunVisitor<RunState<Runner<Stored>>> for StoredCoefficients<'_> {
     fn start(&self) -> RunState<Runner<Stored>> {
         RunState::of(self.0.runner_in::<Stored>())
     }

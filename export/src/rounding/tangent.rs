@@ -2,7 +2,7 @@
 
 use counterpoise_controller::program::{Operation, Program, Slot};
 
-use super::Executed;
+use super::ExecutedOperation;
 
 /// Derivatives by the states before the program (0, 1, ...) and then by an error added to each operation: place and value.
 pub(crate) type Row = Vec<(usize, f64)>;
@@ -99,11 +99,11 @@ impl<'a> Tangent<'a> {
     }
 
     /// Returns each operation of the last run with what it read and wrote.
-    pub fn executed(&self) -> impl Iterator<Item = Executed<'_>> + '_ {
+    pub fn executed(&self) -> impl Iterator<Item = ExecutedOperation<'_>> + '_ {
         let first = self.values.len() - self.operations.len();
         self.operations.iter().enumerate().map(move |(number, operation)| {
             let read = &self.operands[self.first_reads[number]..self.first_reads[number + 1]];
-            Executed { number, operation, read, written: self.values[first + number] }
+            ExecutedOperation { number, operation, read, written: self.values[first + number] }
         })
     }
 

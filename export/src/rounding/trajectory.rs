@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 
 use super::tangent::Tangent;
 use super::{Arithmetic, Line, Rounded};
-use crate::ranges::{Played, Run, play};
+use crate::ranges::{Run, RunVisitor, play};
 use crate::tolerance::NEGLIGIBLE_COVARIANCE;
 
 /// The errors of the control of a run, sample by sample.
@@ -25,15 +25,15 @@ pub(crate) struct Track {
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
 /// known part of the roundings and r the bound of the rest.
 pub(crate) fn follow(controller: &Controller, runs: &[Run], arithmetic: &impl Arithmetic) -> Vec<Track> {
-    play(runs, &Following { controller, arithmetic }).into_iter().map(|walk| walk.track).collect()
+    play(runs, &TrajectoryVisitor { controller, arithmetic }).into_iter().map(|walk| walk.track).collect()
 }
 
-struct Following<'a, T> {
+struct TrajectoryVisitor<'a, T> {
     controller: &'a Controller,
     arithmetic: &'a T,
 }
 
-impl<'a, T: Arithmetic> Played<Walk<'a>> for Following<'a, T> {
+impl<'a, T: Arithmetic> RunVisitor<Walk<'a>> for TrajectoryVisitor<'a, T> {
     fn start(&self) -> Walk<'a> {
         let programs = self.controller.programs();
         let n = programs.state_count();

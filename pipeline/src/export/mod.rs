@@ -16,6 +16,7 @@ use counterpoise_models::{Axis, Measured, Parameters};
 use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
+use crate::traverse_file::{FolderOfFile, traverse_project};
 use crate::wording::acceptance::Traceable;
 use crate::wording::weights::describe_weights;
 use crate::{Modelled, PipelineError, World};
@@ -243,6 +244,11 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
         && let Ok(bytes) = world.read(recording)
     {
         digest.update(Sha256::digest(&bytes));
+    }
+    if let Some(axis) = &project.traverse
+        && let Ok(traverse) = traverse_project(axis, world)
+    {
+        digest.update(project_hash(&traverse, &FolderOfFile::of(&axis.file, world)));
     }
     digest.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }

@@ -17,36 +17,32 @@ use counterpoise_verify::Procedure;
 use super::adaptation_trials::{
     Acts, Load, METHODS, Motion, Stage, TrialRow, TrialRun, asked, rms_or_infinite, set_spreads,
 };
-use crate::synth::controller_blocks::HOLD_BAND;
-use crate::tolerance::{BELOW_TRIED, LEAST_REMOVED, LIVELIER, NEVER_WORSE};
+use crate::synth::controller_blocks::{HOLD_BAND, LEAST_DEAD_BAND_M_S2};
+use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
 use crate::{Modelled, PipelineError, World, model, project_procedure, reduce, synthesise};
 
 const MOTIONS: [Motion; 3] = [Motion::Sines, Motion::Road, Motion::Multisine];
 const LOADS: [Load; 4] = [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow];
 /// Hold bands that are tried, the usual one first. A wider one covers more of what friction does to the estimate, and leaves more of a changed load.
 const HOLD_BANDS: [f64; 3] = [HOLD_BAND, 1.375 * HOLD_BAND, 1.75 * HOLD_BAND];
-/// A band in which the estimate is never followed.
-const NEVER_FOLLOWED: f64 = 1.0;
-/// Least dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
-const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
+/// A band in which the estimate is never followed: no estimate is off by a thousand times the load.
+const NEVER_FOLLOWED: f64 = 1e3;
 
 /// Returns the project with the bands of its adaptation chosen, or with the adaptation left out of the exported controller where no motion is left on which it helps; `None`
-/// if the project states a band, has no such adaptation or no verification, or if no controller exists.
+/// if the project states a band or has no such adaptation, or if no controller or no procedure exists.
 ///
 /// # Errors
-/// Those of the plant, the procedure and the simulator.
+/// Those of the plant and the simulator.
 pub fn with_chosen_adaptation(
     project: &Project,
     world: &dyn World,
 ) -> Result<Option<Project>, PipelineError> {
     let Some(adaptation) = asked(project).filter(|adaptation| is_open(adaptation)) else { return Ok(None) };
-    if project.verify.is_none() {
-        return Ok(None);
-    }
     let modelled = model(project)?;
-    // a design that does not exist is told by the stage that makes it
+    // A design that does not exist and a road that cannot be read are told by the stages that need them.
     let Ok(made) = synthesise(project, &modelled, &reduce(project, &modelled)?) else { return Ok(None) };
-    let procedure = project_procedure(project, world)?;
+    let tried = project.clone().with_usual_verification();
+    let Ok(procedure) = project_procedure(&tried, world) else { return Ok(None) };
     let controller = &made.sampled.controller;
     let search =
         Search { project, adaptation, modelled: &modelled, controller, procedure: &procedure, world };
@@ -127,7 +123,7 @@ impl Search<'_> {
         }
         let levels = self.levels()?;
         let quietest = levels.iter().copied().fold(f64::INFINITY, f64::min);
-        let hopeful = MOTIONS.into_iter().filter(|motion| is_helped(*motion, &base)).count();
+        let helped_motions = MOTIONS.into_iter().filter(|motion| is_helped(*motion, &base)).count();
         let mut best: Option<(Merit, Candidate)> = None;
         for hold_band in HOLD_BANDS {
             let dead_band_m_s2 = LEAST_DEAD_BAND_M_S2.max(BELOW_TRIED * quietest);
@@ -138,7 +134,7 @@ impl Search<'_> {
             if motions > 0 && best.is_none_or(|(before, _)| merit > before) {
                 best = Some((merit, candidate));
             }
-            if merit.removed == wanted && motions >= hopeful {
+            if merit.removed == wanted && motions >= helped_motions {
                 break;
             }
         }
@@ -164,7 +160,7 @@ impl Search<'_> {
             let Some(level) = worse.map(|(_, level)| *level).reduce(f64::max) else {
                 return Ok((candidate, rows));
             };
-            candidate.dead_band_m_s2 = LIVELIER * level;
+            candidate.dead_band_m_s2 = DEAD_BAND_MARGIN * level;
         }
     }
 
@@ -200,7 +196,10 @@ impl Search<'_> {
         let listens = Candidate { dead_band_m_s2: LEAST_DEAD_BAND_M_S2, hold_band: NEVER_FOLLOWED };
         let jobs = MOTIONS.map(|motion| Job { motion, load: Load::Nominal, acts: ADAPTS });
         let runs = self.runs(&listens.of(self.adaptation), &jobs)?;
-        Ok(std::array::from_fn(|k| runs.get(k).map_or(f64::INFINITY, |run| run.liveliest_m_s2)))
+        // a run that diverged shows no level, and no band makes the motion a quiet one
+        let level =
+            |run: &TrialRun| if run.hub_rate_rad_s.is_empty() { f64::INFINITY } else { run.peak_rms_m_s2 };
+        Ok(std::array::from_fn(|k| runs.get(k).map_or(f64::INFINITY, level)))
     }
 
     /// Returns the trials with a candidate, which stands still on every motion but those given.

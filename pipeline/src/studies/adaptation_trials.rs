@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::synth::controller_blocks::{dead_band_m_s2, estimator, hold_band};
 use crate::synth::schedule::unbalanced;
-use crate::tolerance::{HISTORIES, LEAST_ADDED};
+use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS};
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
@@ -147,7 +147,7 @@ impl TrialRow {
     /// what friction remembers of the runs before.
     pub fn removed(&self) -> Option<f64> {
         let added = self.without_rad_s - self.told_rad_s;
-        let least = (LEAST_ADDED * self.told_rad_s).max(HISTORIES * self.spread_rad_s);
+        let least = (LEAST_ADDED * self.told_rad_s).max(LEAST_ADDED_OVER_HYSTERESIS * self.spread_rad_s);
         (added > least).then(|| (self.without_rad_s - self.with_rad_s) / added)
     }
 }
@@ -291,18 +291,18 @@ pub(super) struct TrialRun {
     /// The hub's rate after the load has settled; empty if the motion diverges.
     pub hub_rate_rad_s: Vec<f64>,
     /// The largest RMS of the platform's acceleration that the estimator found over its memory, m/s^2; 0 if it has no dead-band.
-    pub liveliest_m_s2: f64,
+    pub peak_rms_m_s2: f64,
 }
 
 /// A controller with a note of how lively its estimator finds the platform.
-struct Watched {
+struct MonitoredController {
     runner: Runner,
     /// Place of the mean square of the platform's acceleration among the states.
     place: Option<usize>,
     most_m2_s4: f64,
 }
 
-impl SampledController for Watched {
+impl SampledController for MonitoredController {
     fn reset(&mut self) {
         self.runner.reset();
     }
@@ -364,11 +364,11 @@ impl Stage<'_> {
         }
         let period_s = self.modelled.parameters.interface.sample_period_s;
         let first = ((MEASURED_S / period_s) as usize).min(rates.len());
-        let liveliest_m_s2 = watched.most_m2_s4.sqrt();
-        Ok(TrialRun { hub_rate_rad_s: rates.split_off(first), liveliest_m_s2 })
+        let peak_rms_m_s2 = watched.most_m2_s4.sqrt();
+        Ok(TrialRun { hub_rate_rad_s: rates.split_off(first), peak_rms_m_s2 })
     }
 
-    fn watched(&self, acts: Acts) -> Result<Watched, PipelineError> {
+    fn watched(&self, acts: Acts) -> Result<MonitoredController, PipelineError> {
         let own = match acts {
             Acts::Adapts(method) => {
                 let adaptation = Adaptation { method, ..self.adaptation.clone() };
@@ -382,7 +382,7 @@ impl Stage<'_> {
         let controller = controller.map_err(counterpoise_synth::Error::from)?;
         let mut states = controller.programs().states.iter();
         let place = states.find(|group| group.name == "liveliness").map(|group| group.first);
-        Ok(Watched { runner: controller.runner(), place, most_m2_s4: 0.0 })
+        Ok(MonitoredController { runner: controller.runner(), place, most_m2_s4: 0.0 })
     }
 
     pub(super) fn platform(&self, motion: Motion) -> Result<PlatformMotion, PipelineError> {

@@ -36,7 +36,7 @@ const LEAST_TORQUE_WITHOUT_GRAVITY: f64 = 1.2;
 /// Share of the friction that counts at least with an observer, whose errors the estimate would else follow: with gravity, and without.
 const LEAST_UNOBSERVED: [f64; 2] = [0.3, 0.55];
 /// Least default of the dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
-const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
+pub(crate) const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
 /// Usual hold band. What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where
 /// no observer covers friction, 4 % leaves 18 %. On every example the out-of-balance stands still when nothing changes.
 pub(crate) const HOLD_BAND: f64 = 0.04;

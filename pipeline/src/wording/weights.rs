@@ -58,7 +58,7 @@ fn steady(low: LowFrequency, signal: &str) -> String {
         LowFrequency::Unbounded => {
             format!("without bound towards zero frequency, so that no steady {signal} may remain")
         }
-        LowFrequency::Zero => format!("nothing at zero frequency, so that a steady {signal} is free"),
+        LowFrequency::Zero => format!("zero at zero frequency, so that a steady {signal} is not penalised"),
     }
 }
 
@@ -69,7 +69,7 @@ fn fast(high: HighFrequency, signal: &str) -> String {
             format!("rising with the power {power} of frequency, so that fast {signal} is forbidden")
         }
         HighFrequency::Falling { power } => {
-            format!("falling with the power {power} of frequency, so that fast {signal} is let be")
+            format!("falling with the power {power} of frequency, so that fast {signal} is not penalised")
         }
     }
 }

@@ -80,10 +80,12 @@ pub(super) fn projected(findings: &mut Findings<'_>, project: &Project) {
         return say(Severity::Error, "model.hub_angle", &allowed);
     }
     let heave = &sensors.platform_accelerometer;
-    let dynamics =
-        |sensor: &Sensor| (sensor.natural_frequency_rad_s, sensor.damping_ratio, sensor.delay_s, sensor.gain);
+    let dynamics = |sensor: &Sensor| {
+        let shape = [sensor.natural_frequency_rad_s, sensor.damping_ratio, sensor.gain];
+        (shape, [sensor.delay_s, sensor.own_period_s, sensor.alignment.tilt_rad])
+    };
     if dynamics(surge) != dynamics(heave) {
-        let allowed = "differs from the platform_accelerometer in its dynamics, delay or gain: linear figures take both as alike, the simulation takes them as they are";
+        let allowed = "differs from the platform_accelerometer in its dynamics, delay, gain, sample period or tilt: linear figures take both as alike, the simulation takes them as they are";
         say(Severity::Warning, section, allowed);
     }
 }

@@ -75,7 +75,11 @@ pub(super) fn traverse(v: &mut dyn Visit, axis: &mut TraverseAxis) {
     let file =
         "project file of the traverse axis, in the folder of this one: a machine of one axis with gravity 0";
     v.text(&Field::new("file", file), &mut axis.file);
-    if !axis.file.is_empty()
+    let leaves = axis.file.starts_with('/') || axis.file.split('/').any(|part| part == "..");
+    if leaves || axis.file.chars().any(|c| c.is_control() || "\\:".contains(c)) {
+        let allowed = "must be a file in the folder of this project or below it, with / between folders";
+        v.complain("file", allowed, Some("move or copy the file there".to_owned()));
+    } else if !axis.file.is_empty()
         && let Some(Err(why)) = v.attached(&axis.file)
     {
         v.complain("file", &format!("must be a project file that can be read: {why}"), None);
@@ -115,23 +119,23 @@ fn gyroscope(v: &mut dyn Visit, gyroscope: &mut TraverseGyroscope) {
 
 /// A requirement as the file has it.
 #[derive(Debug, Clone)]
-struct Asked {
+struct WrittenRequirement {
     figure: String,
     at_most: f64,
     source: String,
 }
 
 fn requirements(v: &mut dyn Visit, requirements: &mut Vec<JointRequirement>) {
-    let asked_of = |one: &JointRequirement| Asked {
+    let asked_of = |one: &JointRequirement| WrittenRequirement {
         figure: one.figure.key(),
         at_most: one.limit.value(),
         source: one.source.clone(),
     };
-    let mut asked: Vec<Asked> = requirements.iter().map(asked_of).collect();
-    let blank = Asked { figure: String::new(), at_most: f64::NAN, source: String::new() };
+    let mut asked: Vec<WrittenRequirement> = requirements.iter().map(asked_of).collect();
+    let blank = WrittenRequirement { figure: String::new(), at_most: f64::NAN, source: String::new() };
     let field = TableField::optional("requirement", "a figure of both axes and its limit");
     list(v, &field, &mut asked, blank, requirement);
-    let resolved = |one: &Asked| {
+    let resolved = |one: &WrittenRequirement| {
         let figure = JointFigure::from_key(&one.figure)?;
         let limit = Some(one.at_most).filter(|limit| limit.is_finite()).map(Bound::AtMost)?;
         Some(JointRequirement { figure, limit, source: one.source.clone() })
@@ -139,7 +143,7 @@ fn requirements(v: &mut dyn Visit, requirements: &mut Vec<JointRequirement>) {
     *requirements = asked.iter().filter_map(resolved).collect();
 }
 
-fn requirement(v: &mut dyn Visit, asked: &mut Asked) {
+fn requirement(v: &mut dyn Visit, asked: &mut WrittenRequirement) {
     v.text(&Field::new("figure", "name of the figure of both axes that is limited"), &mut asked.figure);
     let known = JointFigure::from_key(&asked.figure);
     if known.is_none() && !asked.figure.is_empty() {

@@ -87,7 +87,8 @@ impl Deconvolved {
         if !sensor.is_fitted() {
             return None;
         }
-        let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s);
+        let held = 0.5 * (sensor.samples_between_readings(period_s) - 1) as f64;
+        let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s + held);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
     }
 }
@@ -212,12 +213,16 @@ impl Felt {
         if tilt == 0.0 && surge_tilt == 0.0 {
             return;
         }
-        let Some(heave) = self.heave.as_mut() else { return };
+        let (surge_sin, surge_cos) = surge_tilt.sin_cos();
+        let Some(heave) = self.heave.as_mut() else {
+            let alone = |value: &mut f64| *value = (*value - gravity * surge_sin) / surge_cos;
+            return self.surge.iter_mut().flatten().for_each(alone);
+        };
         if sensors.accelerometer_axis == AccelerometerAxis::Elevated {
             let constant = gravity * ((elevation_rad + tilt).cos() - elevation_rad.cos());
             return heave.iter_mut().for_each(|value| *value -= constant);
         }
-        let ((sin, cos), (surge_sin, surge_cos)) = (tilt.sin_cos(), surge_tilt.sin_cos());
+        let (sin, cos) = tilt.sin_cos();
         let Some(surge) = self.surge.as_mut() else {
             return heave.iter_mut().for_each(|value| *value = (*value - gravity * (cos - 1.0)) / cos);
         };

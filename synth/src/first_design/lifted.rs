@@ -16,7 +16,7 @@ use super::neighbours::stiffened;
 use super::scan::{PER_DECADE, Scan, Tried};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
-use crate::{DesignPlant, Error, Processors, Sampling};
+use crate::{DesignPlant, Error, ParallelRun, Sampling};
 
 /// A bandwidth is higher if it is by this share: the answer itself is known to 0.7 %.
 const HIGHER: f64 = 0.015;
@@ -31,14 +31,14 @@ const HALVINGS: usize = 3;
 type Highest = BTreeMap<Vec<u8>, Tried>;
 
 /// A bandwidth with its limits, and the loops that show them.
-pub(super) struct Limited {
+pub(super) struct BandwidthWithLoops {
     pub bandwidth: Bandwidth,
     pub shown_by: Vec<LimitLoops>,
 }
 
 /// A loop above the answer, and its bandwidth.
 #[derive(Clone)]
-struct Higher {
+struct HigherLoop {
     rate_rad_s: f64,
     shown_by: StateSpace,
 }
@@ -47,13 +47,13 @@ struct Higher {
 ///
 /// # Errors
 /// Those of the design.
-pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<Limited, Error> {
+pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithLoops, Error> {
     let reached = found.judgement.bandwidth_rad_s;
     let limits = scan.summary();
     // One limit at a time is left out: what misses two is not the answer without either.
     scan.judge_up_to(2);
     let kinds: Vec<LimitKind> = limits.iter().map(|limit| limit.kind).collect();
-    let (missed, causes) = side_by_side(scan, found, &kinds)?;
+    let (missed, causes) = search_in_parallel(scan, found, &kinds)?;
     let mut shown = Vec::new();
     for mut limit in limits {
         let lifted = match limit.kind {
@@ -81,15 +81,15 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<Limited, Error
         unknown: scan.unknown.clone(),
         asked_rad_s: scan.circumstances.asked_rad_s,
     };
-    Ok(Limited { bandwidth, shown_by })
+    Ok(BandwidthWithLoops { bandwidth, shown_by })
 }
 
 /// Returns a candidate with its loop if its bandwidth is higher than what is reached.
-fn higher(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<Higher>, Error> {
+fn higher(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<HigherLoop>, Error> {
     match tried {
         Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER) => {
             let rate_rad_s = tried.judgement.bandwidth_rad_s;
-            Ok(Some(Higher { rate_rad_s, shown_by: scan.nominal_loop(tried)? }))
+            Ok(Some(HigherLoop { rate_rad_s, shown_by: scan.nominal_loop(tried)? }))
         }
         _ => Ok(None),
     }
@@ -112,12 +112,16 @@ fn together(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) ->
 
 /// The loop with a cause of phase lag lifted; `None` if its bandwidth is no higher or there is no such cause.
 struct Causes {
-    structure: Option<Higher>,
-    lags: Option<Higher>,
+    structure: Option<HigherLoop>,
+    lags: Option<HigherLoop>,
 }
 
 /// Looks for the bandwidths without each limit, and those with each cause of phase lag lifted: three searches that know nothing of each other.
-fn side_by_side(scan: &mut Scan, found: &Tried, kinds: &[LimitKind]) -> Result<(Highest, Causes), Error> {
+fn search_in_parallel(
+    scan: &mut Scan,
+    found: &Tried,
+    kinds: &[LimitKind],
+) -> Result<(Highest, Causes), Error> {
     let given = Given::of(scan);
     let processors = scan.processors;
     let (limits, structure, lags) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
@@ -142,7 +146,7 @@ struct Given<'a> {
     circumstances: &'a Circumstances,
     unknown: Vec<Unknown>,
     has_more_phase: bool,
-    processors: Processors<'a>,
+    processors: ParallelRun<'a>,
 }
 
 impl<'a> Given<'a> {
@@ -152,21 +156,21 @@ impl<'a> Given<'a> {
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
-    fn without_modes(&self, found: &Tried) -> Result<Option<Higher>, Error> {
+    fn without_modes(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let reached = found.judgement.bandwidth_rad_s;
         let stiff = with_plants(self.circumstances, |plant| stiffened(plant, reached))?;
         if stiff == *self.circumstances { Ok(None) } else { self.above(&stiff, found) }
     }
 
     /// The bandwidth with an ideal sensor and no delay; `None` if it is no higher or they are so already.
-    fn without_lags(&self, found: &Tried) -> Result<Option<Higher>, Error> {
+    fn without_lags(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut quick = with_plants(self.circumstances, |plant| Ok(without_lags(plant)))?;
         quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
         if quick == *self.circumstances { Ok(None) } else { self.above(&quick, found) }
     }
 
     /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
-    fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<Higher>, Error> {
+    fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut lifted = Scan::new(other, self.processors)?;
         lifted.unknown.clone_from(&self.unknown);
         lifted.has_more_phase = self.has_more_phase;

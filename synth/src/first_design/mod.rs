@@ -35,7 +35,7 @@ use counterpoise_lti::StateSpace;
 use crate::bandwidth::Bandwidth;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
-use crate::{DesignPlant, Error, Processors, Sampling, Specification};
+use crate::{DesignPlant, Error, ParallelRun, Sampling, Specification};
 use scan::Scan;
 
 /// What is known of a loop beyond its linear plant. Numbers of 0 are not known.
@@ -102,7 +102,7 @@ pub struct LimitLoops {
 /// # Errors
 /// [`Error`] for a plant or sampling that is none; [`Error::Refused`] if no bandwidth keeps the margins.
 pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error> {
-    first_design_on(circumstances, Processors::SERIAL)
+    first_design_on(circumstances, ParallelRun::SERIAL)
 }
 
 /// Chooses the weights of a loop, with candidates judged side by side on the processors at hand; the result is that of [`first_design`].
@@ -111,7 +111,7 @@ pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error>
 /// As [`first_design`].
 pub fn first_design_on(
     circumstances: &Circumstances,
-    processors: Processors<'_>,
+    processors: ParallelRun<'_>,
 ) -> Result<FirstDesign, Error> {
     let mut scan = Scan::new(circumstances, processors)?;
     scan.run()?;
@@ -119,7 +119,7 @@ pub fn first_design_on(
         let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
         return Err(Error::refused(vec![finding]));
     };
-    let lifted::Limited { bandwidth, shown_by } = lifted::bandwidth(&mut scan, &found)?;
+    let lifted::BandwidthWithLoops { bandwidth, shown_by } = lifted::bandwidth(&mut scan, &found)?;
     let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;
     let loops = scan.loops(&found)?;
     let sample_period_s = circumstances.sampling.period_s;

@@ -13,7 +13,7 @@ use crate::bandwidth::{Limit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING};
-use crate::{Error, FeedbackWeights, Processors, Reference, feedback};
+use crate::{Error, FeedbackWeights, ParallelRun, Reference, feedback};
 
 /// A feedback that was tried.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ pub(super) struct Scan<'a> {
     pub has_more_phase: bool,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
-    pub processors: Processors<'a>,
+    pub processors: ParallelRun<'a>,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
     attempts: BTreeMap<(u64, usize), Option<Tried>>,
@@ -66,7 +66,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the plant.
-    pub fn new(circumstances: &'a Circumstances, processors: Processors<'a>) -> Result<Self, Error> {
+    pub fn new(circumstances: &'a Circumstances, processors: ParallelRun<'a>) -> Result<Self, Error> {
         let modes = light_modes(&circumstances.plant)?;
         let neighbours = shifted_modes(&circumstances.plant, &modes)?;
         let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;

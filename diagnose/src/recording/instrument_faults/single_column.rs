@@ -34,8 +34,13 @@ pub(super) fn find_faults(
 ) -> Vec<ColumnFault> {
     let runs = runs(series);
     let sensor = Column::SENSORS.contains(&column);
-    if let Some(held) = held(&runs).filter(|_| sensor) {
-        return vec![held];
+    // a sensor that is stated to be slower than the controller holds its readings as it should
+    let stated = column.sensor(base).map_or(1, |one| one.samples_between_readings(period_s));
+    let is_stated = |fault: &ColumnFault| fault.kind == FaultKind::Held { samples: stated };
+    match held(&runs).filter(|_| sensor) {
+        Some(fault) if is_stated(&fault) => return Vec::new(),
+        Some(fault) => return vec![fault],
+        None => {}
     }
     let own = column.converter_limit(base).map_or(f64::INFINITY, |limit| CONVERTER_LIMIT_SHARE * limit);
     let flat = clipped(series, &runs, own).filter(|_| column != Column::Demand);

@@ -5,14 +5,14 @@ type Run<'a> = &'a (dyn Fn(usize, &(dyn Fn(usize) + Sync)) + Sync);
 
 /// Processors for work that has independent parts. Results do not depend on how many there are.
 #[derive(Clone, Copy)]
-pub struct Processors<'a> {
+pub struct ParallelRun<'a> {
     /// How many parts run side by side: so many are worth beginning at a time.
     pub count: usize,
     /// Runs the parts. One that is left out is computed when it is needed.
     pub run: Run<'a>,
 }
 
-impl Processors<'_> {
+impl ParallelRun<'_> {
     /// The calling thread alone.
     pub const SERIAL: Self = Self { count: 1, run: &|count, part| (0..count).for_each(part) };
 }
