@@ -98,6 +98,10 @@ fn the_traverse_project_is_part_of_the_identity_of_the_elevation_project() {
     let shipped = ProjectIdentity::of(&project, &AS_SHIPPED);
     let other = Example { from: "ratio = 200.0", to: "ratio = 201.0" };
     assert_ne!(shipped.hash, ProjectIdentity::of(&project, &other).hash);
+    let itself = Example { from: "", to: "" };
+    let mut endless = project.clone();
+    endless.traverse.as_mut().unwrap().file = "project.toml".to_owned();
+    assert_ne!(shipped.hash, ProjectIdentity::of(&endless, &itself).hash);
     let commented = Example { from: "[model]", to: "# a comment\n[model]" };
     assert_eq!(shipped.hash, ProjectIdentity::of(&project, &commented).hash);
 }

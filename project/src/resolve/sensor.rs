@@ -74,8 +74,8 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
 /// Reads or lists a rate gyroscope: what every sensor has, and what it reads about other axes.
 pub(super) fn gyroscope(v: &mut dyn Visit, gyro: &mut Sensor) {
     sensor(v, gyro, "rad/s");
-    let per_rate = |key, meaning| Field::new(key, meaning).unit("(rad/s)/(rad/s)").or(0.0);
-    let about = "error of the reading per inertial rate about the forward axis of what carries it; a misalignment has its angle here, in rad";
+    let per_rate = |key, meaning| Field::new(key, meaning).unit("rad").or(0.0);
+    let about = "reading per inertial rate about the forward axis of what carries it: the angle of a misalignment, or a cross-axis sensitivity";
     v.number(&per_rate("roll_sensitivity", about), &mut gyro.alignment.roll_sensitivity);
     let about = "the same about the upward axis (on the elevated mass, the normal of the beam)";
     v.number(&per_rate("yaw_sensitivity", about), &mut gyro.alignment.yaw_sensitivity);
