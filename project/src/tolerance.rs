@@ -11,3 +11,6 @@ pub(crate) const WHOLE_DELAY: f64 = 1e-9;
 
 /// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
 pub(crate) const NUMBER_SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
+
+/// Distance of a sensor's own sample period from a whole number of samples that a file may round, in samples.
+pub(crate) const ROUNDED_PERIOD: f64 = 1e-6;

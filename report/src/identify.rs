@@ -208,7 +208,7 @@ fn curve_table(points: &[GainPoint]) -> Table {
 mod tests {
     use super::*;
     use crate::html_page;
-    use counterpoise_diagnose::identification::{Balance, Lobes, SensorErrors};
+    use counterpoise_diagnose::identification::{Balance, Lobes};
 
     fn found() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
@@ -228,7 +228,7 @@ mod tests {
             residual_nm: 0.2,
             noise_share: 1e-6,
             sliding_s: 6.0,
-            sensors: SensorErrors::default(),
+            sensors: None,
             notes: vec!["a note".to_owned()],
         }
     }

@@ -77,11 +77,11 @@ pub fn two_axes_lines(study: &TwoAxisStudy) -> Vec<String> {
 fn verdict_lines(study: &TwoAxisStudy) -> Vec<String> {
     let (holds, fails, _) = study.traverse.verified.verification().counts();
     let mut lines = vec![format!("traverse axis alone: {holds} requirements hold, {fails} fail")];
-    lines.extend(study.joint.verdicts.iter().map(verdict_line));
+    lines.extend(study.joint.verdicts.iter().map(|(asked, verdict)| verdict_line(asked, verdict)));
     lines
 }
 
-fn verdict_line((requirement, verdict): &(JointRequirement, Verdict)) -> String {
+fn verdict_line(requirement: &JointRequirement, verdict: &Verdict) -> String {
     let (figure, unit) = (&requirement.figure, requirement.figure.quantity.unit());
     let side = match requirement.limit {
         Limit::AtLeast(_) => "at least",

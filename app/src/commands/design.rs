@@ -103,19 +103,27 @@ pub fn run(options: &DesignOptions) -> Done {
     if !output::write_json(&options.results, &Whole { design: &result, first_design })? {
         first_design::print_first_design(&loaded);
         print(options, &designed.stages);
-        let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
-        both.for_each(|line| say!("two axes: {line}"));
+        print_two_axes(&designed);
     }
     compiled.said.iter().for_each(|line| print_message(line));
     let made = &designed.stages;
-    let bands = designed.adaptation.iter().flat_map(|tried| &tried.bands);
-    bands.for_each(|bands| print_message(&format!("adaptation: {}", describe_bands(bands))));
+    print_bands(&designed);
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
     refused.clone().for_each(|why| print_message(&describe_refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
     let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
+}
+
+fn print_two_axes(designed: &counterpoise_pipeline::Designed) {
+    let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
+    both.for_each(|line| say!("two axes: {line}"));
+}
+
+fn print_bands(designed: &counterpoise_pipeline::Designed) {
+    let bands = designed.adaptation.iter().flat_map(|tried| &tried.bands);
+    bands.for_each(|bands| print_message(&format!("adaptation: {}", describe_bands(bands))));
 }
 
 /// What compilers and the compiled code said.

@@ -213,10 +213,8 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let certificate = certified.transpose()?;
     let mut regimes = studies::certificate::robust_regimes(project, &modelled, &made, &procedure)?;
     regimes.drain(..regimes.len().min(1));
-    let adaptation = match linear {
-        true => None,
-        false => studies::adaptation_trials::own_trials(project, &on, &made, &procedure)?,
-    };
+    let trials = || studies::adaptation_trials::own_trials(project, &on, &made, &procedure);
+    let adaptation = if linear { None } else { trials()? };
     let kept = if options.histories { Kept::Histories } else { Kept::Systems };
     let advice = studies::advice::advise_changes(project, &modelled, &reduced, &procedure, &found, kept)?;
     let budget = error_budget_result(&found, &plant, controller, kept)?;

@@ -16,7 +16,7 @@ use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
 use crate::file::visit::Choice;
-use crate::tolerance::SAME_SAMPLE_PERIOD;
+use crate::tolerance::{ROUNDED_PERIOD, SAME_SAMPLE_PERIOD};
 
 /// Keys and sections that describe the structure.
 const DESCRIPTIONS: [&str; 5] = ["plant.inertia", "plant.mass", "plant.lumped", "plant.beam", "plant.import"];
@@ -251,9 +251,6 @@ fn feedforwards(findings: &mut Findings<'_>, project: &Project) {
 
 /// Most samples by which a sensor may be late: each is a state of the sampled plant.
 const MOST_DELAY_SAMPLES: f64 = 1000.0;
-
-/// Distance of a sensor's own sample period from a whole number of samples that a file may round, in samples.
-const ROUNDED_PERIOD: f64 = 1e-6;
 
 /// Returns the sensors by their names in the file.
 fn named_sensors(plant: &Parameters) -> [(&'static str, Option<&Sensor>); 6] {

@@ -34,14 +34,15 @@ pub struct IdentificationText {
     /// What has to be known together with the numbers.
     pub notes: Vec<String>,
     /// Errors of the sensors; absent if the recordings show none.
-    #[serde(skip_serializing_if = "SensorErrors::is_empty")]
-    pub sensors: SensorErrors,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<SensorErrors>,
 }
 
 impl IdentificationText {
     /// Returns the errors of the sensors that were identified, each with its name and unit.
     pub fn sensor_errors(&self) -> Vec<(&'static str, Estimate, &'static str)> {
-        let SensorErrors { lever_arm_m, roll_misalignment_rad, yaw_misalignment_rad } = self.sensors;
+        let SensorErrors { lever_arm_m, roll_misalignment_rad, yaw_misalignment_rad } =
+            self.sensors.unwrap_or_default();
         let named = [
             ("lever arm of accelerometer", lever_arm_m, "m"),
             ("gyroscopes apart, roll", roll_misalignment_rad, "rad"),
@@ -107,7 +108,7 @@ pub fn describe_identification(found: &Identified) -> IdentificationText {
         noise_share: found.noise_share,
         sliding_s: found.sliding_s,
         notes: found.notes.iter().map(|note| describe_note(*note)).collect(),
-        sensors: found.sensors,
+        sensors: Some(found.sensors).filter(|errors| !errors.is_empty()),
     }
 }
 
