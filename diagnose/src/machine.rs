@@ -84,6 +84,7 @@ pub(crate) fn has_component(p: &Parameters, component: Component) -> bool {
 /// Returns whether a machine can have an effect.
 pub fn can_have(p: &Parameters, effect: &Effect) -> bool {
     has_component(p, effect.component)
+        && !replaced_by_cylinder(p, effect.component)
         && match effect.component {
             Component::Structure => structure_can_have(p, effect),
             Component::Gearbox => !p.gearbox.is_rigid() || effect.effect == EffectName::MeshRipple,
@@ -112,7 +113,13 @@ pub(crate) fn can_show(p: &Parameters, recordings: &[Recording], effect: &Effect
 /// model's law is, but the rotor of a direct drive has none apart from the hub's.
 pub(crate) fn can_have_textbook(p: &Parameters, effect: &Effect) -> bool {
     has_component(p, effect.component)
+        && !replaced_by_cylinder(p, effect.component)
         && (effect.component != Component::Motor || effect.kind != Kind::MissingPhysics || !is_direct(p))
+}
+
+/// Whether a hydraulic cylinder drives in the place of a component, whose effects are then those of another machine.
+fn replaced_by_cylinder(p: &Parameters, component: Component) -> bool {
+    p.cylinder.is_some() && matches!(component, Component::Motor | Component::Amplifier | Component::Gearbox)
 }
 
 fn is_direct(p: &Parameters) -> bool {

@@ -27,6 +27,7 @@ pub fn rig() -> Parameters {
         },
         motor: motor(),
         amplifier: amplifier(),
+        cylinder: None,
         motor_friction: dahl(0.065, 1.3, 0.002),
         pivot_friction: dahl(117.0, 2.4e5, 60.0),
         sensors: sensors(),

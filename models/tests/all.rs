@@ -2,6 +2,7 @@
 //! `cargo test --release -p counterpoise-models --test all NAME` runs one.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod cylinder;
 mod friction;
 mod kinds;
 mod learned;

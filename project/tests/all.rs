@@ -4,6 +4,7 @@
 
 mod bad_files;
 mod base_motion;
+mod cylinder;
 mod import_cache;
 mod imported_controllers;
 mod omissions;

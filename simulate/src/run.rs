@@ -305,8 +305,11 @@ impl<'a> Lap<'a> {
     ) -> f64 {
         let time = self.time(k);
         let platform = motion.at(0.0);
-        let [motor, _, hub_angle, _, _] = shown.outputs;
-        let motor_rate = motor - self.plant.motor_share() * platform.rate;
+        let [motor, _, hub_angle, hub_rate, _] = shown.outputs;
+        let motor_rate = match self.plant.lever(hub_angle - platform.angle) {
+            Some(lever) => lever.arm_m * (hub_rate - platform.rate),
+            None => motor - self.plant.motor_share() * platform.rate,
+        };
         let truth = Truth { hub_gyro: shown.hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
         let error = self.clock.as_mut().map_or(SampleError::NONE, ErrantClock::next);
         let mut readings = self.sensing.read(&truth, error.offset);
@@ -432,6 +435,9 @@ impl<'a> Lap<'a> {
 
     fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, shown: &Shown) {
         let [_, wind_up, hub_angle, hub_rate, current] = shown.outputs;
+        let lever = self.plant.lever(hub_angle - platform.angle).map(|lever| lever.arm_m);
+        // with a cylinder the valve's opening stands there
+        let wind_up = if lever.is_some() { 0.0 } else { wind_up };
         let current = current + self.plant.direct_current_a(self.drive_v, platform.rate);
         let [voltage, tip_rate] = shown.voltage_and_tip;
         let columns = &mut self.truth;
@@ -446,7 +452,7 @@ impl<'a> Lap<'a> {
         columns.voltage_v.push(voltage);
         columns.wind_up_rad.push(wind_up);
         columns.mesh_torque_nm.push(if self.plant.is_rigid() {
-            self.plant.parameters().gearbox.ratio
+            lever.unwrap_or(self.plant.parameters().gearbox.ratio)
                 * self.plant.parameters().motor.torque_constant_nm_a
                 * current
         } else {

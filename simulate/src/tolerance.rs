@@ -95,6 +95,8 @@ pub(crate) const MODAL_ROUNDING_OF_RATES: f64 = 1e-10;
 /// Acceleration of the hub, rad/s^2, whose torque measures the errors of the nonlinear parts of a machine without friction and
 /// weight: a smaller one makes steps shorter than such a machine needs.
 pub(crate) const SMALL_ACCELERATION: f64 = 1.0;
+/// Share of the full flow of a servo valve against which an error of its flow is small: the flow at which a loop holds and follows slowly.
+pub(crate) const SMALL_FLOW: f64 = 0.01;
 /// Distance of an angle from one whose sine is known, rad, within which the series of the difference is exact to rounding: the
 /// first term left out is d^7 / 5040, relative to d.
 pub(crate) const NEAR_ANGLE_RAD: f64 = 2e-3;

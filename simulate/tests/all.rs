@@ -7,6 +7,7 @@ mod common;
 mod alignment;
 mod base_motion;
 mod convergence;
+mod cylinder;
 mod ensemble;
 mod fra;
 mod loads;

@@ -1,6 +1,7 @@
 //! The numbers of a plant as C writes them.
 
 use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
+use counterpoise_models::parameters::cylinder::{LAMINAR_SHARE, Lever};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
@@ -163,6 +164,8 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let (measured, shown, shown_at_rest) = match p.sensors.measured {
         Measured::HubRate => ("hub_rate", "v.hub_rate", "pitch_rate_rad_s".to_owned()),
         Measured::RelativeRate => ("relative_rate", "v.rate[1]", number(0.0)),
+        Measured::MotorRate if p.cylinder.is_some() => ("motor_rate", "v.rate[1]", number(0.0)),
+        Measured::MotorPosition if p.cylinder.is_some() => ("motor_position", "v.angle[1]", number(0.0)),
         Measured::MotorRate => ("motor_rate", "v.rate[0] / m.ratio", number(0.0)),
         Measured::HubPosition => ("hub_position", "v.angle[1]", number(0.0)),
         Measured::MotorPosition => {
@@ -177,6 +180,7 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
     minijinja::context! {
         rigid => plant.is_rigid(),
+        cylinder => cylinder(plant),
         linear => p.axis == Axis::Linear,
         surge => p.sensors.reads_surge() && p.axis == Axis::Rotary,
         elevated => p.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
@@ -192,6 +196,32 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
         bus_limits_drive => modelled && !unlimited,
         current, measured, shown, shown_at_rest,
     }
+}
+
+/// Returns the valve and the lever of a hydraulic cylinder; undefined without one.
+fn cylinder(plant: &Plant) -> Option<minijinja::Value> {
+    let cylinder = plant.parameters().cylinder.as_ref()?;
+    let valve = minijinja::context! {
+        supply => number(cylinder.supply_mpa),
+        overlap => number(cylinder.overlap_l_s),
+        frequency => number(cylinder.valve_frequency_rad_s),
+        damping => number(cylinder.valve_damping),
+        laminar => number(LAMINAR_SHARE),
+    };
+    let lever = match cylinder.lever {
+        Lever::Constant(_) => minijinja::context! { linkage => false },
+        Lever::Linkage(pins) => {
+            let between = pins.anchor_angle_rad - pins.arm_angle_rad;
+            minijinja::context! {
+                linkage => true,
+                between => number(between),
+                arms => number(pins.arm_m * pins.anchor_m),
+                squares => number(pins.arm_m * pins.arm_m + pins.anchor_m * pins.anchor_m),
+                sense => number(-between.sin().signum()),
+            }
+        }
+    };
+    Some(minijinja::context! { ..valve, ..lever })
 }
 
 /// Returns the torque that the transmission passes to the hub, as an expression of the generated code.
@@ -446,6 +476,8 @@ pub(crate) fn rest(plant: &Plant) -> Vec<String> {
 const SIZE: (f64, f64) = (0.1, 1e-3);
 /// Voltage, V, current, A, and wind-up, rad, against which an error is small.
 const ELECTRICAL: (f64, f64) = (1.0, 0.1);
+/// Share of a valve's full opening against which an error is small.
+const SMALL_OPENING: f64 = 0.01;
 /// See [`ELECTRICAL`].
 const WIND_UP: f64 = 1e-5;
 
@@ -454,6 +486,11 @@ pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
     let ratio = plant.parameters().gearbox.ratio;
     let (rate, angle) = SIZE;
     let mut sizes = vec![ELECTRICAL.0, ELECTRICAL.1, rate * ratio, WIND_UP, angle, rate];
+    if let Some(cylinder) = &plant.parameters().cylinder {
+        let amplifier = &plant.parameters().amplifier;
+        let opening = SMALL_OPENING * amplifier.gain * amplifier.input_limit_v;
+        (sizes[state::VOLTAGE], sizes[state::MOTOR]) = (opening, opening * cylinder.valve_frequency_rad_s);
+    }
     sizes.extend(laws(plant).iter().map(|(_, law)| dry_size(law)));
     sizes.push(plant.hose().map_or(1.0, |hose| hose.level_nm));
     sizes.push(angle);

@@ -7,6 +7,7 @@
 //! whose default value means "absent".
 
 mod controlled;
+pub mod cylinder;
 mod drive;
 mod drive_limits;
 mod friction;
@@ -17,6 +18,7 @@ mod structure;
 use crate::loads::Loads;
 
 pub use controlled::{ControlledQuantity, QuantityKind};
+pub use cylinder::Cylinder;
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use drive_limits::{
     COPPER_PER_K, DriveHeat, DriveLimits, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K, hot,
@@ -45,7 +47,9 @@ pub struct Parameters {
     pub motor: Motor,
     /// Amplifier that drives the motor.
     pub amplifier: Amplifier,
-    /// Friction at the motor shaft (speed relative to the platform).
+    /// A hydraulic cylinder with its valve, whose linear part stands in the places of gearbox, motor and amplifier; `None`: a motor drives.
+    pub cylinder: Option<Cylinder>,
+    /// Friction at the motor shaft (speed relative to the platform), or of a cylinder's piston in its barrel.
     pub motor_friction: Friction,
     /// Friction at the hub pivot (rate relative to the platform).
     pub pivot_friction: Friction,

@@ -10,7 +10,8 @@ pub mod state {
     pub const VOLTAGE: usize = 0;
     /// Armature current i, A.
     pub const CURRENT: usize = 1;
-    /// Motor speed dtheta_m/dt + s dtheta_p/dt, rad/s (s: the motor's platform coupling).
+    /// Motor speed dtheta_m/dt + s dtheta_p/dt, rad/s (s: the motor's platform coupling); with a hydraulic cylinder, whose piston moves with the
+    /// hub, the rate of the valve's opening, L/s^2.
     pub const MOTOR: usize = 2;
     /// Gear wind-up delta = theta_m / N + theta_p - theta_h, rad.
     pub const WINDUP: usize = 3;
@@ -36,8 +37,10 @@ pub mod input {
     pub const LOAD: usize = 4;
     /// Torque added to the gear's, N m: raises the hub, brakes the motor.
     pub const MESH_TORQUE: usize = 5;
+    /// Flow into a hydraulic cylinder beside that of the linear valve, L/s.
+    pub const FLOW: usize = 6;
     /// How many there are.
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 7;
 }
 
 /// Whether the gear's teeth touch.
@@ -80,7 +83,7 @@ impl Plant {
     /// t = [`IDEAL_LAG_S`], and the voltage stays 0. Half the gap is not subtracted here: it enters by T_mesh.
     ///
     /// With a rigid transmission the rotor is part of the structure, and T_2 = N (K_t i - F_v w_m + T_x) acts on it, with
-    /// w_m = N (w_h - w_p). A lag or an inductance of 0 leaves its state out: see [`Plant::current_row`].
+    /// w_m = N (w_h - w_p). A hydraulic cylinder has the same equations with a valve of second order in place of the voltage's lag. A lag or an inductance of 0 leaves its state out: see [`Plant::current_row`].
     pub fn core(&self, mesh: Mesh) -> Core {
         let n = self.core_order();
         let mut core =
@@ -116,7 +119,7 @@ impl Plant {
 
     fn electrical_rows(&self, core: &mut Core) {
         let amplifier = &self.parameters.amplifier;
-        if self.has_state(state::VOLTAGE) {
+        if self.has_state(state::VOLTAGE) && self.parameters.cylinder.is_none() {
             core.A[(state::VOLTAGE, state::VOLTAGE)] = -1.0 / amplifier.time_constant_s;
         }
         match amplifier.dynamics {
@@ -140,7 +143,9 @@ impl Plant {
     fn armature_rows(&self, core: &mut Core) {
         let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);
         let rate = 1.0 / amplifier.time_constant_s;
-        if self.has_state(state::VOLTAGE) {
+        if let Some(cylinder) = &self.parameters.cylinder {
+            self.valve_rows(core, cylinder);
+        } else if self.has_state(state::VOLTAGE) {
             for (j, entry) in self.current_row().into_iter().enumerate().filter(|(_, entry)| *entry != 0.0) {
                 add(core, state::VOLTAGE, j, -rate * amplifier.gain * amplifier.current_feedback_v_a * entry);
             }

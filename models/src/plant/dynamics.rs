@@ -3,7 +3,7 @@
 use super::core::{input, state};
 use super::learned::{JointMotion, LearnedRegime};
 use super::mesh_loss::MeshLoss;
-use super::{Core, Mesh, Plant};
+use super::{Core, CylinderPoint, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
 use crate::loads::LoadPoint;
 use crate::parameters::LearnedPlace;
@@ -50,9 +50,14 @@ impl Plant {
         let dot = |row: &[f64]| row.iter().zip(x).map(|(c, s)| c * s).sum::<f64>();
         let (hub_rate, hub_angle) = (dot(&self.hub_rate_row()), dot(&self.hub_angle_row()));
         let relative_rate = hub_rate - at.platform_rate_rad_s;
-        let motor_rate = dot(&self.motor_rate_row()) - self.motor_share() * at.platform_rate_rad_s;
         let relative_angle = hub_angle - at.platform_angle_rad;
-        let motor_angle = self.parameters.gearbox.ratio * (x[state::WINDUP] + relative_angle);
+        let (motor_rate, motor_angle) = match self.lever(relative_angle) {
+            Some(lever) => (lever.arm_m * relative_rate, lever.travel_m),
+            None => (
+                dot(&self.motor_rate_row()) - self.motor_share() * at.platform_rate_rad_s,
+                self.parameters.gearbox.ratio * (x[state::WINDUP] + relative_angle),
+            ),
+        };
         let (mesh, offset) = self.mesh(x[state::WINDUP]);
         let core = self.core(mesh);
         let mesh_torque = self.mesh_torque_nm(x[state::WINDUP], hub_rate, motor_rate, at.platform_rate_rad_s);
@@ -96,11 +101,29 @@ impl Plant {
             });
         }
         u[input::MESH_TORQUE] = offset;
+        self.move_force_to_hub(x, &hub, &mut u);
         multiply(&core, x, &u, dx);
         self.complete_core(&core, x, at, dx);
         dx[n] = motor_dry.slope;
         dx[n + 1] = pivot_dry.slope;
         self.hose_and_hysteresis(x, relative_rate, motor_rate / ratio - relative_rate, dx);
+    }
+
+    /// With a cylinder the force on the piston acts on the hub by the lever at its angle, beside what the valve and the lever add.
+    fn move_force_to_hub(&self, x: &[f64], hub: &JointMotion, u: &mut [f64; input::COUNT]) {
+        if self.parameters.cylinder.is_none() {
+            return;
+        }
+        let parts = self.cylinder_parts(&CylinderPoint {
+            opening_l_s: x[state::VOLTAGE],
+            pressure_mpa: x[state::CURRENT],
+            angle_rad: hub.angle_rad,
+            rate_rad_s: hub.rate_rad_s,
+            force_n: u[input::MOTOR_TORQUE],
+        });
+        u[input::MOTOR_TORQUE] = 0.0;
+        u[input::FLOW] = parts.flow_l_s;
+        u[input::HUB_TORQUE] += parts.hub_nm;
     }
 
     /// Sets the derivatives of a hose's torque and of that of the transmission's hysteresis, where there are such.

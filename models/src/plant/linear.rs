@@ -138,7 +138,8 @@ impl Plant {
         friction: FrictionLinearisation,
         angles: Angles,
     ) -> Result<LinearPlant, Error> {
-        let Some((local, added)) = self.learned_local(equilibrium) else {
+        let local = self.cylinder_local(equilibrium).or_else(|| self.learned_local(equilibrium));
+        let Some((local, added)) = local else {
             return self.linearise_with(equilibrium, friction, angles, [Impedance::default(); 2]);
         };
         local.linearise_with(equilibrium, friction, angles, added)
@@ -333,6 +334,10 @@ impl Plant {
         let travel = angle.rsplit_once('_').map_or("rad", |(_, unit)| unit);
         let mut names: Vec<String> =
             ["amplifier_voltage_v", "current_a", "motor_rate_rad_s"].map(str::to_owned).to_vec();
+        if self.parameters.cylinder.is_some() {
+            names =
+                ["valve_flow_l_s", "load_pressure_mpa", "valve_flow_rate_l_s2"].map(str::to_owned).to_vec();
+        }
         names.extend([format!("wind_up_{travel}"), angle.to_owned(), rate.to_owned()]);
         for k in 1..=self.body.modes.len() {
             names.push(format!("mode_{k}_{travel}"));

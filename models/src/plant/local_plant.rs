@@ -28,6 +28,9 @@ impl Plant {
     ///
     /// Wherever the mesh ripple and the cogging depend on the motor angle, the angle at T_2 without ripple is taken.
     pub fn equilibrium(&self, point: &OperatingPoint) -> Equilibrium {
+        if let Some(cylinder) = &self.parameters.cylinder {
+            return self.cylinder_equilibrium(cylinder, point);
+        }
         let bare = self.equilibrium_under(point, MeshLoss::default());
         match self.learned() {
             Some(functions) => self.learned_equilibrium(functions, bare),

@@ -7,6 +7,7 @@
 mod amplifier;
 pub mod body;
 pub mod core;
+pub mod cylinder;
 mod dry;
 pub mod dynamics;
 pub mod equilibrium;
@@ -23,6 +24,7 @@ mod sensor;
 
 pub use self::body::{Body, BodyMode};
 pub use self::core::{Core, Mesh};
+pub use self::cylinder::{CylinderParts, CylinderPoint};
 pub use self::dynamics::{Excitation, SinCos};
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
 pub use self::hose::Hose;

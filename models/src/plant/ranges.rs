@@ -14,6 +14,7 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
     drive(parameters)?;
     sensors(parameters)?;
     super::learned::check(parameters)?;
+    parameters.cylinder.as_ref().map_or(Ok(()), |cylinder| cylinder.check(parameters))?;
     parameters.loads.check()?;
     drive_limits(parameters)?;
     interface(parameters)

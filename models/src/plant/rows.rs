@@ -19,7 +19,8 @@ impl Plant {
             }
             (state::VOLTAGE, _) | (state::CURRENT, AmplifierDynamics::TorqueCommand) => false,
             (state::CURRENT, AmplifierDynamics::Modelled) => motor.inductance_h > 0.0,
-            (state::MOTOR | state::WINDUP, _) => !self.is_rigid(),
+            (state::MOTOR, _) => !self.is_rigid() || self.parameters.cylinder.is_some(),
+            (state::WINDUP, _) => !self.is_rigid(),
             _ => true,
         }
     }

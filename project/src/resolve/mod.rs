@@ -10,6 +10,7 @@ mod changes;
 mod checks;
 pub mod controller;
 pub mod controller_file;
+mod cylinder;
 pub mod design;
 mod drive;
 mod effort_checks;

@@ -10,7 +10,7 @@ use super::friction::{friction, ripple};
 use super::learned::learned;
 use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
-use super::{drive, loads, loop_sensor, transmission};
+use super::{cylinder, drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose, list, maybe_number, optional, table};
 
@@ -36,6 +36,7 @@ pub(crate) fn blank() -> Parameters {
         gearbox: Gearbox::DIRECT,
         motor: blank_motor(),
         amplifier: drive::blank_amplifier(),
+        cylinder: None,
         motor_friction: Friction::plain(FrictionLaw::None, 0.0),
         pivot_friction: Friction::plain(FrictionLaw::None, 0.0),
         sensors: Sensors {
@@ -100,20 +101,12 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         beam,
     );
     described_by_inertias(&mut Words::of(axis, v), &mut plant.lumped);
-    transmission::gearbox_section(&mut Words::of(axis, v), plant);
-    transmission::other_sections(&mut Words::of(axis, v), plant);
-    // a linear motor drives the hub without a transmission, and has the hub's units
-    let is_direct = plant.gearbox.kind == Transmission::Direct;
-    let is_turning = is_direct && axis == Axis::Linear && v.has("motor.inertia");
-    if is_turning {
-        let allowed =
-            "must state what lies between a motor with an inertia and a slide: its transmission is missing";
-        let hint = "add [plant.ball_screw] with its `lead`, or give the `mass` of a linear motor in place of `inertia`";
-        v.complain("motor.inertia", allowed, Some(hint.to_owned()));
+    let driven = Presence::from(v.has("cylinder") || plant.cylinder.is_some());
+    if driven == Presence::Absent {
+        motor_and_drive(v, plant);
     }
-    let rotor = if is_direct && !is_turning { axis } else { Axis::Rotary };
-    motor_section(&mut Words::of(rotor, v), &mut plant.motor);
-    drive::drive(&mut Words::of(rotor, v), plant);
+    cylinder::cylinder(v, driven, plant);
+    let rotor = turning_of_motor(plant);
     loads::drive_limits(&mut Words::of(rotor, v), plant);
     frictions(v, plant);
     loads::loads(&mut Words::of(axis, v), plant);
@@ -135,6 +128,34 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         configuration,
     );
     learned(v, plant);
+}
+
+/// Reads or lists transmission, motor and amplifier.
+fn motor_and_drive(v: &mut dyn Visit, plant: &mut Parameters) {
+    let axis = plant.axis;
+    transmission::gearbox_section(&mut Words::of(axis, v), plant);
+    transmission::other_sections(&mut Words::of(axis, v), plant);
+    // a linear motor drives the hub without a transmission, and has the hub's units
+    let is_direct = plant.gearbox.kind == Transmission::Direct;
+    let is_turning = is_direct && axis == Axis::Linear && v.has("motor.inertia");
+    if is_turning {
+        let allowed =
+            "must state what lies between a motor with an inertia and a slide: its transmission is missing";
+        let hint = "add [plant.ball_screw] with its `lead`, or give the `mass` of a linear motor in place of `inertia`";
+        v.complain("motor.inertia", allowed, Some(hint.to_owned()));
+    }
+    let rotor = if is_turning { Axis::Rotary } else { turning_of_motor(plant) };
+    motor_section(&mut Words::of(rotor, v), &mut plant.motor);
+    drive::drive(&mut Words::of(rotor, v), plant);
+}
+
+/// Returns whether what drives turns or slides: a motor without a transmission has the hub's units, and the piston of a cylinder slides.
+fn turning_of_motor(plant: &Parameters) -> Axis {
+    match (plant.cylinder.is_some(), plant.gearbox.kind) {
+        (true, _) => Axis::Linear,
+        (false, Transmission::Direct) => plant.axis,
+        (false, _) => Axis::Rotary,
+    }
 }
 
 impl Choice for AccelerometerAxis {
@@ -242,7 +263,7 @@ fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
         (plant.motor_friction, plant.pivot_friction) = (none.clone(), none);
         return;
     }
-    let rotor = if plant.gearbox.kind == Transmission::Direct { plant.axis } else { Axis::Rotary };
+    let rotor = turning_of_motor(plant);
     let motor = TableField::optional("motor", "friction at the motor shaft");
     one_friction(&mut Words::of(rotor, v), &motor, &mut plant.motor_friction);
     let pivot = TableField::optional("pivot", "friction at the hub pivot");

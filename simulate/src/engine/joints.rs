@@ -53,9 +53,9 @@ fn holding_inputs(hold: &Hold, ports: &[f64; PORTS], at: &Instant) -> f64 {
     let mut inputs = [0.0; input::COUNT];
     inputs[input::DRIVE] = at.drive_v;
     inputs[input::PLATFORM_RATE] = at.platform.rate;
-    inputs[input::MOTOR_TORQUE] = ports[0];
-    inputs[input::HUB_TORQUE] = ports[1];
-    inputs[input::LOAD] = ports[2];
+    for (port, value) in hold.ports.iter().zip(ports) {
+        inputs[*port] = *value;
+    }
     inputs[input::MESH_TORQUE] = at.offset;
     dot(&hold.inputs, &inputs) - hold.platform * at.acceleration
 }

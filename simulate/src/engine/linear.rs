@@ -4,7 +4,7 @@
 use super::modal::modal;
 use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
-use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable};
+use super::tables::{DEEPEST, LEVELS, OUTPUTS, PORTS, STAGES, StepTable};
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::Core;
 use counterpoise_models::plant::core::{input, state};
@@ -54,6 +54,8 @@ impl Mode {
 pub(crate) struct Hold {
     pub row: Vec<f64>,
     pub inputs: [f64; input::COUNT],
+    /// Which of them are the ports.
+    pub ports: [usize; PORTS],
     /// Torque per angular acceleration of the platform, kg m^2.
     pub platform: f64,
 }
@@ -78,6 +80,8 @@ pub(crate) struct Linear {
     pub stuck: [bool; 2],
     /// Change of z that changes the joints' rates by one, as an impulse on the joint does.
     pub pushes: [Vec<f64>; 2],
+    /// Inputs of the core that the nonlinear parts give.
+    pub port_inputs: [usize; PORTS],
     /// Change of z that changes the voltage by one.
     pub lift: Vec<f64>,
     pub(super) coarse: Chain,
@@ -153,7 +157,7 @@ impl Linear {
             hold_voltage(&mut core);
         }
         let joints = joints(plant);
-        let holds = [0, 1].map(|k| joints[k].hold(&core));
+        let holds = [0, 1].map(|k| joints[k].hold(&core, plant.port_inputs()));
         let pushes = [0, 1].map(|k| joints[k].push(&core));
         let mut carried = core.carried.clone();
         if carried.iter().any(|c| *c != 0.0) {
@@ -176,6 +180,7 @@ impl Linear {
             holds,
             stuck: mode.stuck,
             pushes,
+            port_inputs: plant.port_inputs(),
             lift: unit(n, state::VOLTAGE),
             coarse: Chain { finest: 0.0, nodes: [Vec::new(), Vec::new(), Vec::new()] },
             deep: None,
@@ -296,11 +301,11 @@ impl Joint {
         core.B.column(self.port).iter().map(|b| b / self.mobility(core)).collect()
     }
 
-    fn hold(&self, core: &Core) -> Hold {
+    fn hold(&self, core: &Core, ports: [usize; PORTS]) -> Hold {
         let inertia = 1.0 / self.mobility(core);
         let row = (0..core.A.ncols()).map(|j| inertia * dot(&self.row, core.A.column(j))).collect();
         let inputs = std::array::from_fn(|j| inertia * dot(&self.row, core.B.column(j)));
-        Hold { row, inputs, platform: inertia * (self.share - dot(&self.row, &core.carried)) }
+        Hold { row, inputs, ports, platform: inertia * (self.share - dot(&self.row, &core.carried)) }
     }
 
     /// Takes the joint's freedom from the core. With x = y + carried w_p the rate of y at the joint is zero:
@@ -336,14 +341,14 @@ fn unit(n: usize, k: usize) -> Vec<f64> {
     (0..n).map(|j| f64::from(u8::from(j == k))).collect()
 }
 
-/// Returns what the nonlinear parts see, from the physical state.
+/// Returns what the nonlinear parts see, from the physical state: with a cylinder the valve's opening in place of the wind-up, which it has not.
 fn output_rows(plant: &Plant) -> Mat {
     let n = plant.core_order();
     let mut current = plant.current_row();
     current.truncate(n);
     let rows: [Vec<f64>; OUTPUTS] = [
         plant.motor_rate_row(),
-        unit(n, state::WINDUP),
+        unit(n, if plant.parameters().cylinder.is_some() { state::VOLTAGE } else { state::WINDUP }),
         plant.hub_angle_row(),
         plant.hub_rate_row(),
         current,

@@ -4,9 +4,9 @@ use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use crate::firing::Firing;
-use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION};
+use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION, SMALL_FLOW};
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
-use counterpoise_models::plant::{Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
+use counterpoise_models::plant::{CylinderPoint, Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
 use counterpoise_models::{Axis, LearnedPlace, LoadPoint, Loads, Measured, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
@@ -244,6 +244,8 @@ pub(crate) struct Ports {
     needs_mesh_torque: bool,
     learned: Option<Box<LearnedFunctions>>,
     loads: Option<Box<Loads>>,
+    /// Whether a hydraulic cylinder drives: the valve's opening then takes the place of the wind-up.
+    has_cylinder: bool,
     /// Lowest and highest current that the drive gives, A; `None` if the amplifier alone limits it.
     current_range_a: Option<[f64; 2]>,
     /// Torques and loads against which an error at a port is small.
@@ -280,7 +282,11 @@ impl Ports {
         // a machine without either is measured by its inertia
         let hub_scale = own_or(hub_scale, motor_scale * ratio);
         let hub_scale = own_or(hub_scale, SMALL_ACCELERATION * plant.body().inertia_kg_m2);
-        let scales = [own_or(motor_scale, hub_scale / ratio), own_or(hub_scale, motor_scale * ratio), 1.0];
+        let drive_scale = match &parameters.cylinder {
+            Some(_) => SMALL_FLOW * parameters.amplifier.gain * parameters.amplifier.input_limit_v,
+            None => own_or(motor_scale, hub_scale / ratio),
+        };
+        let scales = [drive_scale, own_or(hub_scale, motor_scale * ratio), 1.0];
         Ok(Self {
             motor,
             pivot,
@@ -305,6 +311,7 @@ impl Ports {
                 || plant.learned().is_some_and(LearnedFunctions::needs_mesh_torque),
             learned: plant.learned().cloned().map(Box::new),
             loads: plant.loads().cloned().map(Box::new),
+            has_cylinder: parameters.cylinder.is_some(),
             current_range_a: None,
             scales,
         })
@@ -317,6 +324,7 @@ impl Ports {
             || self.needs_mesh_torque
             || self.learned.is_some()
             || self.loads.is_some()
+            || self.has_cylinder
             || self.measured == Measured::Torque
             || self.frictions().iter().any(|friction| friction.is_modulated());
         (!has_others).then_some(CommonParts {
@@ -389,7 +397,7 @@ impl Ports {
             Measured::RelativeRate => outputs[HUB_RATE] - platform.rate,
             Measured::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
             Measured::HubPosition => outputs[HUB_ANGLE] - platform.angle,
-            Measured::MotorPosition => outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle,
+            Measured::MotorPosition => self.wind_up(outputs) + outputs[HUB_ANGLE] - platform.angle,
             Measured::Torque => {
                 let motor_rate = outputs[MOTOR] - self.coupling * platform.rate;
                 let motor_angle = self.ratio * (outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle);
@@ -476,8 +484,43 @@ impl Ports {
         }
     }
 
+    /// Returns the wind-up of the transmission, rad; a cylinder has none.
+    #[inline]
+    fn wind_up(&self, outputs: &[f64; OUTPUTS]) -> f64 {
+        if self.has_cylinder { 0.0 } else { outputs[WINDUP] }
+    }
+
+    /// Returns the motion of a cylinder's piston and of the hub.
+    fn piston(&self, plant: &Plant, at: &Point) -> Motion {
+        let (pivot_rate, pivot_angle) =
+            (at.outputs[HUB_RATE] - at.platform.rate, at.outputs[HUB_ANGLE] - at.platform.angle);
+        let Some(lever) = plant.lever(pivot_angle) else { return Motion::default() };
+        Motion {
+            motor_rate: lever.arm_m * pivot_rate,
+            motor_angle: lever.travel_m,
+            pivot_rate,
+            pivot_angle,
+            ..Motion::default()
+        }
+    }
+
+    /// Returns what the nonlinear valve and a lever that follows the angle make of a force on the piston: the port of the flow, and the torque on the hub.
+    fn cylinder_ports(&self, plant: &Plant, at: &Point, motion: &Motion, force_n: f64) -> [f64; 2] {
+        let parts = plant.cylinder_parts(&CylinderPoint {
+            opening_l_s: at.outputs[WINDUP],
+            pressure_mpa: at.outputs[CURRENT],
+            angle_rad: motion.pivot_angle,
+            rate_rad_s: motion.pivot_rate,
+            force_n,
+        });
+        [parts.flow_l_s, parts.hub_nm]
+    }
+
     #[inline]
     fn motion(&self, plant: &Plant, at: &Point) -> Motion {
+        if self.has_cylinder {
+            return self.piston(plant, at);
+        }
         let motor_rate = at.outputs[MOTOR] - self.coupling * at.platform.rate;
         let pivot_angle = at.outputs[HUB_ANGLE] - at.platform.angle;
         let mesh_torque = if self.needs_mesh_torque {
@@ -617,6 +660,10 @@ impl Ports {
             let added = functions.torques(plant, &regime);
             motor += added.motor_nm;
             hub += added.hub_nm;
+        }
+        if self.has_cylinder {
+            let [flow, torque] = self.cylinder_ports(plant, at, motion, motor);
+            return [flow, hub + torque, load];
         }
         [motor, hub, load]
     }

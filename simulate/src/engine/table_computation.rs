@@ -4,8 +4,8 @@ use super::linear::{Chain, Linear, Span};
 use super::moments::{MIDDLE, NODES, cardinal_weights};
 use super::strips::{Strips, padded};
 use super::tables::{
-    DEEPEST, FIXED_INPUTS, Flow, HOLD_ROWS, LEVELS, MIDDLE_ROWS, OUTPUTS, PORT_INPUTS, PORTS, STAGE_ROWS,
-    STAGES, STATE, StepTable,
+    DEEPEST, FIXED_INPUTS, Flow, HOLD_ROWS, LEVELS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE,
+    StepTable,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::input;
@@ -113,7 +113,7 @@ impl Answers {
                 for k in 0..NODES.len() {
                     answers.inputs[(i, 2 + k)] = moments.answer(row, input::PLATFORM_RATE, &weights[k]);
                 }
-                for (p, column) in PORT_INPUTS.into_iter().enumerate() {
+                for (p, &column) in core.port_inputs.iter().enumerate() {
                     answers.inputs[(i, 6 + p)] = moments.answer(row, column, &weights[0]);
                     for stage in 0..STAGES {
                         answers.stages[(i, stage * PORTS + p)] =

@@ -2,12 +2,11 @@
 //! nodes of the step, and to the state at its end.
 
 use super::strips::{Strips, padded};
-use counterpoise_models::plant::core::input;
 use nalgebra::Matrix2;
 
 /// What the nonlinear parts see at a node: motor state, wind-up, hub angle, hub rate, current.
 pub(crate) const OUTPUTS: usize = 5;
-/// Nonlinear inputs ("ports"): torque at the motor, torque at the hub, load.
+/// Nonlinear inputs ("ports"): torque at the motor (flow into a cylinder), torque at the hub, load.
 pub(crate) const PORTS: usize = 3;
 /// Unknown nodes of a step.
 pub(crate) const STAGES: usize = 3;
@@ -29,8 +28,6 @@ pub(crate) const FIXED_INPUTS: usize = 2 + 4 + PORTS;
 
 /// The torque on the hub among the ports.
 const HUB: usize = 1;
-
-pub(crate) const PORT_INPUTS: [usize; PORTS] = [input::MOTOR_TORQUE, input::HUB_TORQUE, input::LOAD];
 
 /// One step of a given length from a given core. A result is \[outputs at the stages (16 rows); outputs in the middle
 /// (8 rows); state at the end\].

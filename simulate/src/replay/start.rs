@@ -269,13 +269,19 @@ impl<'a, 'b> Fit<'a, 'b> {
         let mut start = self.simulator.rest(u[ANGLE], 0.0, self.platform_rate + u[RATE]);
         let motor_rate = parameters.gearbox.ratio * u[RATE];
         let motor = &parameters.motor;
+        let voltage_v = motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate;
         let of_states = [
             (state::MOTOR, motor_rate + motor.platform_coupling * self.platform_rate),
             (state::WINDUP, self.windup_rad(u)),
             (state::CURRENT, u[CURRENT]),
-            (state::VOLTAGE, motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate),
+            (
+                state::VOLTAGE,
+                parameters.cylinder.as_ref().map_or(voltage_v, |one| one.opening_l_s(voltage_v, u[CURRENT])),
+            ),
         ];
-        for (index, value) in of_states.into_iter().filter(|(index, _)| self.plant.has_state(*index)) {
+        for (index, value) in of_states.into_iter().filter(|(index, _)| {
+            self.plant.has_state(*index) && (*index != state::MOTOR || !self.plant.is_rigid())
+        }) {
             start.core[index] = value;
         }
         start.friction = FrictionState {

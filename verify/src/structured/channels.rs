@@ -63,10 +63,10 @@ pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver, spri
 
 /// What the drive's strongest state receives of it; 1 if the drive has no state, whose slope is then the control's own.
 pub(super) fn drive_gain(plant: &Plant, core: &Core) -> f64 {
-    match plant.has_state(state::CURRENT) || plant.has_state(state::VOLTAGE) {
-        true => core.B[(state::CURRENT, input::DRIVE)] + core.B[(state::VOLTAGE, input::DRIVE)],
-        false => 1.0,
+    if plant.drive_states().next().is_none() {
+        return 1.0;
     }
+    plant.drive_states().map(|index| core.B[(index, input::DRIVE)]).sum()
 }
 
 /// What the loop's sensor feels, as a row over the states of [`base`]; `angle` is the place of the hub's angle on the platform.

@@ -118,6 +118,7 @@ impl UncertainLoop {
     ) -> Result<Self, Error> {
         let body = Plant::lumped(nominal)?;
         let linear = linearised(&body, at, &dry)?;
+        let body = body.local_at(&linear.equilibrium);
         let plant = SampledPlant::new(&linear, nominal, resolver_use(controller))?;
         let moment = controller.parts().design_out_of_balance_kg_m;
         let closed = Closed::new(&plant, Some(controller), moment)?;
@@ -282,9 +283,7 @@ fn extended(base: &Base, channels: &[(Channel, Factor)]) -> Result<StateSpace, E
 
 /// What the drive's states receive of the control, or the slope of the amplifier's map if it has none.
 fn drive_slope(plant: &Plant, linear: &LinearPlant) -> f64 {
-    let of_states =
-        [state::VOLTAGE, state::CURRENT].into_iter().filter(|index| plant.has_state(*index)).count();
-    match of_states {
+    match plant.drive_states().count() {
         0 => plant.drive_slope(&linear.equilibrium),
         // the states of the drive come first
         count => (0..count).rev().map(|k| linear.system.B[(k, 0)]).sum(),
