@@ -54,6 +54,13 @@ impl Stages {
     pub fn all_left_out(&self) -> impl Iterator<Item = &LeftOut> {
         self.left_out.iter().chain(self.traverse.iter().flat_map(|axis| &axis.left_out))
     }
+
+    /// Verifies both axes together.
+    fn two_axes(&self, project: &Project, world: &dyn World) -> Result<Option<TwoAxisStudy>, PipelineError> {
+        let Self { modelled, synthesised, procedure, .. } = self;
+        let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
+        study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
+    }
 }
 
 /// The controller in every kind of numbers, before any compiler has seen it.
@@ -228,21 +235,12 @@ struct StudiedTargets {
     by_form: Vec<FormFigures>,
 }
 
-impl Stages {
-    /// Verifies both axes together.
-    fn two_axes(&self, project: &Project, world: &dyn World) -> Result<Option<TwoAxisStudy>, PipelineError> {
-        let Self { modelled, synthesised, procedure, .. } = self;
-        let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
-        study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
-    }
-}
-
 /// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
 ///
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let Decided { project, first } = choose_and_tune(project, world)?;
+    let Decided { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = run_to_verification(project, world)?;
     let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;

@@ -18,12 +18,14 @@ pub enum PipelineError {
     },
     /// Two axes on a road whose sideways motion is not known.
     #[error(
-        "verify.road: the road of ISO 8608 states what an elevation axis that points forward feels, which is not enough under a traverse axis: give          kind = \"six-axes\", \"sea\" or \"inertial-unit\", or a recording of heave, pitch and surge"
+        "verify.road: the road of ISO 8608 states what an elevation axis that points forward feels, which is not enough under a traverse axis: give \
+         kind = \"six-axes\", \"sea\" or \"inertial-unit\", or a recording of heave, pitch and surge"
     )]
     PlaneRoad,
     /// A road on a ring at another angle than the traverse axis.
     #[error(
-        "verify.road.traverse_angle and traverse_rate must be {ring_rad} rad and 0 rad/s: the ring stands where [model] hub_angle of the traverse axis says,          and its axis turns it; the road has {road_rad} rad"
+        "verify.road.traverse_angle and traverse_rate must be {ring_rad} rad and 0 rad/s: the ring stands where [model] hub_angle of the traverse axis says, \
+         and its axis turns it; the road has {road_rad} rad"
     )]
     RingAngle {
         /// Of the road.

@@ -61,16 +61,13 @@ use counterpoise_synth::FirstDesign;
 pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};
-pub use first_design::{
-    Chosen, FirstDesignResult, choose_weights, with_chosen_weights, with_chosen_weights_on,
-};
+pub use first_design::{Chosen, FirstDesignResult, choose_weights, with_chosen_weights};
 pub use identity::ProjectIdentity;
 pub use model::{
     Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
 };
 pub use recordings::redesign::{Consequence, verify_redesign};
 pub use reduce::{Reduced, reduce};
-pub use studies::adaptation_choice::with_chosen_adaptation;
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use traverse_file::traverse_project;

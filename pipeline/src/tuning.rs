@@ -103,6 +103,8 @@ pub struct Decided {
     pub project: Project,
     /// Why the weights are what they are; `None` if the file states them.
     pub first: Option<FirstDesign>,
+    /// Tuned blocks or weights; `None` if the file leaves none open.
+    pub tuned: Option<TunedProject>,
 }
 
 /// Chooses and tunes what the file of a project leaves open.
@@ -116,9 +118,9 @@ pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, 
         None => (project.clone(), None),
     };
     let tuned = with_tuned_structure(&project, world)?;
-    let project = tuned.map_or(project, |tuned| tuned.project);
+    let project = tuned.as_ref().map_or(project, |tuned| tuned.project.clone());
     let adapted = with_chosen_adaptation(&project, world)?;
-    Ok(Decided { project: adapted.unwrap_or(project), first })
+    Ok(Decided { project: adapted.unwrap_or(project), first, tuned })
 }
 
 /// Puts a tuned feedback in the place of the one that a synthesis states, with the digits that its project file gets.
