@@ -22,8 +22,8 @@ use crate::studies::comparison::{Comparison, compare_designs};
 use crate::wording::weights::describe_weights;
 use crate::{
     Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised,
-    TraverseCode, TwoAxisStudy, World, check_traverse, choose_and_tune, export_traverse, model,
-    project_procedure, reduce, run_observed, studies, study_two_axes, synthesise, verify_on,
+    TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce,
+    run_observed, studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -151,7 +151,6 @@ struct VerifiedDesign {
 }
 
 fn run_to_verification(project: &Project, world: &dyn World) -> Result<VerifiedDesign, PipelineError> {
-    check_traverse(project, world)?;
     let modelled = run_observed(world, Step::Model, || model(project))?;
     let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
     let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;

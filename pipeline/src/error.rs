@@ -33,6 +33,15 @@ pub enum PipelineError {
         /// Of the traverse axis.
         ring_rad: f64,
     },
+    /// A motion of the base in a plane under a ring that points out of this plane.
+    #[error(
+        "[model] hub_angle of the traverse axis must be 0 rad: the base's motion is heave, pitch and surge alone, which belong to a ring that points forward; \
+         the ring stands at {ring_rad} rad. For another angle take a road of kind \"inertial-unit\", \"six-axes\" or \"sea\""
+    )]
+    PlaneMotion {
+        /// Angle of the ring, rad.
+        ring_rad: f64,
+    },
     /// A campaign on a project that says nothing of what varies.
     #[error(
         "nothing varies from mechanism to mechanism: give a value of [plant] a tolerance, for example {{ value = 2.0, tolerance = 0.1 }}, or list what varies as [[sweep.variation]]"

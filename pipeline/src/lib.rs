@@ -70,11 +70,11 @@ pub use recordings::redesign::{Consequence, verify_redesign};
 pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
-pub use traverse_file::traverse_project;
+pub use traverse_file::{check_traverse, traverse_project};
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
 pub use two_axes::{
-    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, check_traverse, design_traverse,
-    export_traverse, study_two_axes,
+    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, design_traverse, export_traverse,
+    study_two_axes,
 };
 pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 

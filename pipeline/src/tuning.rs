@@ -30,6 +30,7 @@ use crate::studies::adaptation_choice::with_chosen_adaptation;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
+use crate::traverse_file::check_traverse;
 use crate::{
     FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
     synthesise,
@@ -110,8 +111,9 @@ pub struct Decided {
 /// Chooses and tunes what the file of a project leaves open.
 ///
 /// # Errors
-/// As [`with_chosen_weights_on`], [`with_tuned_structure`] and [`with_chosen_adaptation`].
+/// As [`check_traverse`], [`with_chosen_weights_on`], [`with_tuned_structure`] and [`with_chosen_adaptation`].
 pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
+    check_traverse(project, world)?;
     let chosen = with_chosen_weights_on(project, world.pool())?;
     let (project, first) = match chosen {
         Some(chosen) => (chosen.project, Some(chosen.first)),
