@@ -1,7 +1,8 @@
 //! The manual's page of JSON results: the keys of stored example results, and that the program still gives these keys.
 //!
 //! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test all results_page` runs the commands, stores their shortened results in
-//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` again.
+//! `app/tests/data/results`, and writes `docs/reference/results.md` and `docs/reference/results.schema.json` again. Figures of cores whose compiler
+//! is missing stay as they are stored.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "support/schema.rs"]
@@ -172,6 +173,19 @@ fn shortened(value: Value) -> Value {
     }
 }
 
+/// Returns the result with the stored figures of cores in the place of its own, if this machine has no compiler for these cores.
+fn with_stored_cores(name: &str, mut given: Value) -> Value {
+    let known =
+        fs::read_to_string(stored(name)).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    let cores = known.as_ref().and_then(|known| known.pointer("/targets/cores"));
+    if let (Some(own), Some(cores)) = (given.pointer_mut("/targets/cores"), cores)
+        && own.as_array().is_some_and(Vec::is_empty)
+    {
+        *own = cores.clone();
+    }
+    given
+}
+
 /// Keys that are names: of channels, and of the controller's paths.
 const NAMES: &[&str] = &[
     "control",
@@ -269,7 +283,7 @@ fn the_program_gives_the_keys_of_the_stored_results() {
             let wrong = schema::violations(&published["$defs"][example.name], &given, example.name);
             assert!(wrong.is_empty(), "{wrong:#?}");
         }
-        let given = shortened(given);
+        let given = with_stored_cores(example.name, shortened(given));
         if writes {
             let text = serde_json::to_string_pretty(&given).unwrap();
             fs::write(stored(example.name), text + "\n").unwrap();

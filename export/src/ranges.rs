@@ -66,6 +66,12 @@ impl Run {
     }
 }
 
+impl Clone for Box<dyn Adjustable> {
+    fn clone(&self) -> Self {
+        (**self).copied()
+    }
+}
+
 /// What happens to a state along a run.
 pub(crate) trait RunVisitor<S> {
     /// The state before the first sample.
@@ -77,7 +83,7 @@ pub(crate) trait RunVisitor<S> {
 }
 
 /// A controller along a run, and a voltage of every sample so far: its control, or how far that is from the reference's.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(crate) struct RunState<A> {
     pub acting: A,
     pub voltages_v: Vec<f64>,
@@ -159,9 +165,9 @@ impl Ranges {
     pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
         play(&self.runs, &Comparison { start }).into_iter().fold(Measured::default(), |most, state| {
             let mut found = Measured::default();
-            for off in &state.off_v {
+            for off in &state.voltages_v {
                 found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
-                found.rms_v += off * off / state.off_v.len() as f64;
+                found.rms_v += off * off / state.voltages_v.len() as f64;
             }
             Measured {
                 largest_v: larger(most.largest_v, found.largest_v),
@@ -239,30 +245,18 @@ struct Comparison<'a> {
     start: &'a dyn Fn() -> Box<dyn Adjustable>,
 }
 
-/// A controller, and how far its control was from the reference's, V.
-struct ComparisonState {
-    acting: Box<dyn Adjustable>,
-    off_v: Vec<f64>,
-}
-
-impl Clone for ComparisonState {
-    fn clone(&self) -> Self {
-        Self { acting: self.acting.copied(), off_v: self.off_v.clone() }
-    }
-}
-
-impl RunVisitor<ComparisonState> for Comparison<'_> {
-    fn start(&self) -> ComparisonState {
-        ComparisonState { acting: (self.start)(), off_v: Vec::new() }
+impl RunVisitor<RunState<Box<dyn Adjustable>>> for Comparison<'_> {
+    fn start(&self) -> RunState<Box<dyn Adjustable>> {
+        RunState::of((self.start)())
     }
 
-    fn set(&self, state: &mut ComparisonState, out_of_balance_kg_m: f64) {
+    fn set(&self, state: &mut RunState<Box<dyn Adjustable>>, out_of_balance_kg_m: f64) {
         state.acting.adjust(out_of_balance_kg_m);
     }
 
-    fn sample(&self, state: &mut ComparisonState, run: &Run, k: usize) {
+    fn sample(&self, state: &mut RunState<Box<dyn Adjustable>>, run: &Run, k: usize) {
         let control_v = state.acting.step(&Readings::from_array(run.readings[k]));
-        state.off_v.push(run.reference_v[k] - control_v);
+        state.voltages_v.push(run.reference_v[k] - control_v);
     }
 }
 

@@ -7,9 +7,7 @@ use anyhow::{Context, Result, bail};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{
-    Step, TunedProject, World, with_chosen_adaptation, with_chosen_weights_on, with_tuned_structure,
-};
+use counterpoise_pipeline::{Decided, Step, TunedProject, World, choose_and_tune};
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
@@ -105,17 +103,13 @@ pub fn load_document(
     let resolved = Project::resolve_for(&document, attachments, purpose);
     let bad = |errors| BadProject { errors, document: document.clone() };
     let Parsed { project, warnings, assumptions } = resolved.map_err(bad)?;
-    let chosen = if purpose.needs_weights() { with_chosen_weights_on(&project, &Processors)? } else { None };
-    let stated = project.clone();
-    let (project, first_design) = match chosen {
-        Some(chosen) => (chosen.project, Some(chosen.first)),
-        None => (project, None),
-    };
     let folder = files::Folder(path.parent().unwrap_or(Path::new(".")).to_owned());
-    let tuned = if purpose.needs_weights() { with_tuned_structure(&project, &folder)? } else { None };
-    let project = tuned.as_ref().map_or(project, |tuned| tuned.project.clone());
-    let adapted = if purpose.needs_weights() { with_chosen_adaptation(&project, &folder)? } else { None };
-    let project = adapted.unwrap_or(project);
+    let stated = project.clone();
+    let Decided { project, first: first_design, tuned } = if purpose.needs_weights() {
+        choose_and_tune(&project, &folder)?
+    } else {
+        Decided { project, first: None, tuned: None }
+    };
     Ok(Loaded { path, document, project, stated, first_design, tuned, warnings, assumptions })
 }
 

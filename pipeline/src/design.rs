@@ -22,8 +22,8 @@ use crate::studies::comparison::{Comparison, compare_designs};
 use crate::wording::weights::describe_weights;
 use crate::{
     Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised,
-    TraverseCode, TwoAxisStudy, World, check_traverse, choose_and_tune, export_traverse, model,
-    project_procedure, reduce, run_observed, studies, study_two_axes, synthesise, verify_on,
+    TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce,
+    run_observed, studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -53,6 +53,13 @@ impl Stages {
     /// Returns the code that the project, or that of its traverse axis, asks for and cannot have.
     pub fn all_left_out(&self) -> impl Iterator<Item = &LeftOut> {
         self.left_out.iter().chain(self.traverse.iter().flat_map(|axis| &axis.left_out))
+    }
+
+    /// Verifies both axes together.
+    fn two_axes(&self, project: &Project, world: &dyn World) -> Result<Option<TwoAxisStudy>, PipelineError> {
+        let Self { modelled, synthesised, procedure, .. } = self;
+        let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
+        study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
     }
 }
 
@@ -144,7 +151,6 @@ struct VerifiedDesign {
 }
 
 fn run_to_verification(project: &Project, world: &dyn World) -> Result<VerifiedDesign, PipelineError> {
-    check_traverse(project, world)?;
     let modelled = run_observed(world, Step::Model, || model(project))?;
     let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
     let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
@@ -228,21 +234,12 @@ struct StudiedTargets {
     by_form: Vec<FormFigures>,
 }
 
-impl Stages {
-    /// Verifies both axes together.
-    fn two_axes(&self, project: &Project, world: &dyn World) -> Result<Option<TwoAxisStudy>, PipelineError> {
-        let Self { modelled, synthesised, procedure, .. } = self;
-        let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
-        study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
-    }
-}
-
 /// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
 ///
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let Decided { project, first } = choose_and_tune(project, world)?;
+    let Decided { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = run_to_verification(project, world)?;
     let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;

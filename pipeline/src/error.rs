@@ -18,17 +18,28 @@ pub enum PipelineError {
     },
     /// Two axes on a road whose sideways motion is not known.
     #[error(
-        "verify.road: the road of ISO 8608 states what an elevation axis that points forward feels, which is not enough under a traverse axis: give          kind = \"six-axes\", \"sea\" or \"inertial-unit\", or a recording of heave, pitch and surge"
+        "verify.road: the road of ISO 8608 states what an elevation axis that points forward feels, which is not enough under a traverse axis: give \
+         kind = \"six-axes\", \"sea\" or \"inertial-unit\", or a recording of heave, pitch and surge"
     )]
     PlaneRoad,
     /// A road on a ring at another angle than the traverse axis.
     #[error(
-        "verify.road.traverse_angle and traverse_rate must be {ring_rad} rad and 0 rad/s: the ring stands where [model] hub_angle of the traverse axis says,          and its axis turns it; the road has {road_rad} rad"
+        "verify.road.traverse_angle and traverse_rate must be {ring_rad} rad and 0 rad/s: the ring stands where [model] hub_angle of the traverse axis says, \
+         and its axis turns it; the road has {road_rad} rad"
     )]
     RingAngle {
         /// Of the road.
         road_rad: f64,
         /// Of the traverse axis.
+        ring_rad: f64,
+    },
+    /// A motion of the base in a plane under a ring that points out of this plane.
+    #[error(
+        "[model] hub_angle of the traverse axis must be 0 rad: the base's motion is heave, pitch and surge alone, which belong to a ring that points forward; \
+         the ring stands at {ring_rad} rad. For another angle take a road of kind \"inertial-unit\", \"six-axes\" or \"sea\""
+    )]
+    PlaneMotion {
+        /// Angle of the ring, rad.
         ring_rad: f64,
     },
     /// A campaign on a project that says nothing of what varies.

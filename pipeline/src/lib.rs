@@ -61,23 +61,20 @@ use counterpoise_synth::FirstDesign;
 pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};
-pub use first_design::{
-    Chosen, FirstDesignResult, choose_weights, with_chosen_weights, with_chosen_weights_on,
-};
+pub use first_design::{Chosen, FirstDesignResult, choose_weights, with_chosen_weights};
 pub use identity::ProjectIdentity;
 pub use model::{
     Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
 };
 pub use recordings::redesign::{Consequence, verify_redesign};
 pub use reduce::{Reduced, reduce};
-pub use studies::adaptation_choice::with_chosen_adaptation;
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
-pub use traverse_file::traverse_project;
+pub use traverse_file::{check_traverse, traverse_project};
 pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
 pub use two_axes::{
-    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, check_traverse, design_traverse,
-    export_traverse, study_two_axes,
+    DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, design_traverse, export_traverse,
+    study_two_axes,
 };
 pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 

@@ -12,7 +12,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
 use counterpoise_synth::{Specification, Weight};
-use counterpoise_verify::{Limit, Value, Verdict, Verification};
+use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
 use crate::exchange::controller_file::PathResult;
@@ -475,10 +475,7 @@ impl VerifyResult {
                 verdict,
                 value,
                 limit,
-                limit_side: match requirement.limit {
-                    Limit::AtLeast(_) => "at least",
-                    Limit::AtMost(_) => "at most",
-                },
+                limit_side: requirement.limit.side(),
                 why,
                 source: requirement.source.clone(),
                 judged_by: acceptance.judged_by,

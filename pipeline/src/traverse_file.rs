@@ -1,6 +1,7 @@
-//! The project of a traverse axis, read from the file that the project of its elevation axis names.
+//! The project of a traverse axis: read from the file that the project of its elevation axis names, and checked against that project.
 
 use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_models::{Axis, Measured};
 use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 
@@ -68,4 +69,48 @@ impl World for FolderOfFile<'_> {
     fn pool(&self) -> &dyn Pool {
         self.world.pool()
     }
+}
+
+/// Checks that the traverse axis of a project, if it has one, fits under it, before anything is designed.
+///
+/// # Errors
+/// A file of the traverse axis that cannot be read or has errors, and axes that do not fit together.
+pub fn check_traverse(project: &Project, world: &dyn World) -> Result<(), PipelineError> {
+    let Some(axis) = &project.traverse else { return Ok(()) };
+    check_axes(project, &traverse_project(axis, world)?, &axis.file)
+}
+
+/// Checks that two axes fit together.
+pub(crate) fn check_axes(elevation: &Project, traverse: &Project, file: &str) -> Result<(), PipelineError> {
+    let wrong = |problem: &str| {
+        Err(PipelineError::File { name: file.to_owned(), section: "traverse", problem: problem.to_owned() })
+    };
+    if traverse.traverse.is_some() {
+        return wrong(
+            "it has a [traverse] section itself: a machine has one traverse axis under one elevation axis",
+        );
+    }
+    if [elevation, traverse].iter().any(|axis| axis.plant.axis == Axis::Linear) {
+        return wrong("both axes must turn: leave plant.axis at \"rotary\" in both files");
+    }
+    let gyroscopes = [&traverse.plant.sensors.hub_gyro, &traverse.plant.sensors.platform_gyro];
+    if gyroscopes.iter().any(|gyro| gyro.alignment.has_cross_axis()) {
+        return wrong(
+            "roll_sensitivity and yaw_sensitivity of its gyroscopes must be 0: what they would read of the ring's other rates is not simulated with two axes",
+        );
+    }
+    if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != Measured::HubRate) {
+        return wrong(
+            "both loops must hold the inertial rate of their hub: leave plant.sensors.loop at its usual value in both files",
+        );
+    }
+    if traverse.plant.gravity_m_s2 != 0.0 {
+        return wrong(
+            "plant.gravity must be 0: the axis is upright, and what a tilted base makes of gravity comes with the base's motion",
+        );
+    }
+    if traverse.plant.interface.sample_period_s != elevation.plant.interface.sample_period_s {
+        return wrong("plant.interface.sample_period must be that of the elevation axis");
+    }
+    Ok(())
 }

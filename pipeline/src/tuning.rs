@@ -30,6 +30,7 @@ use crate::studies::adaptation_choice::with_chosen_adaptation;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
+use crate::traverse_file::check_traverse;
 use crate::{
     FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
     synthesise,
@@ -103,22 +104,25 @@ pub struct Decided {
     pub project: Project,
     /// Why the weights are what they are; `None` if the file states them.
     pub first: Option<FirstDesign>,
+    /// Tuned blocks or weights; `None` if the file leaves none open.
+    pub tuned: Option<TunedProject>,
 }
 
 /// Chooses and tunes what the file of a project leaves open.
 ///
 /// # Errors
-/// As [`with_chosen_weights_on`], [`with_tuned_structure`] and [`with_chosen_adaptation`].
+/// As [`check_traverse`], [`with_chosen_weights_on`], [`with_tuned_structure`] and [`with_chosen_adaptation`].
 pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
+    check_traverse(project, world)?;
     let chosen = with_chosen_weights_on(project, world.pool())?;
     let (project, first) = match chosen {
         Some(chosen) => (chosen.project, Some(chosen.first)),
         None => (project.clone(), None),
     };
     let tuned = with_tuned_structure(&project, world)?;
-    let project = tuned.map_or(project, |tuned| tuned.project);
+    let project = tuned.as_ref().map_or(project, |tuned| tuned.project.clone());
     let adapted = with_chosen_adaptation(&project, world)?;
-    Ok(Decided { project: adapted.unwrap_or(project), first })
+    Ok(Decided { project: adapted.unwrap_or(project), first, tuned })
 }
 
 /// Puts a tuned feedback in the place of the one that a synthesis states, with the digits that its project file gets.

@@ -1,10 +1,10 @@
 //! The traverse axis under the elevation axis: its project, its own design and verification, and both axes verified together.
 
 use counterpoise_export::File;
+use counterpoise_models::Plant;
 use counterpoise_models::base_motion::{BaseState, FeltMotion, base_of_felt};
 use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody};
-use counterpoise_models::{Axis, Measured, Plant};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::platform::{MotionKind, PlatformSource};
 use counterpoise_verify::{
@@ -13,7 +13,7 @@ use counterpoise_verify::{
 };
 
 use crate::export::{Exported, LeftOut, export_by};
-use crate::traverse_file::{FolderOfFile, traverse_project};
+use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::moved;
 use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
 use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
@@ -75,15 +75,6 @@ impl TwoAxisStudy {
     }
 }
 
-/// Checks that the traverse axis of a project, if it has one, fits under it, before anything is designed.
-///
-/// # Errors
-/// A file of the traverse axis that cannot be read or has errors, and axes that do not fit together.
-pub fn check_traverse(project: &Project, world: &dyn World) -> Result<(), PipelineError> {
-    let Some(axis) = &project.traverse else { return Ok(()) };
-    check(project, &traverse_project(axis, world)?, &axis.file)
-}
-
 /// Designs and verifies the traverse axis of a project alone; `None` if it has none.
 ///
 /// # Errors
@@ -95,7 +86,7 @@ pub fn design_traverse(
     let Some(axis) = &project.traverse else { return Ok(None) };
     let below = FolderOfFile::of(&axis.file, world);
     let stated = traverse_project(axis, world)?;
-    check(project, &stated, &axis.file)?;
+    check_axes(project, &stated, &axis.file)?;
     let traverse = choose_and_tune(&stated, &below)?.project;
     let modelled = model(&traverse)?;
     let reduced = reduce(&traverse, &modelled)?;
@@ -157,41 +148,6 @@ pub fn study_two_axes(
     Ok(Some(TwoAxisStudy { traverse, joint }))
 }
 
-/// Checks that two axes fit together.
-fn check(elevation: &Project, traverse: &Project, file: &str) -> Result<(), PipelineError> {
-    let wrong = |problem: &str| {
-        Err(PipelineError::File { name: file.to_owned(), section: "traverse", problem: problem.to_owned() })
-    };
-    if traverse.traverse.is_some() {
-        return wrong(
-            "it has a [traverse] section itself: a machine has one traverse axis under one elevation axis",
-        );
-    }
-    if [elevation, traverse].iter().any(|axis| axis.plant.axis == Axis::Linear) {
-        return wrong("both axes must turn: leave plant.axis at \"rotary\" in both files");
-    }
-    let gyroscopes = [&traverse.plant.sensors.hub_gyro, &traverse.plant.sensors.platform_gyro];
-    if gyroscopes.iter().any(|gyro| gyro.alignment.has_cross_axis()) {
-        return wrong(
-            "roll_sensitivity and yaw_sensitivity of its gyroscopes must be 0: what they would read of the ring's other rates is not simulated with two axes",
-        );
-    }
-    if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != Measured::HubRate) {
-        return wrong(
-            "both loops must hold the inertial rate of their hub: leave plant.sensors.loop at its usual value in both files",
-        );
-    }
-    if traverse.plant.gravity_m_s2 != 0.0 {
-        return wrong(
-            "plant.gravity must be 0: the axis is upright, and what a tilted base makes of gravity comes with the base's motion",
-        );
-    }
-    if traverse.plant.interface.sample_period_s != elevation.plant.interface.sample_period_s {
-        return wrong("plant.interface.sample_period must be that of the elevation axis");
-    }
-    Ok(())
-}
-
 /// Returns what is done to both axes: the elevation project's motion of the base, and the step of each.
 fn joint_procedure(
     project: &Project,
@@ -203,7 +159,7 @@ fn joint_procedure(
     let source = project.verify.as_ref().and_then(|asked| asked.road.as_ref());
     let moved = match source {
         Some(source) => base_of_source(source, ring_rad, gravity_m_s2, world)?,
-        None if ring_rad != 0.0 => return Err(PipelineError::RingAngle { road_rad: 0.0, ring_rad }),
+        None if ring_rad != 0.0 => return Err(PipelineError::PlaneMotion { ring_rad }),
         None => base_of_sines(project, elevation),
     };
     let duration_s = moved.states.len() as f64 * moved.period_s;
@@ -291,7 +247,7 @@ fn turned_source(
 
 /// A motion of pitch, heave and surge alone belongs to a ring that points forward.
 fn forward_alone(ring_rad: f64) -> Result<Option<PlatformSource>, PipelineError> {
-    if ring_rad == 0.0 { Ok(None) } else { Err(PipelineError::RingAngle { road_rad: 0.0, ring_rad }) }
+    if ring_rad == 0.0 { Ok(None) } else { Err(PipelineError::PlaneMotion { ring_rad }) }
 }
 
 fn felt_of(road: &Road) -> Vec<FeltMotion> {

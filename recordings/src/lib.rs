@@ -39,5 +39,6 @@ pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;
 pub use remark::{Remark, Unread};
+pub use shaping::repeat_last;
 pub use table::{Column, Table};
 pub use unit::Unit;

@@ -18,6 +18,16 @@ pub(crate) fn unroll(mut values: Array1<f64>, turn: f64) -> Array1<f64> {
     values
 }
 
+/// Returns a column in which a missing sample repeats the one before; the first ones repeat the first that is there, and a column of none is 0.
+pub fn repeat_last(values: &[f64]) -> Vec<f64> {
+    let mut last = values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
+    let at = |value: &f64| {
+        last = if value.is_finite() { *value } else { last };
+        last
+    };
+    values.iter().map(at).collect()
+}
+
 /// Returns central differences over the given time, at least one sample to either side; one-sided at the ends.
 pub(crate) fn slopes(values: &[f64], period_s: f64, over_s: f64) -> Array1<f64> {
     let half = (0.5 * over_s / period_s).round().max(1.0) as usize;

@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::TwoAxisStudy;
 use counterpoise_plot::number::short_number;
-use counterpoise_verify::{JointExperiment, JointQuantity, JointRequirement, JointValue, Limit, Verdict};
+use counterpoise_verify::{JointExperiment, JointQuantity, JointRequirement, JointValue, Verdict};
 
 use crate::{Cell, Column, Section, Table};
 
@@ -83,10 +83,7 @@ fn verdict_lines(study: &TwoAxisStudy) -> Vec<String> {
 
 fn verdict_line(requirement: &JointRequirement, verdict: &Verdict) -> String {
     let (figure, unit) = (&requirement.figure, requirement.figure.quantity.unit());
-    let side = match requirement.limit {
-        Limit::AtLeast(_) => "at least",
-        Limit::AtMost(_) => "at most",
-    };
+    let side = requirement.limit.side();
     let limit = short_number(requirement.limit.value());
     match verdict {
         Verdict::Holds { value, .. } => {

@@ -260,8 +260,7 @@ impl MotionSample {
 
     /// Returns the pitch acceleration at the start of the sample, rad/s^2.
     pub fn pitch_acceleration_at(&self, s: f64) -> f64 {
-        let r = &self.rate;
-        (r[1] + s * (2.0 * r[2] + s * (3.0 * r[3] + s * 4.0 * r[4]))) / self.period_s
+        slope(&self.rate, s) / self.period_s
     }
 }
 
@@ -278,6 +277,12 @@ fn further_point([surge, roll, yaw, torque]: &[[f64; 5]; 4], s: f64) -> FurtherP
 #[inline]
 pub(crate) fn quartic(c: &[f64; 5], s: f64) -> f64 {
     c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
+}
+
+/// Returns the derivative of a quartic, lowest power first.
+#[inline]
+pub(crate) fn slope(c: &[f64; 5], s: f64) -> f64 {
+    c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
 }
 
 /// From powers of the distance from the middle of a sample to powers of the fraction of the sample.

@@ -171,6 +171,13 @@ pub(crate) const WINDOW_ITERATIONS: usize = 15;
 pub(crate) const WINDOW_FLAT: f64 = 1e-4;
 /// Damping beyond which no step of the fit of a window's start lowers the cost.
 pub(crate) const WINDOW_STUCK: f64 = 1e6;
+/// Seed of the noise in what the model itself would have recorded.
+pub(crate) const MODEL_SEED: u64 = 1;
+/// Residual over the noise floor up to which a replay over windows explains what the model itself would have recorded: below [`EXPLAINED`],
+/// so that a true model is explained whatever the noise.
+pub(crate) const OWN_EXPLAINED: f64 = 1.3;
+/// Shortest window that the model's own recording asks for, s: a start is fitted to 60 samples at 1 kHz.
+pub(crate) const SHORTEST_OWN_WINDOW_S: f64 = 0.125;
 /// Largest residual of a channel, over its noise floor, of a model that explains the recording.
 pub(crate) const EXPLAINED: f64 = 1.5;
 /// Difference of two runs of one model, in noise floors, from which on the closed loop diverges: a loop that forgets its start

@@ -206,9 +206,7 @@ fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
             // the sentence speaks of the key, of its section, or of what else the section needs
             let parent = path.rsplit_once('.').map_or(path, |(parent, _)| parent);
             let names = |line: &String| line.contains(parent);
-            // without its kind the keys of a motion of the base are those of another kind: each is told, and what that one needs
-            let is_one = said.len() == 1 || path == "verify.road.kind";
-            if !is_one || !said.iter().any(names) {
+            if said.len() != 1 || !said.iter().any(names) {
                 return Err(format!("{}: without {path}:\n    {}", machine.name, said.join("\n    ")));
             }
             Ok(None)

@@ -60,6 +60,14 @@ impl Limit {
         }
     }
 
+    /// On which side of it a value holds: `at least` or `at most`.
+    pub fn side(self) -> &'static str {
+        match self {
+            Limit::AtLeast(_) => "at least",
+            Limit::AtMost(_) => "at most",
+        }
+    }
+
     /// Room left between `value` and the limit: negative where the limit is broken, NaN for a NaN.
     pub fn distance_to_limit(self, value: f64) -> f64 {
         match self {
@@ -83,10 +91,7 @@ impl Limit {
 
 impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Limit::AtLeast(value) => write!(f, "at least {value}"),
-            Limit::AtMost(value) => write!(f, "at most {value}"),
-        }
+        write!(f, "{} {}", self.side(), self.value())
     }
 }
 

@@ -20,7 +20,7 @@ use counterpoise_report::adaptation::{describe_bands, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::{Origin, html_page, of_design, two_axes};
-use counterpoise_verify::{Limit, Verdict, Verification};
+use counterpoise_verify::{Verdict, Verification};
 use serde::Serialize;
 
 use super::{export, first_design};
@@ -181,7 +181,7 @@ pub fn print_verdicts(found: &Verification) {
         let basis = found.acceptance(&requirement.figure).basis;
         match verdict {
             Verdict::Holds { value, limit, .. } => {
-                let (value, sign, limit) = (with_unit(*value, unit), sign(*limit), limit.value());
+                let (value, sign, limit) = (with_unit(*value, unit), limit.side(), limit.value());
                 say!("  holds  {name}: {value} ({sign} {limit}; {basis})");
             }
             Verdict::Fails { value, limit, by } => {
@@ -189,7 +189,7 @@ pub fn print_verdicts(found: &Verification) {
                 say!(
                     "  FAILS  {name}: {} ({} {}; {basis}), by {by}",
                     with_unit(*value, unit),
-                    sign(*limit),
+                    limit.side(),
                     limit.value()
                 );
             }
@@ -203,11 +203,4 @@ pub fn print_verdicts(found: &Verification) {
 fn with_unit(value: f64, unit: &str) -> String {
     let number = output::format_figure(value);
     if unit.is_empty() { number } else { format!("{number} {unit}") }
-}
-
-fn sign(limit: Limit) -> &'static str {
-    match limit {
-        Limit::AtLeast(_) => "at least",
-        Limit::AtMost(_) => "at most",
-    }
 }

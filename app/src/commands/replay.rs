@@ -36,7 +36,7 @@ pub struct ReplayOptions {
     #[arg(long)]
     pub open_loop: bool,
     /// Length of the windows over which the model follows the recording, under the recorded control and each from a fitted state:
-    /// SECONDS; `none` follows it from start to end; `auto` uses half a second if the machine hunts, otherwise `none`
+    /// SECONDS; `none` follows it from start to end; `auto` uses half a second, or a half or a quarter of that, if the machine hunts, otherwise `none`
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
     pub windows: ReplayLength,
     /// Where report and results go.

@@ -10,12 +10,13 @@
 //! tell their difference. `diagnose` tells which of the two it is, by what the loop does with each.
 
 use counterpoise_models::{Measured, Parameters};
-use counterpoise_recordings::{Channel, Recording};
+use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::outcome::{Estimate, SensorErrors};
 use super::problem::Layout;
 use super::regression::{Block, Fit, fit};
 use super::signal::{Chain, Kernel};
+use crate::recording::series::rms;
 use crate::tolerance::identification::{LEAST_TURNING_RAD_S, LOW_PASS_S, MEMORY_S};
 
 /// Returns what the recordings say of the sensors, beside the torque balance with its unknowns.
@@ -77,19 +78,10 @@ fn turning(p: &Parameters, recording: &Recording) -> Option<Turning> {
     let position = column(Channel::HubPosition).filter(|_| p.sensors.hub_resolver.is_some())?;
     let rates = [column(Channel::PlatformRoll)?, column(Channel::PlatformYaw)?];
     let count = [hub, platform, position, rates[0], rates[1]].map(<[f64]>::len).into_iter().min()?;
-    let whole: Vec<bool> = (0..count)
-        .map(|k| [hub, platform, position, rates[0], rates[1]].iter().all(|column| column[k].is_finite()))
-        .collect();
-    let filled = |column: &[f64]| -> Vec<f64> {
-        let mut last = column.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
-        let at = |value: &f64| {
-            last = if value.is_finite() { *value } else { last };
-            last
-        };
-        column[..count].iter().map(at).collect()
-    };
-    let rms =
-        |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
+    let is_whole =
+        |k: usize| [hub, platform, position, rates[0], rates[1]].iter().all(|column| column[k].is_finite());
+    let whole: Vec<bool> = (0..count).map(is_whole).collect();
+    let filled = |column: &[f64]| repeat_last(&column[..count]);
     let rates = rates.map(filled);
     if rates.iter().all(|rate| rms(rate) < LEAST_TURNING_RAD_S) {
         return None;

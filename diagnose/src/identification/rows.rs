@@ -10,7 +10,7 @@
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
 use counterpoise_models::{AccelerometerAxis, Axis, Measured, Parameters};
-use counterpoise_recordings::{Channel, Recording};
+use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::signal::{Chain, Kernel};
 use crate::Error;
@@ -321,15 +321,12 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     let n = control.len().min(hub.len());
     let mut whole = vec![true; n];
     let mut filled = |column: &[f64]| {
-        let mut last = column.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
-        let at = |k: usize| {
-            match column.get(k) {
-                Some(x) if x.is_finite() => last = *x,
-                _ => whole[k] = false,
-            }
-            last
-        };
-        (0..n).map(at).collect::<Vec<f64>>()
+        whole.iter_mut().enumerate().for_each(|(k, is_whole)| {
+            *is_whole &= column.get(k).is_some_and(|value| value.is_finite());
+        });
+        let mut all = repeat_last(column);
+        all.resize(n, all.last().copied().unwrap_or(0.0));
+        all
     };
     let (control, reading) = (filled(control), filled(hub));
     let platform = r.samples(Channel::PlatformRate).map_or_else(|| vec![0.0; n], &mut filled);

@@ -2,7 +2,7 @@
 
 use counterpoise_models::{Interface, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{COMPARED, reading_floor};
+use counterpoise_simulate::replay::{COMPARED, reading_floor, sensor_of};
 
 use crate::tolerance::recording::REST_SAMPLES;
 
@@ -36,18 +36,18 @@ fn without_rest(series: &[f64]) -> Vec<&[f64]> {
 
 /// Returns the noise that a mechanism's sensor of a channel states, with its converter's step; 0 if there is no such sensor.
 pub fn stated_noise(stated: &Parameters, channel: Channel) -> f64 {
-    sensor(stated, channel).map_or(0.0, |s| reading_floor(s, &stated.interface))
+    sensor_of(stated, channel).map_or(0.0, |s| reading_floor(s, &stated.interface))
 }
 
 /// Returns the RMS of the rounding of a channel's converter; 0 if there is no such sensor.
 pub fn rounding_noise(base: &Parameters, channel: Channel) -> f64 {
-    sensor(base, channel).map_or(0.0, |s| silent(s, &base.interface))
+    sensor_of(base, channel).map_or(0.0, |s| silent(s, &base.interface))
 }
 
 /// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
 pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
     let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();
-    let step = sensor(base, channel).map_or(output, |s| silent(s, &base.interface));
+    let step = sensor_of(base, channel).map_or(output, |s| silent(s, &base.interface));
     measure_white_noise(series).max(step).max(f64::MIN_POSITIVE)
 }
 
@@ -75,7 +75,7 @@ pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Param
 /// Returns the mechanism with the sensor noise of another.
 pub fn with_noise_levels_of(mut mechanism: Parameters, other: &Parameters) -> Parameters {
     for channel in Channel::ALL {
-        if let (Some(ours), Some(theirs)) = (sensor_mut(&mut mechanism, channel), sensor(other, channel)) {
+        if let (Some(ours), Some(theirs)) = (sensor_mut(&mut mechanism, channel), sensor_of(other, channel)) {
             ours.noise_rms = theirs.noise_rms;
         }
     }
@@ -85,24 +85,6 @@ pub fn with_noise_levels_of(mut mechanism: Parameters, other: &Parameters) -> Pa
 /// Returns the noise floor that the converter's step alone leaves of a sensor.
 fn silent(sensor: &Sensor, interface: &Interface) -> f64 {
     reading_floor(&Sensor { noise_rms: 0.0, ..sensor.clone() }, interface)
-}
-
-fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
-    let s = &p.sensors;
-    match channel {
-        Channel::Demand
-        | Channel::Control
-        | Channel::MotorPosition
-        | Channel::MotorCurrent
-        | Channel::PlatformRoll
-        | Channel::PlatformYaw => None,
-        Channel::HubRate => Some(&s.hub_gyro),
-        Channel::PlatformRate => Some(&s.platform_gyro),
-        Channel::PlatformAccel => Some(&s.platform_accelerometer),
-        Channel::MotorRate => s.motor_tachometer.as_ref(),
-        Channel::HubPosition => s.hub_resolver.as_ref(),
-        Channel::PlatformSurge => s.surge_accelerometer.as_ref(),
-    }
 }
 
 fn sensor_mut(p: &mut Parameters, channel: Channel) -> Option<&mut Sensor> {

@@ -142,7 +142,7 @@ pub struct Sensor {
 ///
 /// A gyroscope reads rate + c_r w_f + c_y w_u, with the inertial rates w_f about the forward and w_u about the upward axis of what carries it: the
 /// platform, or the elevated mass along the beam and its normal. A small misalignment by an angle has that angle as its sensitivity, and the
-/// cross-axis sensitivity of the sensor itself adds to it (IEEE Std 952-1997, section 12.11).
+/// cross-axis sensitivity of the sensor itself adds to it (D. Titterton and J. Weston, Strapdown Inertial Navigation Technology, 2004).
 ///
 /// An accelerometer whose axis is turned by the tilt t reads, gravity removed as if it were aligned: on the platform
 /// a cos(t) - a_x sin(t) + g (cos(t) - 1), on the elevated mass a cos(theta + t) - a_x sin(theta + t) + g (cos(theta + t) - cos(theta)), and of surge
@@ -248,11 +248,14 @@ impl Sensor {
         ((self.own_period_s / sample_period_s).round() as usize).max(1)
     }
 
-    /// Returns the mean delay of its reading in whole samples, as the linear loop takes it: its own, and half the time for which a reading is
-    /// held beyond a sample.
+    /// Returns for how long a reading is held beyond a sample, on the average, in samples.
+    pub fn mean_hold_samples(&self, sample_period_s: f64) -> f64 {
+        0.5 * (self.samples_between_readings(sample_period_s) - 1) as f64
+    }
+
+    /// Returns the mean delay of its reading in whole samples, as the linear loop takes it: its own, and that of readings that are held.
     pub fn delay_samples(&self, sample_period_s: f64) -> usize {
-        let held = self.samples_between_readings(sample_period_s) - 1;
-        (self.delay_s / sample_period_s + 0.5 * held as f64).round().max(0.0) as usize
+        (self.delay_s / sample_period_s + self.mean_hold_samples(sample_period_s)).round().max(0.0) as usize
     }
 
     /// Returns whether there is a sensor.

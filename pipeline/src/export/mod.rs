@@ -260,13 +260,8 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
         let controlled = verification.controlled();
         let (figure, unit) = (requirement.figure.name(controlled), requirement.figure.unit(controlled));
-        let asked = |limit: &Limit| match limit {
-            Limit::AtLeast(value) => format!("at least {value}"),
-            Limit::AtMost(value) => format!("at most {value}"),
-        };
         let basis = verification.acceptance(&requirement.figure).basis;
-        let said =
-            |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({}; {basis})", asked(limit));
+        let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({limit}; {basis})");
         match verdict {
             Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
             Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),

@@ -2,6 +2,7 @@
 
 use counterpoise_models::{Measured, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::sensor_of;
 
 use super::column_remarks::BeyondRange;
 use crate::model::CONVERTER_RANGE_V;
@@ -35,19 +36,11 @@ fn beyond(values: &mut [f64], limit: f64) -> Option<BeyondRange> {
 
 /// Returns the largest reading that the converter of a channel gives, in the channel's unit; `None` if the project describes none.
 fn limit(plant: &Parameters, channel: Channel) -> Option<f64> {
-    let sensors = &plant.sensors;
-    let of_loop = Some(&sensors.hub_gyro).filter(|_| sensors.measured == Measured::HubRate);
     let sensor = match channel {
         Channel::Control => return (plant.interface.output_bits > 0).then_some(CONVERTER_RANGE_V),
-        Channel::Demand | Channel::HubRate => of_loop?,
-        Channel::PlatformRate => &sensors.platform_gyro,
-        Channel::PlatformAccel => &sensors.platform_accelerometer,
-        Channel::MotorRate => sensors.motor_tachometer.as_ref()?,
-        Channel::HubPosition => sensors.hub_resolver.as_ref()?,
-        Channel::PlatformSurge => sensors.surge_accelerometer.as_ref()?,
-        Channel::MotorPosition | Channel::MotorCurrent | Channel::PlatformRoll | Channel::PlatformYaw => {
-            return None;
-        }
+        Channel::Demand | Channel::HubRate if plant.sensors.measured != Measured::HubRate => return None,
+        Channel::Demand => sensor_of(plant, Channel::HubRate)?,
+        read => sensor_of(plant, read)?,
     };
     analogue(sensor).filter(|_| plant.interface.input_bits > 0)
 }

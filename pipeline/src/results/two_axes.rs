@@ -1,6 +1,6 @@
 //! Both axes verified together, as plain data.
 
-use counterpoise_verify::{JointRun, JointVerification, Limit, Verdict};
+use counterpoise_verify::{JointRun, JointVerification, Verdict};
 use serde::Serialize;
 
 /// Both axes together.
@@ -82,10 +82,7 @@ impl From<&JointVerification> for JointResult {
                 Verdict::NotApplicable { .. } => None,
             },
             limit: requirement.limit.value(),
-            limit_side: match requirement.limit {
-                Limit::AtLeast(_) => "at least",
-                Limit::AtMost(_) => "at most",
-            },
+            limit_side: requirement.limit.side(),
             source: requirement.source.clone(),
         });
         let figures = found.values.iter().map(|value| JointFigureResult {

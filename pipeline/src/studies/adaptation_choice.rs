@@ -15,14 +15,13 @@ use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMet
 use counterpoise_verify::Procedure;
 
 use super::adaptation_trials::{
-    Acts, Load, METHODS, Motion, Stage, TrialRow, TrialRun, asked, rms_or_infinite, set_spreads,
+    Acts, LOADS, Load, MOTIONS, Motion, RECURSIVE, Stage, TrialRow, TrialRun, asked, rms_or_infinite,
+    set_spreads,
 };
 use crate::synth::controller_blocks::{HOLD_BAND, LEAST_DEAD_BAND_M_S2};
 use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
 use crate::{Modelled, PipelineError, World, model, project_procedure, reduce, synthesise};
 
-const MOTIONS: [Motion; 3] = [Motion::Sines, Motion::Road, Motion::Multisine];
-const LOADS: [Load; 4] = [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow];
 /// Hold bands that are tried, the usual one first. A wider one covers more of what friction does to the estimate, and leaves more of a changed load.
 const HOLD_BANDS: [f64; 3] = [HOLD_BAND, 1.375 * HOLD_BAND, 1.75 * HOLD_BAND];
 /// A band in which the estimate is never followed: no estimate is off by a thousand times the load.
@@ -177,7 +176,7 @@ impl Search<'_> {
                 let rate =
                     |k: usize| runs.get(k).map_or(f64::INFINITY, |run| rms_or_infinite(&run.hub_rate_rad_s));
                 TrialRow {
-                    method: METHODS[2].1,
+                    method: RECURSIVE,
                     motion: jobs[0].motion,
                     load: jobs[0].load,
                     without_rad_s: rate(0),

@@ -130,11 +130,18 @@ const SLOW_STEPS: usize = 10;
 /// Factors on the frequencies of heave and pitch, away from whole numbers of periods in a window.
 const DETUNED: [f64; 2] = [0.887, 1.137];
 
+/// Every motion of the platform that is tried.
+pub(super) const MOTIONS: [Motion; 3] = [Motion::Sines, Motion::Road, Motion::Multisine];
+/// Every load that is tried.
+pub(super) const LOADS: [Load; 4] = [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow];
+/// Key of recursive least squares.
+pub(super) const RECURSIVE: &str = "recursive";
+
 /// Every method with its key in a project file.
 pub const METHODS: [(AdaptationMethod, &str); 3] = [
     (AdaptationMethod::Gradient, "gradient"),
     (AdaptationMethod::WindowedMean, "windowed-mean"),
-    (AdaptationMethod::Recursive, "recursive"),
+    (AdaptationMethod::Recursive, RECURSIVE),
 ];
 
 impl TrialRow {
@@ -210,9 +217,9 @@ pub(super) fn asked(project: &Project) -> Option<&Adaptation> {
 fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<Trials, PipelineError> {
     let (mut rows, mut histories) = (Vec::new(), Vec::new());
     let sample_time_s = stage.modelled.parameters.interface.sample_period_s;
-    for motion in [Motion::Sines, Motion::Road, Motion::Multisine] {
+    for motion in MOTIONS {
         let platform = stage.platform(motion)?;
-        for load in [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow] {
+        for load in LOADS {
             let mut rms = |acts, name| {
                 let hub_rate_rad_s = stage.run(&platform, load, acts)?.hub_rate_rad_s;
                 let found = rms_or_infinite(&hub_rate_rad_s);
@@ -245,7 +252,7 @@ fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<
 
 /// Sets what the hub rate without adaptation differs by after a sudden and after a slow change, motion by motion.
 pub(super) fn set_spreads(rows: &mut [TrialRow]) {
-    for motion in [Motion::Sines, Motion::Road, Motion::Multisine] {
+    for motion in MOTIONS {
         let after = |load| {
             let found = rows.iter().find(|row| row.motion == motion && row.load == load);
             found.map(|row| row.without_rad_s).filter(|rate| rate.is_finite())

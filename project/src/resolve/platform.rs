@@ -270,8 +270,12 @@ pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
 
 /// Returns the kind of a motion that the keys belong to, if the file does not state it and it is not the usual one.
 fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
-    if v.has("kind") || v.has("recording") {
+    if v.has("kind") {
         return None;
+    }
+    // a recording's columns tell whether it is of two motions or of an inertial unit
+    if v.has("recording") {
+        return (v.has("acceleration") || v.has("rate")).then_some(Kind::InertialUnit);
     }
     let kinds = [
         ("significant_height", Kind::Sea),

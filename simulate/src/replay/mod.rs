@@ -19,7 +19,7 @@ mod windows;
 
 pub use control::control_fit;
 pub use exported_controller::ExportedController;
-pub use platform::{platform_motion, reading_floor, reading_step};
+pub use platform::{platform_motion, reading_floor, reading_step, sensor_of};
 pub use recorded_controller::RecordedController;
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
@@ -190,6 +190,11 @@ impl<'a> Replayer<'a> {
     /// by more than the noise floor if a loop under dry friction waits for the next count.
     pub fn with_rounded_readings(self) -> Self {
         Self { imperfections: Imperfections::Quantisation, ..self }
+    }
+
+    /// Returns the same with the readings' noise and rounding, drawn from a seed: it simulates what the model itself would have recorded.
+    fn with_noise_of(self, seed: u64) -> Self {
+        Self { imperfections: Imperfections::NoiseAndQuantisation { seed }, ..self }
     }
 
     /// Returns the same on another structure than that of two inertias: with the modes of finite elements, for instance. The rotor behind a rigid
@@ -487,24 +492,12 @@ impl Floors<'_> {
     /// Returns the floor of a channel: noise and quantisation of its sensor; for the control in closed loop those of what the controller
     /// reads, through the controller, and the output converter's step. Played-back control has none and no fit.
     fn of(&self, channel: Channel) -> Option<f64> {
-        let (sensors, interface) = (&self.parameters.sensors, &self.parameters.interface);
-        let floor = |sensor| reading_floor(sensor, interface);
         match channel {
-            Channel::HubRate => Some(floor(&sensors.hub_gyro)),
-            Channel::PlatformRate => Some(floor(&sensors.platform_gyro)),
-            Channel::PlatformAccel => Some(floor(&sensors.platform_accelerometer)),
-            Channel::MotorRate => sensors.motor_tachometer.as_ref().map(floor),
-            Channel::HubPosition => sensors.hub_resolver.as_ref().map(floor),
-            Channel::PlatformSurge => sensors.surge_accelerometer.as_ref().map(floor),
             Channel::Control => {
                 let Loop::Closed(controller) = self.control else { return None };
                 Some(controller.control_floor(self.parameters))
             }
-            Channel::Demand
-            | Channel::MotorPosition
-            | Channel::MotorCurrent
-            | Channel::PlatformRoll
-            | Channel::PlatformYaw => None,
+            read => Some(reading_floor(sensor_of(self.parameters, read)?, &self.parameters.interface)),
         }
     }
 }

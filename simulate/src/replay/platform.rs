@@ -5,7 +5,26 @@ use crate::motion::{FurtherMotion, PlatformMotion};
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::signal::Signal;
 use counterpoise_models::{AccelerometerAxis, Alignment, Interface, Parameters, Sensor};
-use counterpoise_recordings::{Channel, Recording};
+use counterpoise_recordings::{Channel, Recording, repeat_last};
+
+/// Returns the sensor of a machine that a channel is the reading of; `None` for a channel without one, or one that is not fitted.
+pub fn sensor_of(parameters: &Parameters, channel: Channel) -> Option<&Sensor> {
+    let sensors = &parameters.sensors;
+    match channel {
+        Channel::HubRate => Some(&sensors.hub_gyro),
+        Channel::PlatformRate => Some(&sensors.platform_gyro),
+        Channel::PlatformAccel => Some(&sensors.platform_accelerometer),
+        Channel::MotorRate => sensors.motor_tachometer.as_ref(),
+        Channel::HubPosition => sensors.hub_resolver.as_ref(),
+        Channel::PlatformSurge => sensors.surge_accelerometer.as_ref(),
+        Channel::Demand
+        | Channel::Control
+        | Channel::MotorPosition
+        | Channel::MotorCurrent
+        | Channel::PlatformRoll
+        | Channel::PlatformYaw => None,
+    }
+}
 
 /// RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
 /// the noise and of the converter's step over the root of 12.
@@ -87,8 +106,8 @@ impl Deconvolved {
         if !sensor.is_fitted() {
             return None;
         }
-        let held = 0.5 * (sensor.samples_between_readings(period_s) - 1) as f64;
-        let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s + held);
+        let late = sensor.delay_s / period_s + sensor.mean_hold_samples(period_s);
+        let advanced = advanced(self.input.as_deref()?, late);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
     }
 }
@@ -152,20 +171,10 @@ fn turning(recording: &Recording) -> Option<[Signal; 2]> {
     }
     let period_s = recording.sample_period_s;
     let signal = |channel| match recording.samples(channel) {
-        Some(values) => Signal::Samples { period_s, values: finite(values) },
+        Some(values) => Signal::Samples { period_s, values: repeat_last(values) },
         None => Signal::ZERO,
     };
     Some(channels.map(signal))
-}
-
-/// Returns a column in which a missing sample repeats the one before.
-fn finite(values: &[f64]) -> Vec<f64> {
-    let mut last = values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
-    let at = |value: &f64| {
-        last = if value.is_finite() { *value } else { last };
-        last
-    };
-    values.iter().map(at).collect()
 }
 
 /// What the platform's sensors felt; `None` for one that was not recorded.

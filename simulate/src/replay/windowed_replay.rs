@@ -12,11 +12,13 @@ use super::{ChannelFit, Loop, RecordedController, Replay, Replayer};
 use crate::Error;
 use crate::history::ReadingColumns;
 use crate::noise::Noise;
-use crate::tolerance::{DIVERGED_FLOORS, LONG_WINDOWS, WRONG_MODEL};
+use crate::tolerance::{
+    DIVERGED_FLOORS, LONG_WINDOWS, MODEL_SEED, OWN_EXPLAINED, SHORTEST_OWN_WINDOW_S, WRONG_MODEL,
+};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
-/// Length of a window, s.
+/// Length of a window, s; a machine that forgets its start faster is followed over halves of it.
 pub const WINDOW_S: f64 = 0.5;
 /// The channels that show whether a machine hunts. The control contains the noise itself, and in a rate loop the angle drifts
 /// anyway.
@@ -80,9 +82,38 @@ impl Replayer<'_> {
         else {
             return Ok(SelectedReplay { replay: free, mode, divergence });
         };
-        let replay = self.replay_windowed_with_control(parameters, WINDOW_S, controller)?;
-        let mode = ReplayMode::Windowed { window_s: WINDOW_S, free: free.channels };
+        let mut replay = self.replay_windowed_with_control(parameters, WINDOW_S, controller)?;
+        let mut window_s = WINDOW_S;
+        if !is_explained(&replay) {
+            window_s = self.own_window_s(parameters, control, &free)?;
+        }
+        if window_s < WINDOW_S {
+            replay = self.replay_windowed_with_control(parameters, window_s, controller)?;
+        }
+        let mode = ReplayMode::Windowed { window_s, free: free.channels };
         Ok(SelectedReplay { replay, mode, divergence: Some(divergence) })
+    }
+
+    /// Returns the longest window, of [`WINDOW_S`] and its halves, over which a replay explains what the model itself would have recorded: a
+    /// machine that floats in its gap forgets faster than one that hunts, and what it forgets says nothing against the model.
+    fn own_window_s(&self, parameters: &Parameters, control: &Loop, free: &Replay) -> Result<f64, Error> {
+        let mut simulator = self.simulator(&self.plant(parameters)?)?;
+        let noisy = self.clone().with_noise_of(MODEL_SEED);
+        let own = noisy.run(&mut simulator, control, &free.start)?.readings;
+        let recording = own.recording("model", self.recording.sample_period_s);
+        // the platform is reconstructed anew: what noise leaves in it moves a machine that floats in its gap
+        let itself = Replayer {
+            steps_per_sample: self.steps_per_sample,
+            body: self.body.clone(),
+            ..Replayer::new(parameters, &recording)?
+        };
+        let mut window_s = WINDOW_S;
+        while window_s > SHORTEST_OWN_WINDOW_S
+            && excess(&itself.replay_windowed(parameters, window_s)?) > OWN_EXPLAINED
+        {
+            window_s *= 0.5;
+        }
+        Ok(window_s)
     }
 
     /// Replays over windows as [`Self::replay_windowed`] does, and compares the recorded control with the one that the controller makes

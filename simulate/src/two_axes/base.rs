@@ -1,7 +1,7 @@
 //! The motion of the base under a traverse ring, sample by sample.
 
 use super::quartics::{AT, PLACES};
-use crate::motion::{Followed, quartic};
+use crate::motion::{Followed, quartic, slope};
 use crate::signal::Signal;
 
 /// How the base moves under a traverse ring, in axes fixed to the base: x forward, y to the left, z up.
@@ -83,9 +83,4 @@ impl<'a> BaseTrack<'a> {
         }
         BaseSample { yaw: rate[2], places }
     }
-}
-
-#[inline]
-fn slope(c: &[f64; 5], s: f64) -> f64 {
-    c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
 }

@@ -138,10 +138,6 @@ fn in_fixed_point(designed: &Designed, plant: &Plant, readings: Vec<[f64; READIN
 /// What is wrong with the replays of an example's recordings; `None` if it designs no controller.
 fn wrong(path: &Path) -> Option<Vec<String>> {
     let designed = examples::designed(path)?;
-    // a replay knows one axis: the axis under it is no part of the recording
-    if designed.project.traverse.is_some() {
-        return None;
-    }
     let procedure = designed.project.verify.as_ref().map(|verify| verify.procedure.step.rate_rad_s.abs());
     let plant = recorded_plant(&designed, procedure.unwrap_or(0.1));
     let project = replaying(path, &designed, &plant);
