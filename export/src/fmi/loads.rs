@@ -1,7 +1,8 @@
-//! Equilibrator, stops, recoil, and the limits of the drive, as the plant unit's templates take them.
+//! Equilibrator, stops, recoil, a hydraulic cylinder, and the limits of the drive, as the plant unit's templates take them.
 
 use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Force};
 use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
+use counterpoise_models::parameters::cylinder::{LAMINAR_SHARE, Lever};
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{COPPER_PER_K, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K};
 use minijinja::{Value, context};
@@ -65,6 +66,32 @@ fn recoil(of: &Recoil) -> Value {
         bore_offset => number(of.bore_offset_m),
         ahead => number(of.ahead_m),
     }
+}
+
+/// Returns the valve and the lever of a hydraulic cylinder; undefined without one.
+pub(super) fn cylinder(plant: &Plant) -> Option<Value> {
+    let cylinder = plant.parameters().cylinder.as_ref()?;
+    let valve = context! {
+        supply => number(cylinder.supply_mpa),
+        overlap => number(cylinder.overlap_l_s),
+        frequency => number(cylinder.valve_frequency_rad_s),
+        damping => number(cylinder.valve_damping),
+        laminar => number(LAMINAR_SHARE),
+    };
+    let lever = match cylinder.lever {
+        Lever::Constant(_) => context! { linkage => false },
+        Lever::Linkage(pins) => {
+            let between = pins.anchor_angle_rad - pins.arm_angle_rad;
+            context! {
+                linkage => true,
+                between => number(between),
+                arms => number(pins.arm_m * pins.anchor_m),
+                squares => number(pins.arm_m * pins.arm_m + pins.anchor_m * pins.anchor_m),
+                sense => number(-between.sin().signum()),
+            }
+        }
+    };
+    Some(context! { ..valve, ..lever })
 }
 
 /// The limits of the drive.

@@ -1,7 +1,6 @@
 //! The numbers of a plant as C writes them.
 
 use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
-use counterpoise_models::parameters::cylinder::{LAMINAR_SHARE, Lever};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
@@ -180,7 +179,7 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
     minijinja::context! {
         rigid => plant.is_rigid(),
-        cylinder => cylinder(plant),
+        cylinder => super::loads::cylinder(plant),
         linear => p.axis == Axis::Linear,
         surge => p.sensors.reads_surge() && p.axis == Axis::Rotary,
         elevated => p.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
@@ -196,32 +195,6 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
         bus_limits_drive => modelled && !unlimited,
         current, measured, shown, shown_at_rest,
     }
-}
-
-/// Returns the valve and the lever of a hydraulic cylinder; undefined without one.
-fn cylinder(plant: &Plant) -> Option<minijinja::Value> {
-    let cylinder = plant.parameters().cylinder.as_ref()?;
-    let valve = minijinja::context! {
-        supply => number(cylinder.supply_mpa),
-        overlap => number(cylinder.overlap_l_s),
-        frequency => number(cylinder.valve_frequency_rad_s),
-        damping => number(cylinder.valve_damping),
-        laminar => number(LAMINAR_SHARE),
-    };
-    let lever = match cylinder.lever {
-        Lever::Constant(_) => minijinja::context! { linkage => false },
-        Lever::Linkage(pins) => {
-            let between = pins.anchor_angle_rad - pins.arm_angle_rad;
-            minijinja::context! {
-                linkage => true,
-                between => number(between),
-                arms => number(pins.arm_m * pins.anchor_m),
-                squares => number(pins.arm_m * pins.arm_m + pins.anchor_m * pins.anchor_m),
-                sense => number(-between.sin().signum()),
-            }
-        }
-    };
-    Some(minijinja::context! { ..valve, ..lever })
 }
 
 /// Returns the torque that the transmission passes to the hub, as an expression of the generated code.

@@ -51,13 +51,8 @@ impl Plant {
         let (hub_rate, hub_angle) = (dot(&self.hub_rate_row()), dot(&self.hub_angle_row()));
         let relative_rate = hub_rate - at.platform_rate_rad_s;
         let relative_angle = hub_angle - at.platform_angle_rad;
-        let (motor_rate, motor_angle) = match self.lever(relative_angle) {
-            Some(lever) => (lever.arm_m * relative_rate, lever.travel_m),
-            None => (
-                dot(&self.motor_rate_row()) - self.motor_share() * at.platform_rate_rad_s,
-                self.parameters.gearbox.ratio * (x[state::WINDUP] + relative_angle),
-            ),
-        };
+        let motor = self.motor_motion(x, relative_angle, at.platform_rate_rad_s);
+        let (motor_rate, motor_angle) = (motor.rate_rad_s, motor.angle_rad);
         let (mesh, offset) = self.mesh(x[state::WINDUP]);
         let core = self.core(mesh);
         let mesh_torque = self.mesh_torque_nm(x[state::WINDUP], hub_rate, motor_rate, at.platform_rate_rad_s);
@@ -65,7 +60,6 @@ impl Plant {
         let (sin, cos) = self.tilt(hub_angle);
         let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
         let mut u = [0.0; input::COUNT];
-        let motor = JointMotion { angle_rad: motor_angle, rate_rad_s: motor_rate };
         let hub = JointMotion { angle_rad: relative_angle, rate_rad_s: relative_rate };
         let regime = self.regime(x, at, [motor, hub], mesh_torque);
         u[input::DRIVE] = regime.drive_v;
@@ -107,6 +101,21 @@ impl Plant {
         dx[n] = motor_dry.slope;
         dx[n + 1] = pivot_dry.slope;
         self.hose_and_hysteresis(x, relative_rate, motor_rate / ratio - relative_rate, dx);
+    }
+
+    /// Returns the motion of the motor on the platform; of a cylinder that of its piston.
+    fn motor_motion(&self, x: &[f64], relative_angle: f64, platform_rate: f64) -> JointMotion {
+        let dot = |row: &[f64]| row.iter().zip(x).map(|(c, s)| c * s).sum::<f64>();
+        match self.lever(relative_angle) {
+            Some(lever) => JointMotion {
+                angle_rad: lever.travel_m,
+                rate_rad_s: lever.arm_m * (dot(&self.hub_rate_row()) - platform_rate),
+            },
+            None => JointMotion {
+                angle_rad: self.parameters.gearbox.ratio * (x[state::WINDUP] + relative_angle),
+                rate_rad_s: dot(&self.motor_rate_row()) - self.motor_share() * platform_rate,
+            },
+        }
     }
 
     /// With a cylinder the force on the piston acts on the hub by the lever at its angle, beside what the valve and the lever add.

@@ -504,8 +504,20 @@ impl Ports {
         }
     }
 
-    /// Returns what the nonlinear valve and a lever that follows the angle make of a force on the piston: the port of the flow, and the torque on the hub.
-    fn cylinder_ports(&self, plant: &Plant, at: &Point, motion: &Motion, force_n: f64) -> [f64; 2] {
+    /// Returns the ports where a cylinder drives: the force on the piston acts on the hub by its lever, and the first port is the flow of the
+    /// nonlinear valve.
+    #[inline]
+    fn through_cylinder(
+        &self,
+        plant: &Plant,
+        at: &Point,
+        motion: &Motion,
+        ports: [f64; PORTS],
+    ) -> [f64; PORTS] {
+        if !self.has_cylinder {
+            return ports;
+        }
+        let [force_n, hub, load] = ports;
         let parts = plant.cylinder_parts(&CylinderPoint {
             opening_l_s: at.outputs[WINDUP],
             pressure_mpa: at.outputs[CURRENT],
@@ -513,7 +525,7 @@ impl Ports {
             rate_rad_s: motion.pivot_rate,
             force_n,
         });
-        [parts.flow_l_s, parts.hub_nm]
+        [parts.flow_l_s, hub + parts.hub_nm, load]
     }
 
     #[inline]
@@ -661,11 +673,7 @@ impl Ports {
             motor += added.motor_nm;
             hub += added.hub_nm;
         }
-        if self.has_cylinder {
-            let [flow, torque] = self.cylinder_ports(plant, at, motion, motor);
-            return [flow, hub + torque, load];
-        }
-        [motor, hub, load]
+        self.through_cylinder(plant, at, motion, [motor, hub, load])
     }
 }
 
