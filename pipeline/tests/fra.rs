@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::simulator_access::Serial;
-use counterpoise_pipeline::model;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan, Point};
-use counterpoise_project::Project;
+use counterpoise_pipeline::{model, with_chosen_weights};
+use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 
 fn rig() -> Project {
@@ -34,6 +34,41 @@ fn the_describing_function_explains_what_the_linear_model_does_not() {
         let described = (db(p.describing.unwrap()) - p.gain_db).abs();
         assert!(p.settled && described < 0.1, "{} V, {} Hz: {described} dB", p.amplitude, p.frequency_hz);
         assert!((db(p.linear) - p.gain_db).abs() > 5.0 * described, "{} V", p.amplitude);
+    }
+}
+
+/// A voice-coil stage without friction, in a loop of position on a sliding axis.
+const STAGE: &str = "format = 2
+    plant.axis = \"linear\"
+    plant.mass = 0.35
+    plant.motor = { torque_constant = 12.0 }
+    plant.drive = { kind = \"current\", limit = 4.0 }
+    plant.sensors.encoder = { resolution = 5e-8 }
+    plant.interface = { sample_period = 1e-3 }";
+
+#[test]
+fn a_linear_loop_of_position_is_measured_as_its_model_says() {
+    let document = Document::parse(STAGE, "stage.toml");
+    let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
+    let project = with_chosen_weights(&read.project).unwrap().unwrap().project;
+    let modelled = model(&project).unwrap();
+    let plan = Plan {
+        around: Around::Closed,
+        amplitudes: vec![1e-4],
+        frequencies_hz: vec![1.0, 3.0, 10.0],
+        offset_m: 0.0,
+    };
+    let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
+    let points = analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points;
+    for p in points {
+        let off = (db(p.linear) - p.gain_db).abs();
+        assert!(
+            p.settled && off < 0.02,
+            "{} Hz: {} dB, linear {} dB",
+            p.frequency_hz,
+            p.gain_db,
+            db(p.linear)
+        );
     }
 }
 

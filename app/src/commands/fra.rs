@@ -101,6 +101,9 @@ pub fn run(options: &FraOptions) -> Done {
         loaded = projects::load_project(&options.project, Purpose::Synth)?;
     }
     output::print_warnings(&loaded, options.outputs.results.progress());
+    if options.recording.is_empty() {
+        check_platform_is_measured(&loaded, options.around)?;
+    }
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
         simulated(&loaded, &plan, options)?
@@ -119,6 +122,19 @@ pub fn run(options: &FraOptions) -> Done {
         tell_speed(&maps, &speed);
     }
     Ok(Exit::SUCCESS)
+}
+
+/// Refuses a response to the platform's motion if the machine has no gyroscope on the platform, against whose reading it is measured.
+fn check_platform_is_measured(loaded: &Loaded, around: LoopName) -> Result<()> {
+    let is_to_platform = matches!(around, LoopName::Disturbance | LoopName::Disconnected);
+    if is_to_platform && !loaded.project.plant.sensors.platform_gyro.is_fitted() {
+        bail!(
+            "the response to the platform's motion is measured against the gyroscope on the platform, and {} has none: add \
+             [plant.sensors.platform_gyro], or choose --loop closed or --loop plant",
+            loaded.path.display()
+        );
+    }
+    Ok(())
 }
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,

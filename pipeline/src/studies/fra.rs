@@ -404,7 +404,8 @@ impl Analyser {
         if [&p.motor_friction.law, &p.pivot_friction.law].iter().all(|law| **law == FrictionLaw::None) {
             return Ok(None);
         }
-        let swing = |found: &Expected| (found.relative.norm() * amplitude / rate).max(LEAST_SWING_RAD);
+        let per_travel = if p.sensors.measured.is_position() { 1.0 } else { rate };
+        let swing = |found: &Expected| (found.relative.norm() * amplitude / per_travel).max(LEAST_SWING_RAD);
         let mut hub_amplitude_rad = swing(linear);
         for _ in 0..MOST_SWING_TRIALS {
             let friction =
@@ -422,7 +423,10 @@ impl Analyser {
     /// Returns what the sampled linear model gives at one frequency.
     fn expected(&self, friction: FrictionLinearisation, rate: f64) -> Result<Expected, PipelineError> {
         let equilibrium = self.plant.equilibrium(&self.point);
-        let linear = self.plant.linearise(&equilibrium, friction, Angles::Keep)?;
+        // the outputs of a loop of position are positions, which the plant shows only in that form
+        let is_position = self.plant.parameters().sensors.measured.is_position();
+        let angles = if is_position { Angles::Position } else { Angles::Keep };
+        let linear = self.plant.linearise(&equilibrium, friction, angles)?;
         let resolver = match &self.acting {
             Acting::Designed(controller, _) => resolver_use(controller),
             Acting::Absent | Acting::Recorded(_) => Resolver::Unread,
@@ -446,7 +450,8 @@ impl Analyser {
                 let tone: Vec<C64> = pitch.iter().zip(&heave).map(|(p, h)| p + h * share).collect();
                 let u = through(&tone) / closed;
                 let response = (tone[HUB_GYRO] + control[HUB_GYRO] * u) / tone[PLATFORM_GYRO];
-                Expected { response, relative: tone[HUB] + control[HUB] * u - 1.0 }
+                let platform = if is_position { 0.0 } else { 1.0 };
+                Expected { response, relative: tone[HUB] + control[HUB] * u - platform }
             }
         })
     }
@@ -483,7 +488,7 @@ pub enum On {
 struct Expected {
     /// The response as the instrument reads it.
     response: C64,
-    /// Hub rate relative to the platform, per unit of excitation.
+    /// Hub rate relative to the platform, in a loop of position its position there, per unit of excitation.
     relative: C64,
 }
 

@@ -305,7 +305,12 @@ def runs(case, dt):
         yield f"rate at rest, {name}", case["rest_rms_rad_s"], NO_RATE
     if len(moved):
         half = len(moved) // 2
-        yield f"growth in motion, {name}", case["motion_growth"], spread(moved[half:]) / spread(moved[:half]), 1e-10
+        first, second = spread(moved[:half]), spread(moved[half:])
+        # a balanced direct drive stands still under heave and pitch, and what stands still has no growth
+        if first > 0.0:
+            yield f"growth in motion, {name}", case["motion_growth"], second / first, 1e-10
+        elif case["motion_growth"] is not None:
+            yield f"growth in motion, {name}", case["motion_growth"], math.inf, 0.0
     elif case["motion_growth"] is not None:
         yield f"growth in motion, {name}", case["motion_growth"], NO_RATE
     cycle_ = case["limit_cycle"]
