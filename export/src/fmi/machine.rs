@@ -179,7 +179,6 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
     minijinja::context! {
         rigid => plant.is_rigid(),
-        cylinder => super::loads::cylinder(plant),
         linear => p.axis == Axis::Linear,
         surge => p.sensors.reads_surge() && p.axis == Axis::Rotary,
         elevated => p.sensors.accelerometer_axis == AccelerometerAxis::Elevated,

@@ -64,7 +64,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         name, NAME => name.to_uppercase(), provenance => provenance.lines(),
         period => format!("{period_s:?}"), parts => machine::shortest_parts(plant),
         bonds => bonds.max(1), past, states => machine::states(plant),
-        kind => machine::kind(plant),
+        kind => context! { cylinder => loads::cylinder(plant), ..machine::kind(plant) },
         learned => learned::functions(plant),
         loads => loads::loads(plant), limits => loads::limits(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),

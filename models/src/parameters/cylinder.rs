@@ -191,27 +191,32 @@ impl Cylinder {
             ("motor.inductance_h of a cylinder", p.motor.inductance_h),
         ];
         for (name, value) in positive {
-            require(name, value, value > 0.0 && value.is_finite(), "must be positive and finite")?;
+            require(
+                name,
+                value,
+                (value > 0.0 && value.is_finite()).then_some(()),
+                "must be positive and finite",
+            )?;
         }
         let overlap = self.overlap_l_s;
         require(
             "cylinder.overlap_l_s",
             overlap,
-            overlap >= 0.0 && overlap.is_finite(),
+            (overlap >= 0.0 && overlap.is_finite()).then_some(()),
             "must be at least 0 and finite",
         )?;
         let limit = p.amplifier.input_limit_v;
         require(
             "amplifier.input_limit_v",
             limit,
-            limit.is_finite(),
+            (limit.is_finite()).then_some(()),
             "must be finite: the control at which the valve is fully open",
         )?;
         let ratio = p.gearbox.ratio;
         require(
             "gearbox.ratio",
             ratio,
-            ratio == self.lever.at(0.0).arm_m,
+            (ratio == self.lever.at(0.0).arm_m).then_some(()),
             "must be the cylinder's lever at the angle 0",
         )?;
         self.check_parts(p)
@@ -222,7 +227,7 @@ impl Cylinder {
         require(
             "amplifier.gain",
             p.amplifier.gain,
-            modelled,
+            (modelled).then_some(()),
             "must belong to a modelled drive with a rigid transmission where a cylinder drives",
         )?;
         let absent = [
@@ -235,7 +240,7 @@ impl Cylinder {
             ("number of free functions", p.learned.len() as f64),
         ];
         for (name, value) in absent {
-            require(name, value, value == 0.0, "must be 0 where a cylinder drives")?;
+            require(name, value, (value == 0.0).then_some(()), "must be 0 where a cylinder drives")?;
         }
         let infinite = [
             ("amplifier.bus_voltage_v", p.amplifier.bus_voltage_v),
@@ -245,21 +250,21 @@ impl Cylinder {
             require(
                 name,
                 value,
-                value == f64::INFINITY,
+                (value == f64::INFINITY).then_some(()),
                 "must be infinite where a cylinder drives: supply and valve limit it",
             )?;
         }
         require(
             "amplifier.map",
             p.amplifier.map.len() as f64,
-            p.amplifier.map.is_empty(),
+            (p.amplifier.map.is_empty()).then_some(()),
             "must be empty where a cylinder drives",
         )?;
         let limits = p.drive_limits.limits_current();
         require(
             "drive_limits",
             f64::from(u8::from(limits)),
-            !limits,
+            (!limits).then_some(()),
             "must not limit a current where a cylinder drives; slew may stand",
         )?;
         let sticks = p.motor_friction.law != FrictionLaw::None
@@ -267,14 +272,15 @@ impl Cylinder {
         require(
             "motor_friction.coulomb",
             p.motor_friction.coulomb_nm(),
-            !sticks,
+            (!sticks).then_some(()),
             "must have a law with presliding on a piston; a law that truly sticks belongs to the pivot",
         )
     }
 }
 
-fn require(parameter: &str, value: f64, holds: bool, allowed: &str) -> Result<(), Error> {
-    if holds {
+/// Returns an error unless a number is sound.
+fn require(parameter: &str, value: f64, sound: Option<()>, allowed: &str) -> Result<(), Error> {
+    if sound.is_some() {
         return Ok(());
     }
     Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.to_owned().into() })
