@@ -197,7 +197,13 @@ pub fn print_verdicts(found: &Verification) {
         }
     }
     let (holds, fails, open) = found.counts();
-    say!("{holds} requirements hold, {fails} fail, {open} not applicable");
+    if found.verdicts.is_empty() {
+        say!(
+            "nothing was required: [[verify.requirement]] with `figure` and `at_least` or `at_most` states what the design must reach"
+        );
+    } else {
+        say!("{holds} requirements hold, {fails} fail, {open} not applicable");
+    }
 }
 
 fn with_unit(value: f64, unit: &str) -> String {

@@ -88,6 +88,9 @@ pub fn run(options: &ModelOptions) -> Done {
 fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
     say!("{}: linear plant of order {}", result.name, result.order);
     match unheld {
+        None if result.out_of_balance_kg_m == 0.0 && result.holding_v == 0.0 => {
+            say!("in balance: it stays at its operating point without control");
+        }
         None => {
             say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v)
         }
@@ -97,7 +100,9 @@ fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
     say!("{:>14} {:>14}", "frequency Hz", "damping");
     for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {
         let size = re.hypot(*im);
-        say!("{:14.4} {:14.4}", size / std::f64::consts::TAU, -re / size.max(f64::MIN_POSITIVE));
+        // a pole at the origin has no damping, of either sign
+        let damping = if *re == 0.0 { 0.0 } else { -re / size };
+        say!("{:14.4} {damping:14.4}", size / std::f64::consts::TAU);
     }
 }
 

@@ -12,7 +12,7 @@ use crate::file::source::Remark;
 const LEAST_SHARE_OF_HEAVE: f64 = 0.1;
 
 /// Full range of every converter, V to either side.
-const CONVERTER_RANGE_V: f64 = 10.0;
+pub(super) const CONVERTER_RANGE_V: f64 = 10.0;
 
 /// An accelerometer on the elevated mass turns with a hub that has an elevation.
 pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {

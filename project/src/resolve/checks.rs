@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 
 use counterpoise_lti::Timebase;
-use counterpoise_models::{Parameters, Sensor};
+use counterpoise_models::{Measured, Parameters, Sensor};
 use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
 use super::design::ReductionMethod;
 use super::findings::{Findings, duplicates};
 use super::model::StructureChoice;
+use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
 use super::{Project, base_motion_checks, beam_checks, effort_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
@@ -51,6 +52,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     effort_checks::effort(&mut findings, project);
     delays(&mut findings, plant);
     own_periods(&mut findings, plant);
+    coarse_readings(&mut findings, plant);
     base_motion_checks::elevated(&mut findings, project);
     base_motion_checks::slide(&mut findings, project);
     base_motion_checks::projected(&mut findings, project);
@@ -294,6 +296,37 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
             let allowed = format!("must be at most {MOST_DELAY_SAMPLES} sample periods, {most} s");
             let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
             findings.add(Severity::Error, remark.found(delay_s.to_string()));
+        }
+    }
+}
+
+/// Returns the section of the sensor that the loop controls, whose readings go through a converter.
+fn section_of_loop(measured: Measured) -> &'static str {
+    match measured {
+        Measured::HubRate => "hub_gyro",
+        Measured::RelativeRate | Measured::MotorRate => "tachometer",
+        Measured::HubPosition | Measured::MotorPosition => "resolver",
+        Measured::Torque => "torque",
+        Measured::Current => "current",
+    }
+}
+
+/// Converters round the readings of a sensor whose scale is not stated far more coarsely than those of a real one.
+fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
+    let bits = plant.interface.input_bits;
+    for (name, sensor) in named_sensors(plant) {
+        let name = if name == "hub_gyro" { section_of_loop(plant.sensors.measured) } else { name };
+        let Some(sensor) = sensor.filter(|sensor| sensor.is_fitted() && sensor.resolution == 0.0) else {
+            continue;
+        };
+        if bits > 0 && sensor.scale_v_unit == IDEAL_SCALE {
+            let step = 2.0 * base_motion_checks::CONVERTER_RANGE_V / f64::from(bits).exp2() / IDEAL_SCALE;
+            let allowed = format!(
+                "is not stated, and {bits} bits over +/- 10 V at 0.001 V per unit read in steps of {step:.2}: state the sensor's voltage per unit, or leave out \
+                 plant.interface.input_bits"
+            );
+            let remark = Remark::new(Problem::Missing, &format!("plant.sensors.{name}.scale"), allowed);
+            findings.add(Severity::Warning, remark);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod keys;
 mod numbers;
+mod synonyms;
 
 use std::collections::BTreeMap;
 
@@ -196,7 +197,8 @@ impl<'a> Reader<'a> {
     fn unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {
         let what = if matches!(entry.node.value, Value::Table(_)) { "section" } else { "key" };
         let known: Vec<&str> = frame.known.iter().take(MOST_KNOWN).map(String::as_str).collect();
-        let near = nearest(&entry.key, frame.known.iter().map(String::as_str)).map(str::to_owned);
+        let near = nearest(&entry.key, frame.known.iter().map(String::as_str));
+        let near = near.or_else(|| synonyms::meant(&entry.key, &frame.known)).map(str::to_owned);
         let path =
             if frame.path.is_empty() { entry.key.clone() } else { format!("{}.{}", frame.path, entry.key) };
         let allowed = format!("there is no such {what}; known here: {}", known.join(", "));
