@@ -12,7 +12,7 @@ use super::findings::{Findings, duplicates};
 use super::model::StructureChoice;
 use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
-use super::{Project, base_motion_checks, beam_checks, effort_checks};
+use super::{Project, base_motion_checks, beam_checks, cylinder, effort_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
@@ -50,6 +50,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
     effort_checks::effort(&mut findings, project);
+    cylinder::fitting(&mut findings, project);
     delays(&mut findings, plant);
     own_periods(&mut findings, plant);
     coarse_readings(&mut findings, plant);
