@@ -315,6 +315,9 @@ fn section_of_loop(measured: Measured) -> &'static str {
 /// Converters round the readings of a sensor whose scale is not stated far more coarsely than those of a real one.
 fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
     let bits = plant.interface.input_bits;
+    if !findings.states("plant.interface.input_bits") {
+        return;
+    }
     for (name, sensor) in named_sensors(plant) {
         let name = if name == "hub_gyro" { section_of_loop(plant.sensors.measured) } else { name };
         let Some(sensor) = sensor.filter(|sensor| sensor.is_fitted() && sensor.resolution == 0.0) else {
