@@ -444,10 +444,12 @@ fn driven_by_cylinder(p: &mut Parameters, lever: Lever) {
 
 #[test]
 fn a_hydraulic_cylinder() {
-    let pins = Linkage { arm_m: 0.6, arm_angle_rad: -0.3, anchor_m: 1.3, anchor_angle_rad: -1.7 };
+    let pushes = Linkage { arm_m: 0.6, arm_angle_rad: -0.3, anchor_m: 1.3, anchor_angle_rad: -1.7 };
+    let pulls = Linkage { arm_angle_rad: 0.2, anchor_angle_rad: 1.9, ..pushes };
     all_equal(&[
         machine("cylinder with a constant lever", |p| driven_by_cylinder(p, Lever::Constant(0.5))),
-        machine("cylinder in a triangle of pins", move |p| driven_by_cylinder(p, Lever::Linkage(pins))),
+        machine("cylinder that pushes", move |p| driven_by_cylinder(p, Lever::Linkage(pushes))),
+        machine("cylinder that pulls", move |p| driven_by_cylinder(p, Lever::Linkage(pulls))),
     ]);
 }
 

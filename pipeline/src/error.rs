@@ -149,6 +149,19 @@ pub enum PipelineError {
         /// The limit, V.
         limit_v: f64,
     },
+    /// A weight that the drive cannot carry at any control.
+    #[error(
+        "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_nm:.4} N m to hold, and the drive gives at most {largest_nm:.4} N m: with a cylinder \
+         raise its supply_pressure, area or lever, with a motor its current limit, or carry the weight with [plant.equilibrator]"
+    )]
+    CannotCarry {
+        /// The out-of-balance, kg m.
+        moment_kg_m: f64,
+        /// The torque that holds it, N m.
+        needed_nm: f64,
+        /// The largest torque of the drive, N m.
+        largest_nm: f64,
+    },
     /// A reduction that the chosen structure does not allow.
     #[error("reduction by {method}: {problem}")]
     Reduction {

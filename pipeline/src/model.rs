@@ -83,7 +83,23 @@ pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
     let limit_v = p.amplifier.drive_v(p.amplifier.input_limit_v.min(CONVERTER_RANGE_V), &p.motor).abs();
     let needed_v = modelled.linear.equilibrium.drive_v.abs();
     let moment_kg_m = modelled.plant.body().out_of_balance_kg_m;
+    if let Some(beyond) = cannot_carry(modelled) {
+        return Some(beyond);
+    }
     (needed_v > limit_v).then_some(PipelineError::CannotHold { moment_kg_m, needed_v, limit_v })
+}
+
+/// Why the drive cannot carry the weight at any control, if it cannot.
+pub(crate) fn cannot_carry(modelled: &Modelled) -> Option<PipelineError> {
+    let (p, at) = (&modelled.parameters, &modelled.linear.equilibrium);
+    let needed_nm = (p.gearbox.ratio * p.motor.torque_constant_nm_a * at.current_a).abs();
+    let moment_kg_m = modelled.plant.body().out_of_balance_kg_m;
+    let is_carried = at.control_v.is_finite();
+    (!is_carried).then(|| PipelineError::CannotCarry {
+        moment_kg_m,
+        needed_nm,
+        largest_nm: p.largest_hold_nm(),
+    })
 }
 
 /// Volts of the output converter beyond which the control is limited: the converter's own range.

@@ -8,4 +8,5 @@ mod preview;
 mod requirements;
 mod road;
 mod two_axes;
+mod weights_carried;
 mod wording;

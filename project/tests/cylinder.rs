@@ -102,6 +102,30 @@ fn what_is_wrong_is_told_at_its_key() {
             "linkage",
             "must have a lever at the angle 0",
         ),
+        (
+            GOOD.replace("lever_arm = 0.433\n[plant.friction.motor]", &PINS.replace("-30 deg", "180 deg")),
+            "linkage",
+            "must have a lever at the angle 0",
+        ),
+        (
+            GOOD.replace("lever_arm = 0.433\n[plant.friction.motor]", PINS) + "[model]\nhub_angle = -0.55\n",
+            "plant.cylinder.linkage",
+            "has no lever on the way to the angle -0.55 rad",
+        ),
+        (
+            GOOD.replace("model = \"dahl\"", "model = \"coulomb\"")
+                .replace("rest_stiffness = \"1.5e6 N/m\"\n", ""),
+            "plant.friction.motor.model",
+            "must be a law with presliding",
+        ),
+        (
+            GOOD.replace(
+                "[plant.interface]",
+                "[plant.drive_limits]\ncontinuous_current = 1.0\n[plant.interface]",
+            ),
+            "plant.drive_limits",
+            "must not limit a current",
+        ),
     ];
     for (text, key, message) in wrong {
         let all = said(&text);

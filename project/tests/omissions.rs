@@ -148,3 +148,37 @@ fn a_beam_without_damping_has_the_usual_ratio_which_is_listed_and_can_be_varied(
     let varied = parsed.project.with_number(&assumed.key, 0.02).unwrap();
     assert_eq!(varied.plant.beam.unwrap().modal_damping, [0.02]);
 }
+
+#[test]
+fn converters_that_read_an_unscaled_sensor_in_coarse_steps_are_told() {
+    let text =
+        |sensor: &str| format!("{}input_bits = 14\n[plant.motor]\ntorque_constant = 1.0\n{sensor}", SLIDE);
+    let warned = |sensor: &str| {
+        let parsed = Project::parse(&text(sensor), "slide.toml").unwrap();
+        parsed.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    let unscaled = warned("[plant.sensors.tachometer]\nnoise = 1e-3\n");
+    assert!(
+        unscaled.contains("plant.sensors.tachometer.scale") && unscaled.contains("steps of 1.22"),
+        "{unscaled}"
+    );
+    assert_eq!(warned("[plant.sensors.tachometer]\nscale = 4.0\n"), "");
+    assert_eq!(warned("[plant.sensors.encoder]\nresolution = \"1 um\"\n"), "");
+}
+
+#[test]
+fn names_of_data_sheets_are_answered_with_the_key() {
+    let said = |text: &str| {
+        let errors =
+            Project::resolve(&Document::parse(text, "slide.toml"), &Attachments::none()).unwrap_err();
+        errors.iter().map(|error| format!("{error}\n")).collect::<String>()
+    };
+    for (wrong, meant) in [
+        (format!("name = \"x\"\n{SLIDE}"), "did you mean \"plant.name\"?"),
+        (format!("{SLIDE}[plant.motor]\nforce_constant = 12.0\n"), "did you mean \"torque_constant\"?"),
+        (format!("{SLIDE}[plant.motor]\nke = 12.0\n"), "did you mean \"back_emf_constant\"?"),
+        (SLIDE.replace("sample_period", "ts"), "did you mean \"sample_period\"?"),
+    ] {
+        assert!(said(&wrong).contains(meant), "{}", said(&wrong));
+    }
+}

@@ -29,7 +29,7 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let name = first.map_or("", |map| map.name.as_str());
     Report {
         title: format!("Frequency responses of {name}"),
-        subtitle: first.map_or("", |map| map.around.words()).to_owned(),
+        subtitle: first.map(Map::words).unwrap_or_default(),
         headline: headline(maps),
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
@@ -80,18 +80,13 @@ fn label(map: &Map, amplitude: f64) -> String {
     if amplitude.is_nan() {
         "recorded".to_owned()
     } else {
-        format!("{} {}", short_number(amplitude), map.around.unit())
+        format!("{} {}", short_number(amplitude), map.signals.input_unit)
     }
 }
 
 fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
     let at = |p: &&Point| of(p).map(|h| (p.frequency_hz, h[0], h[1]));
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
-}
-
-/// Returns what the magnitude is relative to.
-fn reference(map: &Map) -> &'static str {
-    if map.around.unit() == "V" { "rad/s per V" } else { "" }
 }
 
 /// Returns all amplitudes in one diagram, the linear model dashed.
@@ -107,8 +102,13 @@ fn overview(map: &Map, command: &str) -> Figure {
     if let Some(Family { points, .. }) = families.first() {
         curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed());
     }
-    let figure =
-        bode_figure("Measured at every amplitude", reference(map), &curves, Phase::Shown, Vec::new());
+    let figure = bode_figure(
+        "Measured at every amplitude",
+        &map.signals.gain_unit(),
+        &curves,
+        Phase::Shown,
+        Vec::new(),
+    );
     let figure = figure.with_caption("Dashed: the linear model without dry friction, sampled exactly.");
     Figure { command: command.to_owned(), ..figure }
 }
@@ -167,7 +167,7 @@ fn beside_models(map: &Map, family: &Family<'_>, colour: Colour) -> Figure {
         curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed(),
     ];
     let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
-    bode_figure(&name, reference(map), &kept, Phase::Shown, Vec::new())
+    bode_figure(&name, &map.signals.gain_unit(), &kept, Phase::Shown, Vec::new())
 }
 
 fn harmonics(map: &Map, command: &str) -> Figure {
@@ -181,10 +181,13 @@ fn harmonics(map: &Map, command: &str) -> Figure {
     };
     let panels = vec![
         Panel::new(Axis::linear("harmonics", "%"), of(|p| 100.0 * p.distortion)).with_height(160.0),
-        Panel::new(Axis::linear("mean rate", "rad/s"), of(|p| p.mean_rad_s)).with_height(120.0),
+        Panel::new(Axis::linear("mean", map.signals.output_unit), of(|p| p.mean_rad_s)).with_height(120.0),
     ];
     let figure = Figure::new("Harmonics over the fundamental", Axis::logarithmic("frequency", "Hz"), panels)
-        .with_caption("Harmonics two to five of the hub rate, as the root of their squares, and its mean.");
+        .with_caption(&format!(
+            "Harmonics two to five of the {}, as the root of their squares, and its mean.",
+            map.signals.output
+        ));
     Figure { command: command.to_owned(), ..figure }
 }
 
@@ -206,10 +209,11 @@ fn widest_spread(map: &Map) -> f64 {
 fn tiles(map: &Map) -> Vec<Tile> {
     let largest = map.points.iter().map(|p| p.gain_db).fold(f64::MIN, f64::max);
     let distortion = map.points.iter().map(|p| p.distortion).fold(0.0, f64::max);
-    let unit = if map.around.unit() == "V" { "dB re rad/s per V" } else { "dB" };
+    let relative = map.signals.gain_unit();
+    let unit = if relative.is_empty() { "dB".to_owned() } else { format!("dB re {relative}") };
     vec![
         Tile::plain("points", map.points.len().to_string(), ""),
-        Tile::plain("largest gain", short_number(largest), unit),
+        Tile::plain("largest gain", short_number(largest), &unit),
         Tile::plain("spread over amplitudes", short_number(widest_spread(map)), "dB")
             .noted("0 on a linear machine"),
         Tile::plain("largest harmonics", short_number(100.0 * distortion), "%").noted("of the fundamental"),
@@ -261,7 +265,7 @@ fn points_table(map: &Map) -> Table {
         Column::Number("cycles"),
         Column::Text("settled"),
     ];
-    let mut table = Table::new(&format!("Amplitudes in {}", map.around.unit()), &columns);
+    let mut table = Table::new(&format!("Amplitudes in {}", map.signals.input_unit), &columns);
     for p in &map.points {
         table.rows.push(vec![
             Cell::number(p.amplitude),

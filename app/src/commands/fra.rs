@@ -259,17 +259,17 @@ impl LogarithmicRange {
 
 fn print(map: &Map) {
     let from = map.recording.as_deref().unwrap_or("simulated");
-    say!("{}: {} ({from})", map.name, map.around.words());
+    say!("{}: {} ({from})", map.name, map.words());
     say!(
         "{:>10} {:>10} {:>9} {:>9} {:>11} {:>11} {:>9} {:>11}",
-        map.around.unit(),
+        map.signals.input_unit,
         "Hz",
         "gain dB",
         "phase deg",
         "linear dB",
         "descr. dB",
         "harmonics",
-        "mean rad/s"
+        format!("mean {}", map.signals.output_unit)
     );
     let db = |h: [f64; 2]| 20.0 * h[0].hypot(h[1]).log10();
     for p in &map.points {

@@ -11,6 +11,7 @@
 use super::core::{Core, input, state};
 use super::impedance::Impedance;
 use super::{Equilibrium, OperatingPoint, Plant};
+use crate::parameters::Parameters;
 use crate::parameters::cylinder::{Cylinder, LeverPoint};
 
 /// The cylinder at an instant.
@@ -35,6 +36,15 @@ pub struct CylinderParts {
     pub flow_l_s: f64,
     /// On the hub, N m.
     pub hub_nm: f64,
+}
+
+impl Parameters {
+    /// Returns the largest torque with which the drive can hold the hub at rest, at the angle 0 of the hub on the platform, N m: that of the supply
+    /// pressure with a cylinder, of the current limit with a motor.
+    pub fn largest_hold_nm(&self) -> f64 {
+        let largest = self.cylinder.as_ref().map_or(self.amplifier.current_limit_a, |it| it.supply_mpa);
+        self.gearbox.ratio * self.motor.torque_constant_nm_a * largest
+    }
 }
 
 impl Plant {

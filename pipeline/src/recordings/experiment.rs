@@ -151,7 +151,7 @@ fn usual_machines(plant: &Parameters) -> Vec<PossibleMachine> {
 fn largest_torque_nm(plant: &Parameters) -> f64 {
     let motor = &plant.motor;
     let current_a = FULL_V * plant.amplifier.stall_gain_a_v(motor);
-    plant.gearbox.ratio * motor.torque_constant_nm_a * current_a.min(plant.amplifier.current_limit_a)
+    (plant.gearbox.ratio * motor.torque_constant_nm_a * current_a).min(plant.largest_hold_nm())
 }
 
 /// Full scale of the control, V.

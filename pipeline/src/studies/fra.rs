@@ -9,7 +9,7 @@ use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
-use counterpoise_models::{FrictionLaw, OperatingPoint};
+use counterpoise_models::{ControlledQuantity, FrictionLaw, OperatingPoint};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 use counterpoise_simulate::fra::{self, Measurement, PlannedPoint, Response, Settings, Test, TestSine};
@@ -45,7 +45,7 @@ pub enum Around {
 pub struct Plan {
     /// What is excited.
     pub around: Around,
-    /// Amplitudes: V for the plant, rad/s otherwise.
+    /// Amplitudes: V for the plant, in the demand's unit for the closed loop, rad/s otherwise.
     pub amplitudes: Vec<f64>,
     /// Frequencies, Hz.
     pub frequencies_hz: Vec<f64>,
@@ -56,7 +56,7 @@ pub struct Plan {
 /// One point of the map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
-    /// Amplitude of the excitation: V for the plant, rad/s otherwise.
+    /// Amplitude of the excitation, in the input's unit.
     pub amplitude: f64,
     /// Frequency, Hz, moved so that whole cycles fill whole samples.
     pub frequency_hz: f64,
@@ -66,9 +66,9 @@ pub struct Point {
     pub gain_db: f64,
     /// Phase, degrees, from -180 to 180.
     pub phase_deg: f64,
-    /// Mean of the hub rate, rad/s.
+    /// Mean of what is measured: of the hub rate, rad/s, in a loop of rate, otherwise in the output's unit.
     pub mean_rad_s: f64,
-    /// Harmonics of the hub rate from the second on, over its fundamental.
+    /// Harmonics of what is measured from the second on, over its fundamental.
     pub distortion: f64,
     /// Whole cycles in the window.
     pub cycles: usize,
@@ -95,6 +95,30 @@ pub enum MapRemark {
     },
 }
 
+/// What a map relates: the quantities of the machine's own loop, with their units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct MapSignals {
+    /// What is excited.
+    pub input: &'static str,
+    /// Its unit.
+    pub input_unit: &'static str,
+    /// What is measured.
+    pub output: &'static str,
+    /// Its unit.
+    pub output_unit: &'static str,
+}
+
+impl MapSignals {
+    /// Returns the unit of a gain, for example "rad/s per V"; empty if it has none.
+    pub fn gain_unit(&self) -> String {
+        if self.input_unit == self.output_unit {
+            String::new()
+        } else {
+            format!("{} per {}", self.output_unit, self.input_unit)
+        }
+    }
+}
+
 /// A measured map. Its remarks are typed as it is measured, and sentences as it is presented.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Map<Remark = String> {
@@ -102,6 +126,8 @@ pub struct Map<Remark = String> {
     pub name: String,
     /// What was excited and measured.
     pub around: Around,
+    /// The signals that it relates, and their units.
+    pub signals: MapSignals,
     /// Name of the recording, where the instrument ran on one.
     pub recording: Option<String>,
     /// Points: amplitude by amplitude, frequency rising.
@@ -110,6 +136,13 @@ pub struct Map<Remark = String> {
     pub simulated_s: f64,
     /// What has to be known with the numbers.
     pub remarks: Vec<Remark>,
+}
+
+impl<Remark> Map<Remark> {
+    /// Returns what was measured, in words: for example "demand to hub rate, with the controller".
+    pub fn words(&self) -> String {
+        format!("{} to {}, {}", self.signals.input, self.signals.output, self.around.surroundings())
+    }
 }
 
 /// A map that was measured on a recording, and what was found about the columns of that.
@@ -143,7 +176,7 @@ pub fn map_recordings(
 /// The moduli of a map at one amplitude, over the frequency in rad/s.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AmplitudeCurve {
-    /// Amplitude of the excitation: V for the plant, rad/s otherwise.
+    /// Amplitude of the excitation, in the input's unit.
     pub amplitude: f64,
     /// Frequency (rad/s) and modulus as measured.
     pub measured: Vec<[f64; 2]>,
@@ -170,19 +203,23 @@ impl<Remark> Map<Remark> {
 }
 
 impl Around {
-    /// In words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Plant => "control to hub rate, without controller",
-            Self::Closed => "demand to hub rate, with the controller",
-            Self::Disturbance => "platform rate to hub rate, with the controller",
-            Self::Disconnected => "platform rate to hub rate, balanced, the motor disconnected",
-        }
+    /// Returns what is excited and what is measured in a loop of a quantity.
+    fn signals(self, controlled: ControlledQuantity) -> MapSignals {
+        let (input, input_unit) = match self {
+            Self::Plant => ("control", "V"),
+            Self::Closed => ("demand", controlled.unit()),
+            Self::Disturbance | Self::Disconnected => ("platform rate", "rad/s"),
+        };
+        MapSignals { input, input_unit, output: controlled.name(), output_unit: controlled.unit() }
     }
 
-    /// Returns the unit of the excitation.
-    pub fn unit(self) -> &'static str {
-        if self == Self::Plant { "V" } else { "rad/s" }
+    /// Returns what surrounds the measurement, in words.
+    fn surroundings(self) -> &'static str {
+        match self {
+            Self::Plant => "without controller",
+            Self::Closed | Self::Disturbance => "with the controller",
+            Self::Disconnected => "balanced, the motor disconnected",
+        }
     }
 
     fn test(self) -> Test {
@@ -321,6 +358,7 @@ impl Analyser {
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
+            signals: self.around.signals(self.plant.parameters().controlled_quantity()),
             recording: None,
             points: points.into_iter().collect::<Result<_, PipelineError>>()?,
             simulated_s: measured.iter().map(|one| one.simulated_s).sum(),
@@ -358,6 +396,7 @@ impl Analyser {
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
+            signals: self.around.signals(self.plant.parameters().controlled_quantity()),
             recording: Some(recording.name.clone()),
             points,
             simulated_s: 0.0,

@@ -6,7 +6,7 @@ use counterpoise_models::{Parameters, Sensors};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{DesignPlant, RateLoop, Sampling};
 
-use crate::model::CONVERTER_RANGE_V;
+use crate::model::{CONVERTER_RANGE_V, cannot_carry};
 use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_project::resolve::synthesis_options::Compensation;
@@ -95,6 +95,9 @@ pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
 }
 
 pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Sampling, PipelineError> {
+    if let Some(beyond) = cannot_carry(modelled) {
+        return Err(beyond);
+    }
     let p = &modelled.parameters;
     let moment = modelled.plant.body().out_of_balance_kg_m;
     let volts_per_nm = 1.0 / torque_per_volt(p);

@@ -12,7 +12,7 @@ use super::findings::{Findings, duplicates};
 use super::model::StructureChoice;
 use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
-use super::{Project, base_motion_checks, beam_checks, effort_checks};
+use super::{Project, base_motion_checks, beam_checks, cylinder, effort_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
@@ -50,6 +50,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
     effort_checks::effort(&mut findings, project);
+    cylinder::fitting(&mut findings, project);
     delays(&mut findings, plant);
     own_periods(&mut findings, plant);
     coarse_readings(&mut findings, plant);
@@ -314,6 +315,9 @@ fn section_of_loop(measured: Measured) -> &'static str {
 /// Converters round the readings of a sensor whose scale is not stated far more coarsely than those of a real one.
 fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
     let bits = plant.interface.input_bits;
+    if !findings.states("plant.interface.input_bits") {
+        return;
+    }
     for (name, sensor) in named_sensors(plant) {
         let name = if name == "hub_gyro" { section_of_loop(plant.sensors.measured) } else { name };
         let Some(sensor) = sensor.filter(|sensor| sensor.is_fitted() && sensor.resolution == 0.0) else {

@@ -1,10 +1,15 @@
 //! `[plant.cylinder]`: a hydraulic cylinder with its servo valve, in place of motor, gear and amplifier.
 
 use counterpoise_models::parameters::cylinder::{L_PER_M3, Lever, Linkage, PA_PER_MPA};
-use counterpoise_models::{Amplifier, AmplifierDynamics, Axis, Cylinder, Gearbox, Motor, Parameters};
+use counterpoise_models::{
+    Amplifier, AmplifierDynamics, Axis, Cylinder, FrictionLaw, Gearbox, Motor, Parameters,
+};
 
-use super::drive;
+use super::findings::Findings;
+use super::{Project, drive};
+use crate::diagnostic::{Problem, Severity};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::source::Remark;
 use crate::file::visit::{Presence, Visit, maybe_number, optional};
 
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -16,6 +21,8 @@ const RATED_DROP_PA: f64 = 7e6;
 const RATED_CONTROL_V: f64 = 10.0;
 /// Damping ratio of a spool of which nothing is known.
 const VALVE_DAMPING: f64 = 0.7;
+/// Smallest lever of a linkage, as a share of the shorter of its radii.
+const LEAST_LEVER: f64 = 1e-3;
 /// Digits that a number derived from two others keeps.
 const DIGITS: usize = 12;
 /// Sections that a cylinder takes the place of.
@@ -135,7 +142,12 @@ pub(super) fn cylinder(v: &mut dyn Visit, presence: Presence, plant: &mut Parame
         );
     }
     if plant.axis == Axis::Linear {
-        v.complain("cylinder", "must not stand where axis = \"linear\": it acts about a pivot", None);
+        let hint = "leave `axis` out: the cylinder turns the mechanism by its lever";
+        v.complain(
+            "cylinder",
+            "must not stand where axis = \"linear\": it acts about a pivot",
+            Some(hint.to_owned()),
+        );
     }
 }
 
@@ -205,13 +217,66 @@ fn lever(v: &mut dyn Visit, arm: Option<f64>, lever: &mut Lever) {
             v.complain("lever_arm", allowed, Some(hint.to_owned()));
         }
         (Some(_), Some(_)) => {
-            v.complain("lever_arm", "must not stand beside the section linkage, which gives the lever", None);
+            let hint = "leave lever_arm out, or the section [plant.cylinder.linkage]";
+            let allowed = "must not stand beside the section linkage, which gives the lever";
+            v.complain("lever_arm", allowed, Some(hint.to_owned()));
         }
-        (None, Some(pins)) if Lever::Linkage(pins).at(0.0).arm_m == 0.0 => {
+        (None, Some(pins)) if has_no_lever(&pins, 0.0) => {
             let allowed = "must have a lever at the angle 0: both pins lie on one line through the pivot";
-            v.complain("linkage", allowed, None);
+            let hint = "move anchor_angle or arm_angle, so that they differ";
+            v.complain("linkage", allowed, Some(hint.to_owned()));
         }
         _ => {}
+    }
+}
+
+/// Returns whether pins turn the hub by less than a thousandth of the shorter of their radii at an angle, or the other way than at the angle 0.
+fn has_no_lever(pins: &Linkage, angle_rad: f64) -> bool {
+    Lever::Linkage(*pins).at(angle_rad).arm_m < LEAST_LEVER * pins.arm_m.min(pins.anchor_m)
+}
+
+/// What no single key of a cylinder can say: its lever where the hub stands and may go, and what else only a motor has.
+pub(super) fn fitting(findings: &mut Findings<'_>, project: &Project) {
+    let plant = &project.plant;
+    let Some(cylinder) = &plant.cylinder else { return };
+    let mut complain = |path: &str, allowed: String, hint: &str| {
+        let remark = Remark::new(Problem::Conflict, path, allowed);
+        findings.add(Severity::Error, remark.hint(Some(hint.to_owned())));
+    };
+    if let Lever::Linkage(pins) = &cylinder.lever {
+        let stops = plant.loads.end_stops.iter().flat_map(|stops| [stops.lower_rad, stops.upper_rad]);
+        let angles =
+            stops.chain([project.model.operating_point.hub_angle_rad]).filter(|angle| angle.is_finite());
+        let dead = angles.into_iter().find(|angle| has_no_lever(pins, *angle) && !has_no_lever(pins, 0.0));
+        if let Some(angle) = dead {
+            let allowed =
+                format!("has no lever on the way to the angle {angle} rad, where the hub stands or may go");
+            complain(
+                "plant.cylinder.linkage",
+                allowed,
+                "turn anchor_angle or arm_angle, or bound the travel with [plant.end_stops]",
+            );
+        }
+    }
+    let law = &plant.motor_friction.law;
+    if matches!(law, FrictionLaw::Coulomb { .. } | FrictionLaw::Stribeck { .. } | FrictionLaw::Karnopp { .. })
+    {
+        let allowed =
+            "must be a law with presliding: on a piston no law that truly sticks is simulated".to_owned();
+        complain(
+            "plant.friction.motor.model",
+            allowed,
+            "take \"dahl\" or \"lugre\" with a rest_stiffness, or put the friction at the pivot",
+        );
+    }
+    if plant.drive_limits.limits_current() {
+        let allowed = "must not limit a current or a motor: a cylinder has none".to_owned();
+        complain("plant.drive_limits", allowed, "keep `slew` alone");
+    }
+    if !plant.learned.is_empty() {
+        let allowed =
+            "must not stand beside [plant.cylinder]: free functions act on a motor and its gear".to_owned();
+        complain("plant.learned", allowed, "leave the section out");
     }
 }
 

@@ -264,7 +264,7 @@ fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
         return;
     }
     let rotor = turning_of_motor(plant);
-    let motor = TableField::optional("motor", "friction at the motor shaft");
+    let motor = TableField::optional("motor", "friction at the motor shaft, or of the seals of a cylinder");
     one_friction(&mut Words::of(rotor, v), &motor, &mut plant.motor_friction);
     let pivot = TableField::optional("pivot", "friction at the hub pivot");
     one_friction(&mut Words::of(plant.axis, v), &pivot, &mut plant.pivot_friction);
@@ -288,6 +288,7 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
         return;
     }
     loop_sensor::loop_sensor(v, plant);
+    let rotor = turning_of_motor(plant);
     let sensors = &mut plant.sensors;
     let gyro = TableField::optional("platform_gyro", "rate of the platform");
     fitted(v, &gyro, &mut sensors.platform_gyro, gyroscope);
@@ -308,7 +309,8 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
         sensors.platform_accelerometer = Sensor::ABSENT;
     }
     let tachometer = TableField::optional("motor_tachometer", "rate of the motor on the platform");
-    optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, |v, s| sensor(v, s, "rad/s"));
+    let of_motor = |v: &mut dyn Visit, s: &mut Sensor| sensor(&mut Words::of(rotor, v), s, "rad/s");
+    optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, of_motor);
     let resolver = TableField::optional("hub_resolver", "angle of the hub on the platform");
     optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
     let surge =

@@ -69,9 +69,9 @@ pub fn describe_recorded_map(found: RecordedMap) -> Map {
 
 /// Returns a map with its remarks in sentences.
 pub fn describe_map(map: Map<MapRemark>) -> Map {
-    let Map { name, around, recording, points, simulated_s, remarks } = map;
+    let Map { name, around, signals, recording, points, simulated_s, remarks } = map;
     let remarks = remarks.into_iter().map(describe_map_remark).collect();
-    Map { name, around, recording, points, simulated_s, remarks }
+    Map { name, around, signals, recording, points, simulated_s, remarks }
 }
 
 fn describe_map_remark(remark: MapRemark) -> String {

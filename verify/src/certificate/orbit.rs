@@ -207,7 +207,7 @@ fn burst(subject: &Subject<'_>, start: Start) -> Result<Signal, Error> {
     Ok(Signal::Held { period_s, values })
 }
 
-/// Amplitude of that sine, V.
+/// Amplitude of that sine, V; a cylinder takes the flow that its piston displaces at that rate.
 fn burst_v(subject: &Subject<'_>, start: Start) -> f64 {
     let parameters = subject.case.plant.parameters();
     let rate = std::f64::consts::TAU * start.hz;
@@ -215,7 +215,10 @@ fn burst_v(subject: &Subject<'_>, start: Start) -> f64 {
     let wanted = volts_per_nm
         * (inertia * rate * start.rate_rad_s
             + parameters.pivot_friction.coulomb_nm().min(stiffness(subject) * start.rate_rad_s / rate));
-    wanted.min(0.3 * subject.controller.limit_v())
+    // oil hardly yields: the valve must pass what the piston displaces
+    let displaced = parameters.gearbox.ratio * parameters.motor.back_emf_v_s_rad * start.rate_rad_s;
+    let by_flow = parameters.cylinder.as_ref().map_or(0.0, |_| displaced / parameters.amplifier.gain);
+    wanted.max(by_flow).min(0.3 * subject.controller.limit_v())
 }
 
 /// Volts for one N m at the hub, and the inertia that they move, kg m^2.
