@@ -94,12 +94,9 @@ pub(crate) fn cannot_carry(modelled: &Modelled) -> Option<PipelineError> {
     let (p, at) = (&modelled.parameters, &modelled.linear.equilibrium);
     let needed_nm = (p.gearbox.ratio * p.motor.torque_constant_nm_a * at.current_a).abs();
     let moment_kg_m = modelled.plant.body().out_of_balance_kg_m;
-    let is_carried = at.control_v.is_finite();
-    (!is_carried).then(|| PipelineError::CannotCarry {
-        moment_kg_m,
-        needed_nm,
-        largest_nm: p.largest_hold_nm(),
-    })
+    let largest_nm = p.largest_hold_nm();
+    let is_carried = needed_nm < largest_nm && at.control_v.is_finite();
+    (!is_carried).then_some(PipelineError::CannotCarry { moment_kg_m, needed_nm, largest_nm })
 }
 
 /// Volts of the output converter beyond which the control is limited: the converter's own range.

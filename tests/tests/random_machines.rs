@@ -170,7 +170,9 @@ fn tried(seed: u64) -> Outcome {
     let chosen = match with_chosen_weights(&project) {
         Ok(chosen) => chosen.unwrap(),
         Err(PipelineError::NoController(reasons)) => return Outcome::Refused(reasons[0].to_string()),
-        Err(error @ PipelineError::CannotHold { .. }) => return Outcome::Refused(error.to_string()),
+        Err(error @ (PipelineError::CannotHold { .. } | PipelineError::CannotCarry { .. })) => {
+            return Outcome::Refused(error.to_string());
+        }
         Err(other) => return Outcome::Failed(other.to_string()),
     };
     let first = FirstDesignResult::from(&chosen.first);
