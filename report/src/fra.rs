@@ -29,7 +29,7 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let name = first.map_or("", |map| map.name.as_str());
     Report {
         title: format!("Frequency responses of {name}"),
-        subtitle: first.map(Map::words).unwrap_or_default(),
+        subtitle: first.map(|map| map.words()).unwrap_or_default(),
         headline: headline(maps),
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
