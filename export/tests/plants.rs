@@ -14,11 +14,11 @@ use std::process::{Command, Stdio};
 use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 use counterpoise_models::loads::equilibrator::{Action, Equilibrator, Force, Gas};
 use counterpoise_models::loads::{EndStops, Recoil};
-use counterpoise_models::parameters::cylinder::{Lever, Linkage};
+use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Axis, Cylinder, Friction, FrictionLaw, Gearbox, LearnedElement,
-    LearnedPlace, LearnedQuantity, MapPoint, Measured, MotorHeat, OperatingPoint, Parameters, Plant,
+    AccelerometerAxis, AmplifierDynamics, Axis, Friction, FrictionLaw, LearnedElement, LearnedPlace,
+    LearnedQuantity, Linkage, MapPoint, Measured, MotorHeat, OperatingPoint, Parameters, Plant,
     RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
@@ -423,23 +423,10 @@ fn what_free_functions_add() {
 
 /// Puts a hydraulic cylinder in the place of motor and gear.
 fn driven_by_cylinder(p: &mut Parameters, lever: Lever) {
-    let valve = 2.0 * std::f64::consts::PI * 60.0;
-    p.gearbox = Gearbox { ratio: lever.at(0.0).arm_m, ..Gearbox::DIRECT };
-    (p.motor.inertia_kg_m2, p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (0.0, 2500.0, 2.5);
-    (p.motor.resistance_ohm, p.motor.inductance_h) = (0.004, 2.0 / (4.0 * 800.0));
-    (p.amplifier.gain, p.amplifier.current_feedback_v_a) = (0.09, 0.0);
-    (p.amplifier.time_constant_s, p.amplifier.bus_voltage_v) = (1.6 / valve, f64::INFINITY);
+    reference::put_cylinder(p, lever);
+    p.cylinder.as_mut().unwrap().overlap_l_s = 0.01;
     let seals = FrictionLaw::Dahl { coulomb_nm: 300.0, rest_stiffness_nm_rad: 3e6, exponent: 1.0 };
     p.motor_friction = Friction::plain(seals, 2500.0);
-    p.cylinder = Some(Cylinder {
-        supply_mpa: 20.0,
-        volume_l: 2.0,
-        overlap_l_s: 0.01,
-        valve_frequency_rad_s: valve,
-        valve_damping: 0.8,
-        rated_drop_mpa: 7.0,
-        lever,
-    });
 }
 
 #[test]

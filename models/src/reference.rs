@@ -3,7 +3,28 @@
 //! The numbers are those of the project's reference machine; examples and tests of every crate start from it.
 
 use crate::loads::Loads;
+use crate::parameters::cylinder::Lever;
 use crate::parameters::*;
+
+/// Puts a hydraulic cylinder of 25 cm^2 at 20 MPa, with a valve of 60 Hz, in the place of motor, gear and amplifier of the rig.
+pub fn put_cylinder(p: &mut Parameters, lever: Lever) {
+    let (valve_frequency_rad_s, valve_damping) = (60.0 * std::f64::consts::TAU, 0.8);
+    p.gearbox = Gearbox { ratio: lever.at(0.0).arm_m, ..Gearbox::DIRECT };
+    (p.motor.inertia_kg_m2, p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (0.0, 2500.0, 2.5);
+    (p.motor.resistance_ohm, p.motor.inductance_h) = (0.004, 2.0 / (4.0 * 800.0));
+    (p.amplifier.gain, p.amplifier.current_feedback_v_a) = (0.09, 0.0);
+    p.amplifier.time_constant_s = 2.0 * valve_damping / valve_frequency_rad_s;
+    p.amplifier.bus_voltage_v = f64::INFINITY;
+    p.cylinder = Some(Cylinder {
+        supply_mpa: 20.0,
+        volume_l: 2.0,
+        overlap_l_s: 0.0,
+        valve_frequency_rad_s,
+        valve_damping,
+        rated_drop_mpa: 7.0,
+        lever,
+    });
+}
 
 /// Returns the reference rig in its normal configuration.
 pub fn rig() -> Parameters {

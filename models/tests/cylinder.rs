@@ -1,11 +1,11 @@
 //! A hydraulic cylinder with a servo valve: the textbook's resonance, the slopes of the valve, and the linear plant as the slope of the definition.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use counterpoise_models::parameters::cylinder::{Cylinder, Lever, Linkage};
+use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
-    Amplifier, AmplifierDynamics, Angles, Excitation, Friction, FrictionLaw, FrictionLinearisation, Gearbox,
-    LinearPlant, Lumped, OperatingPoint, Parameters, Plant, reference,
+    Angles, Excitation, Friction, FrictionLaw, FrictionLinearisation, LinearPlant, Linkage, Lumped,
+    OperatingPoint, Parameters, Plant, reference,
 };
 
 const PINS: Linkage = Linkage { arm_m: 0.6, arm_angle_rad: -0.3, anchor_m: 1.3, anchor_angle_rad: -1.7 };
@@ -16,30 +16,10 @@ fn machine(lever: Lever, valve_rad_s: f64) -> Parameters {
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     (p.beam, p.lumped) = (None, Some(Lumped { out_of_balance_kg_m: 900.0, ..Lumped::rigid(2.5e3) }));
     p.configurations.clear();
-    p.gearbox = Gearbox { ratio: lever.at(0.0).arm_m, ..Gearbox::DIRECT };
-    p.motor.inertia_kg_m2 = 0.0;
-    (p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (2500.0, 2.5);
-    (p.motor.resistance_ohm, p.motor.inductance_h) = (0.004, 2.0 / (4.0 * 800.0));
-    p.amplifier = Amplifier {
-        gain: 0.09,
-        current_feedback_v_a: 0.0,
-        time_constant_s: 1.6 / valve_rad_s,
-        input_limit_v: 10.0,
-        bus_voltage_v: f64::INFINITY,
-        map: Vec::new(),
-        dead_zone_v: 0.0,
-        current_limit_a: f64::INFINITY,
-        dynamics: AmplifierDynamics::Modelled,
-    };
-    p.cylinder = Some(Cylinder {
-        supply_mpa: 20.0,
-        volume_l: 2.0,
-        overlap_l_s: 0.01,
-        valve_frequency_rad_s: valve_rad_s,
-        valve_damping: 0.8,
-        rated_drop_mpa: 7.0,
-        lever,
-    });
+    reference::put_cylinder(&mut p, lever);
+    p.amplifier.time_constant_s = 1.6 / valve_rad_s;
+    let cylinder = p.cylinder.as_mut().unwrap();
+    (cylinder.overlap_l_s, cylinder.valve_frequency_rad_s) = (0.01, valve_rad_s);
     p
 }
 
@@ -66,7 +46,7 @@ fn a_valve_passes_what_its_opening_asks_for_and_its_slopes_are_those_of_the_flow
     for (flow, pressure) in [(0.3, 6.0), (-0.2, 6.0), (0.1, -12.0), (0.01, 19.0)] {
         let opening = cylinder.opening_l_s(flow, pressure);
         assert!((cylinder.flow_l_s(opening, pressure) / flow - 1.0).abs() < 1e-12);
-        let slopes = cylinder.slopes(opening, pressure);
+        let slopes = cylinder.valve_slopes(opening, pressure);
         let h = 1e-6;
         let over = |o: f64, p: f64| {
             (cylinder.flow_l_s(opening + o, pressure + p) - cylinder.flow_l_s(opening - o, pressure - p))
@@ -113,7 +93,7 @@ fn the_linear_plant_is_the_slope_of_the_definition() {
         assert!(still.iter().all(|d| d.abs() < 1e-9), "{still:?}");
         let A = &linear.system.A;
         let cylinder = plant.parameters().cylinder.as_ref().unwrap();
-        let slopes = cylinder.slopes(at.core_state[state::VOLTAGE], at.current_a);
+        let slopes = cylinder.valve_slopes(at.core_state[state::VOLTAGE], at.current_a);
         for (j, &place) in places.iter().enumerate() {
             let h = 1e-6 * rest[place].abs().max(1.0);
             let moved = |by: f64| {

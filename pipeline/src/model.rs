@@ -79,13 +79,13 @@ pub(crate) fn of_rate(
 /// Why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the control's
 /// limit allows. Friction is left out.
 pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
+    if let Some(beyond) = cannot_carry(modelled) {
+        return Some(beyond);
+    }
     let p = &modelled.parameters;
     let limit_v = p.amplifier.drive_v(p.amplifier.input_limit_v.min(CONVERTER_RANGE_V), &p.motor).abs();
     let needed_v = modelled.linear.equilibrium.drive_v.abs();
     let moment_kg_m = modelled.plant.body().out_of_balance_kg_m;
-    if let Some(beyond) = cannot_carry(modelled) {
-        return Some(beyond);
-    }
     (needed_v > limit_v).then_some(PipelineError::CannotHold { moment_kg_m, needed_v, limit_v })
 }
 

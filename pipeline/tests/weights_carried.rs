@@ -4,28 +4,12 @@
 use counterpoise_pipeline::{PipelineError, cannot_hold, model, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project};
 
-const BOOM: &str = r#"format = 2
-[plant]
-name = "boom"
-[plant.lumped]
-hub_inertia = 266.7
-out_of_balance = 350.0
-[plant.cylinder]
-area = "4545 mm^2"
-supply_pressure = "7.5 MPa"
-volume = 2.12e-3
-leakage = 1.0e-11
-rated_flow = 4.0e-4
-rated_pressure_drop = "1.5 MPa"
-valve_frequency = "67 Hz"
-lever_arm = 0.433
-[plant.interface]
-sample_period = "1 ms"
-"#;
+const CRANE: &str = include_str!("../../examples/crane-cylinder/project.toml");
 
+/// The crane with another supply pressure.
 fn project(supply: &str) -> Project {
-    let text = BOOM.replace("7.5 MPa", supply);
-    Project::resolve(&Document::parse(&text, "boom.toml"), &Attachments::none()).unwrap().project
+    let text = CRANE.replace("\"7.5 MPa\"", &format!("\"{supply}\"")).replace("\"7 MPa\"", "\"1.5 MPa\"");
+    Project::resolve(&Document::parse(&text, "crane.toml"), &Attachments::none()).unwrap().project
 }
 
 #[test]
@@ -37,7 +21,9 @@ fn a_weight_beyond_the_supply_pressure_is_refused() {
     let refused = with_chosen_weights(&weak).unwrap_err();
     let PipelineError::CannotCarry { needed_nm, largest_nm, .. } = refused else { panic!("{refused}") };
     assert!((needed_nm - 350.0 * 9.80665).abs() < 1e-6, "{needed_nm}");
-    assert!((largest_nm - 1.6 * 4545.0 * 0.433).abs() < 1e-6, "{largest_nm}");
+    // the lever at the angle 0: 0.5 m and 0.866 m at 30 degrees, and a cylinder of 0.5 m
+    let lever_m = 0.5 * 0.866 * 0.5 / (0.25_f64 + 0.866 * 0.866 - 0.866 * 0.75_f64.sqrt()).sqrt();
+    assert!((largest_nm - 1.6 * 4545.0 * lever_m).abs() < 1e-6, "{largest_nm} {lever_m}");
     let strong = project("7.5 MPa");
     assert!(cannot_hold(&model(&strong).unwrap()).is_none());
 }

@@ -306,7 +306,7 @@ impl<'a> Lap<'a> {
         let time = self.time(k);
         let platform = motion.at(0.0);
         let [motor, _, hub_angle, hub_rate, _] = shown.outputs;
-        let motor_rate = match self.plant.lever(hub_angle - platform.angle) {
+        let motor_rate = match self.plant.lever_at(hub_angle - platform.angle) {
             Some(lever) => lever.arm_m * (hub_rate - platform.rate),
             None => motor - self.plant.motor_share() * platform.rate,
         };
@@ -435,7 +435,7 @@ impl<'a> Lap<'a> {
 
     fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, shown: &Shown) {
         let [_, wind_up, hub_angle, hub_rate, current] = shown.outputs;
-        let lever = self.plant.lever(hub_angle - platform.angle).map(|lever| lever.arm_m);
+        let lever = self.plant.lever_at(hub_angle - platform.angle).map(|lever| lever.arm_m);
         // with a cylinder the valve's opening stands there
         let wind_up = if lever.is_some() { 0.0 } else { wind_up };
         let current = current + self.plant.direct_current_a(self.drive_v, platform.rate);

@@ -1,12 +1,9 @@
 //! A hydraulic cylinder with a servo valve, against closed forms, the balance of its oil, and the definition of the plant marched in small steps.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_models::parameters::cylinder::{Lever, Linkage};
+use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{
-    Amplifier, AmplifierDynamics, Cylinder, Excitation, Friction, FrictionLaw, Gearbox, Lumped, Parameters,
-    Plant, reference,
-};
+use counterpoise_models::{Excitation, Friction, FrictionLaw, Linkage, Lumped, Parameters, Plant, reference};
 use counterpoise_simulate::{Detail, Initial, Playback, Scenario, Simulator, TimeHistory};
 
 const INERTIA: f64 = 4.0e3;
@@ -20,32 +17,7 @@ fn machine(lever: Lever) -> Parameters {
     (p.beam, p.lumped) = (None, Some(Lumped::rigid(INERTIA)));
     p.configurations.clear();
     p.gravity_m_s2 = 0.0;
-    p.gearbox = Gearbox { ratio: lever.at(0.0).arm_m, ..Gearbox::DIRECT };
-    p.motor.inertia_kg_m2 = 0.0;
-    (p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (2500.0, 2.5);
-    (p.motor.resistance_ohm, p.motor.inductance_h) = (0.004, 2.0 / (4.0 * 800.0));
-    p.amplifier = Amplifier {
-        gain: 0.09,
-        current_feedback_v_a: 0.0,
-        time_constant_s: 0.0,
-        input_limit_v: 10.0,
-        bus_voltage_v: f64::INFINITY,
-        map: Vec::new(),
-        dead_zone_v: 0.0,
-        current_limit_a: f64::INFINITY,
-        dynamics: AmplifierDynamics::Modelled,
-    };
-    let valve = 2.0 * std::f64::consts::PI * 60.0;
-    p.amplifier.time_constant_s = 2.0 * 0.8 / valve;
-    p.cylinder = Some(Cylinder {
-        supply_mpa: 20.0,
-        volume_l: 2.0,
-        overlap_l_s: 0.0,
-        valve_frequency_rad_s: valve,
-        valve_damping: 0.8,
-        rated_drop_mpa: 7.0,
-        lever,
-    });
+    reference::put_cylinder(&mut p, lever);
     p
 }
 

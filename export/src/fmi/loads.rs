@@ -2,7 +2,7 @@
 
 use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Force};
 use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
-use counterpoise_models::parameters::cylinder::{LAMINAR_SHARE, Lever};
+use counterpoise_models::parameters::cylinder::{LAMINAR_SHARE, Lever, pulling_sense};
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{COPPER_PER_K, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K};
 use minijinja::{Value, context};
@@ -80,16 +80,13 @@ pub(super) fn cylinder(plant: &Plant) -> Option<Value> {
     };
     let lever = match cylinder.lever {
         Lever::Constant(_) => context! { linkage => false },
-        Lever::Linkage(pins) => {
-            let between = pins.anchor_angle_rad - pins.arm_angle_rad;
-            context! {
-                linkage => true,
-                between => number(between),
-                arms => number(pins.arm_m * pins.anchor_m),
-                squares => number(pins.arm_m * pins.arm_m + pins.anchor_m * pins.anchor_m),
-                sense => number(-between.sin().signum()),
-            }
-        }
+        Lever::Linkage(pins) => context! {
+            linkage => true,
+            between => number(pins.between_rad(0.0)),
+            arms => number(pins.arm_m * pins.anchor_m),
+            squares => number(pins.arm_m * pins.arm_m + pins.anchor_m * pins.anchor_m),
+            sense => number(pulling_sense(&pins)),
+        },
     };
     Some(context! { ..valve, ..lever })
 }

@@ -19,6 +19,7 @@
 
 use super::ranges::{finite, positive, require};
 use crate::Error;
+use crate::linkage::Linkage;
 
 /// Pressure of the atmosphere, Pa (ISO 2533).
 pub const ATMOSPHERE_PA: f64 = 101_325.0;
@@ -95,27 +96,23 @@ struct Tension {
 }
 
 impl Equilibrator {
+    fn pins(&self) -> Linkage {
+        let Self { arm_m, arm_angle_rad, anchor_m, anchor_angle_rad, .. } = *self;
+        Linkage { arm_m, arm_angle_rad, anchor_m, anchor_angle_rad }
+    }
+
     /// Returns the length at an angle of the hub on the platform, m.
     #[inline]
     pub fn length_m(&self, angle_rad: f64) -> f64 {
-        let between = self.anchor_angle_rad - self.arm_angle_rad - angle_rad;
-        let square = self.arm_m * self.arm_m + self.anchor_m * self.anchor_m
-            - 2.0 * self.arm_m * self.anchor_m * between.cos();
-        square.max(0.0).sqrt()
-    }
-
-    /// Returns the lever of the force about the trunnion, m: T = F x lever, lever = -dL/dp.
-    #[inline]
-    fn lever_m(&self, angle_rad: f64) -> f64 {
-        let between = self.anchor_angle_rad - self.arm_angle_rad - angle_rad;
-        let length = self.length_m(angle_rad);
-        if length == 0.0 { 0.0 } else { self.arm_m * self.anchor_m * between.sin() / length }
+        self.pins().length_m(angle_rad)
     }
 
     /// Returns the torque on the hub, N m.
     #[inline]
     pub fn torque_nm(&self, angle_rad: f64) -> f64 {
-        self.tension(self.length_m(angle_rad)).force_n * self.lever_m(angle_rad)
+        // virtual work: T = -F dL/dp
+        let side = self.pins().side_at(angle_rad);
+        self.tension(side.length_m).force_n * -side.slope_m_rad
     }
 
     /// Returns the tension, N; negative where it pushes.
@@ -123,16 +120,14 @@ impl Equilibrator {
         self.tension(self.length_m(angle_rad)).force_n
     }
 
-    /// Returns minus the slope of the torque, N m/rad: with s the lever, ds/dp = (s^2 - r R cos c) / L and dL/dp = -s.
+    /// Returns minus the slope of the torque, N m/rad: F' (dL/dp)^2 + F d2L/dp2.
     pub fn stiffness_nm_rad(&self, angle_rad: f64) -> f64 {
-        let between = self.anchor_angle_rad - self.arm_angle_rad - angle_rad;
-        let (length, lever) = (self.length_m(angle_rad), self.lever_m(angle_rad));
-        if length == 0.0 {
+        let side = self.pins().side_at(angle_rad);
+        if side.length_m == 0.0 {
             return 0.0;
         }
-        let tension = self.tension(length);
-        let turning = (lever * lever - self.arm_m * self.anchor_m * between.cos()) / length;
-        tension.slope_n_m * lever * lever - tension.force_n * turning
+        let tension = self.tension(side.length_m);
+        tension.slope_n_m * side.slope_m_rad * side.slope_m_rad + tension.force_n * side.curvature_m_rad2
     }
 
     #[inline]

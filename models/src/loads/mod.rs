@@ -7,7 +7,7 @@
 
 pub mod end_stops;
 pub mod equilibrator;
-mod ranges;
+pub(crate) mod ranges;
 pub mod recoil;
 
 pub use end_stops::EndStops;

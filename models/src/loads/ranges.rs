@@ -1,9 +1,9 @@
-//! Ranges of the numbers of loads.
+//! Ranges of the numbers of loads and of a cylinder.
 
 use crate::Error;
 
 /// Refuses a number outside a range, named with its path.
-pub(super) fn require(
+pub(crate) fn require(
     is_allowed: impl Fn(f64) -> bool,
     parameter: &str,
     value: f64,
@@ -15,14 +15,14 @@ pub(super) fn require(
     Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.to_owned().into() })
 }
 
-pub(super) fn positive(parameter: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn positive(parameter: &str, value: f64) -> Result<(), Error> {
     require(|value| value > 0.0 && value.is_finite(), parameter, value, "must be positive and finite")
 }
 
-pub(super) fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
     require(|value| value >= 0.0 && value.is_finite(), parameter, value, "must be 0 or more, and finite")
 }
 
-pub(super) fn finite(parameter: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn finite(parameter: &str, value: f64) -> Result<(), Error> {
     require(f64::is_finite, parameter, value, "must be finite")
 }

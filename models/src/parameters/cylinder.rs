@@ -10,10 +10,10 @@
 //!
 //! A [`Cylinder`] holds what has no such place.
 
-use super::Parameters;
+use super::{AmplifierDynamics, Parameters};
 use crate::Error;
-use crate::friction::{FrictionModel, Law};
-use crate::parameters::{AmplifierDynamics, FrictionLaw};
+use crate::linkage::Linkage;
+use crate::loads::ranges::{not_negative, positive, require};
 
 /// Pascals in a megapascal.
 pub const PA_PER_MPA: f64 = 1e6;
@@ -52,19 +52,6 @@ pub enum Lever {
     Linkage(Linkage),
 }
 
-/// The pins of a cylinder between elevated mass and platform.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Linkage {
-    /// Distance of the pin on the elevated mass from the pivot, m.
-    pub arm_m: f64,
-    /// Its angle from the beam, rad.
-    pub arm_angle_rad: f64,
-    /// Distance of the pin on the platform from the pivot, m.
-    pub anchor_m: f64,
-    /// Its angle above forward, rad.
-    pub anchor_angle_rad: f64,
-}
-
 /// The lever at an angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeverPoint {
@@ -84,40 +71,23 @@ impl Lever {
             Self::Constant(arm_m) => {
                 LeverPoint { arm_m: *arm_m, slope_m_rad: 0.0, travel_m: arm_m * angle_rad }
             }
-            Self::Linkage(pins) => pins.at(angle_rad),
+            Self::Linkage(pins) => {
+                // a cylinder that shortens to raise pulls: its travel counts as it shortens
+                let sense = pulling_sense(pins);
+                let side = pins.side_at(angle_rad);
+                LeverPoint {
+                    arm_m: sense * side.slope_m_rad,
+                    slope_m_rad: sense * side.curvature_m_rad2,
+                    travel_m: sense * (side.length_m - pins.length_m(0.0)),
+                }
+            }
         }
     }
 }
 
-impl Linkage {
-    /// With the angle c = anchor angle - arm angle - p between both arms and the length L of the cylinder,
-    ///
-    /// ```text
-    ///     L^2 = r^2 + R^2 - 2 r R cos c     dL/dp = -r R sin(c)/L     d2L/dp2 = (r R cos c - (dL/dp)^2)/L
-    /// ```
-    #[inline]
-    fn at(&self, angle_rad: f64) -> LeverPoint {
-        let between = |angle: f64| self.anchor_angle_rad - self.arm_angle_rad - angle;
-        let product = self.arm_m * self.anchor_m;
-        let length = |c: f64| {
-            (self.arm_m * self.arm_m + self.anchor_m * self.anchor_m - 2.0 * product * c.cos())
-                .max(0.0)
-                .sqrt()
-        };
-        let (c, c_0) = (between(angle_rad), between(0.0));
-        // a cylinder that shortens to raise pulls: its travel counts as it shortens
-        let sense = -c_0.sin().signum();
-        let l = length(c);
-        if l == 0.0 {
-            return LeverPoint { arm_m: 0.0, slope_m_rad: 0.0, travel_m: 0.0 };
-        }
-        let arm = -product * c.sin() / l;
-        LeverPoint {
-            arm_m: sense * arm,
-            slope_m_rad: sense * (product * c.cos() - arm * arm) / l,
-            travel_m: sense * (l - length(c_0)),
-        }
-    }
+/// Returns -1 for a cylinder that raises the hub at the angle 0 as it shortens, 1 for one that pushes.
+pub fn pulling_sense(pins: &Linkage) -> f64 {
+    -pins.between_rad(0.0).sin().signum()
 }
 
 /// The slopes of a valve's flow at an operating point.
@@ -165,7 +135,7 @@ impl Cylinder {
     }
 
     /// Returns the slopes of the flow where the valve passes what leaks at a load pressure.
-    pub fn slopes(&self, opening_l_s: f64, pressure_mpa: f64) -> ValveSlopes {
+    pub fn valve_slopes(&self, opening_l_s: f64, pressure_mpa: f64) -> ValveSlopes {
         let sense = opening_l_s.signum();
         let share = (1.0 - sense * pressure_mpa / self.supply_mpa).max(LAMINAR_SHARE);
         let open =
@@ -176,12 +146,12 @@ impl Cylinder {
         }
     }
 
-    /// Refuses a cylinder whose drive is none.
+    /// Returns an error if a number is out of its range, or if a part that only a motor has is there.
     ///
     /// # Errors
     /// [`Error::Parameter`] for the first number out of its range, and for parts that only a motor has.
     pub(crate) fn check(&self, p: &Parameters) -> Result<(), Error> {
-        let positive = [
+        let positive_numbers = [
             ("cylinder.supply_mpa", self.supply_mpa),
             ("cylinder.volume_l", self.volume_l),
             ("cylinder.valve_frequency_rad_s", self.valve_frequency_rad_s),
@@ -190,33 +160,20 @@ impl Cylinder {
             ("cylinder.lever at the angle 0", self.lever.at(0.0).arm_m),
             ("motor.inductance_h of a cylinder", p.motor.inductance_h),
         ];
-        for (name, value) in positive {
-            require(
-                name,
-                value,
-                (value > 0.0 && value.is_finite()).then_some(()),
-                "must be positive and finite",
-            )?;
+        for (name, value) in positive_numbers {
+            positive(name, value)?;
         }
-        let overlap = self.overlap_l_s;
+        not_negative("cylinder.overlap_l_s", self.overlap_l_s)?;
         require(
-            "cylinder.overlap_l_s",
-            overlap,
-            (overlap >= 0.0 && overlap.is_finite()).then_some(()),
-            "must be at least 0 and finite",
-        )?;
-        let limit = p.amplifier.input_limit_v;
-        require(
+            f64::is_finite,
             "amplifier.input_limit_v",
-            limit,
-            (limit.is_finite()).then_some(()),
+            p.amplifier.input_limit_v,
             "must be finite: the control at which the valve is fully open",
         )?;
-        let ratio = p.gearbox.ratio;
         require(
+            |ratio| ratio == self.lever.at(0.0).arm_m,
             "gearbox.ratio",
-            ratio,
-            (ratio == self.lever.at(0.0).arm_m).then_some(()),
+            p.gearbox.ratio,
             "must be the cylinder's lever at the angle 0",
         )?;
         self.check_parts(p)
@@ -225,9 +182,9 @@ impl Cylinder {
     fn check_parts(&self, p: &Parameters) -> Result<(), Error> {
         let modelled = p.amplifier.dynamics == AmplifierDynamics::Modelled && p.gearbox.is_rigid();
         require(
+            |_| modelled,
             "amplifier.gain",
             p.amplifier.gain,
-            (modelled).then_some(()),
             "must belong to a modelled drive with a rigid transmission where a cylinder drives",
         )?;
         let absent = [
@@ -238,9 +195,10 @@ impl Cylinder {
             ("gearbox.mesh_ripple.amplitude", p.gearbox.mesh_ripple.amplitude),
             ("amplifier.current_feedback_v_a", p.amplifier.current_feedback_v_a),
             ("number of free functions", p.learned.len() as f64),
+            ("number of points of amplifier.map", p.amplifier.map.len() as f64),
         ];
         for (name, value) in absent {
-            require(name, value, (value == 0.0).then_some(()), "must be 0 where a cylinder drives")?;
+            require(|value| value == 0.0, name, value, "must be 0 where a cylinder drives")?;
         }
         let infinite = [
             ("amplifier.bus_voltage_v", p.amplifier.bus_voltage_v),
@@ -248,40 +206,24 @@ impl Cylinder {
         ];
         for (name, value) in infinite {
             require(
+                |value| value == f64::INFINITY,
                 name,
                 value,
-                (value == f64::INFINITY).then_some(()),
                 "must be infinite where a cylinder drives: supply and valve limit it",
             )?;
         }
-        require(
-            "amplifier.map",
-            p.amplifier.map.len() as f64,
-            (p.amplifier.map.is_empty()).then_some(()),
-            "must be empty where a cylinder drives",
-        )?;
         let limits = p.drive_limits.limits_current();
         require(
+            |_| !limits,
             "drive_limits",
             f64::from(u8::from(limits)),
-            (!limits).then_some(()),
             "must not limit a current where a cylinder drives; slew may stand",
         )?;
-        let sticks = p.motor_friction.law != FrictionLaw::None
-            && matches!(FrictionModel::named("motor_friction", &p.motor_friction)?.law(), Law::Sliding(_));
         require(
+            |_| !p.motor_friction.law.sticks(),
             "motor_friction.coulomb",
             p.motor_friction.coulomb_nm(),
-            (!sticks).then_some(()),
             "must have a law with presliding on a piston; a law that truly sticks belongs to the pivot",
         )
     }
-}
-
-/// Returns an error unless a number is sound.
-fn require(parameter: &str, value: f64, sound: Option<()>, allowed: &str) -> Result<(), Error> {
-    if sound.is_some() {
-        return Ok(());
-    }
-    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.to_owned().into() })
 }

@@ -100,6 +100,13 @@ pub enum FrictionLaw {
     },
 }
 
+impl FrictionLaw {
+    /// Returns whether the joint truly sticks at rest, without presliding.
+    pub fn sticks(&self) -> bool {
+        matches!(self, Self::Coulomb { .. } | Self::Stribeck { .. } | Self::Karnopp { .. })
+    }
+}
+
 /// How the dry level falls from its static value to its Coulomb value as the rate grows;
 /// x is the rate over `stribeck_rate_rad_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]

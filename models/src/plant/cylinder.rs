@@ -50,7 +50,7 @@ impl Parameters {
 impl Plant {
     /// Returns the lever of the cylinder at an angle of the hub on the platform; `None` without a cylinder.
     #[inline]
-    pub fn lever(&self, angle_rad: f64) -> Option<LeverPoint> {
+    pub fn lever_at(&self, angle_rad: f64) -> Option<LeverPoint> {
         self.parameters.cylinder.as_ref().map(|cylinder| cylinder.lever.at(angle_rad))
     }
 
@@ -121,7 +121,7 @@ impl Plant {
     pub(super) fn cylinder_local(&self, at: &Equilibrium) -> Option<(Self, [Impedance; 2])> {
         let cylinder = self.parameters.cylinder.as_ref()?;
         let lever = cylinder.lever.at(at.point.hub_angle_rad - at.point.platform_angle_rad);
-        let slopes = cylinder.slopes(at.core_state[state::VOLTAGE], at.current_a);
+        let slopes = cylinder.valve_slopes(at.core_state[state::VOLTAGE], at.current_a);
         let mut local = self.clone();
         local.parameters.gearbox.ratio = lever.arm_m;
         local.parameters.motor.resistance_ohm += slopes.pressure_l_s_mpa;

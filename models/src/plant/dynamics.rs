@@ -106,7 +106,7 @@ impl Plant {
     /// Returns the motion of the motor on the platform; of a cylinder that of its piston.
     fn motor_motion(&self, x: &[f64], relative_angle: f64, platform_rate: f64) -> JointMotion {
         let dot = |row: &[f64]| row.iter().zip(x).map(|(c, s)| c * s).sum::<f64>();
-        match self.lever(relative_angle) {
+        match self.lever_at(relative_angle) {
             Some(lever) => JointMotion {
                 angle_rad: lever.travel_m,
                 rate_rad_s: lever.arm_m * (dot(&self.hub_rate_row()) - platform_rate),

@@ -10,6 +10,12 @@ use super::core::{input, state};
 use crate::parameters::AmplifierDynamics;
 
 impl Plant {
+    /// Returns whether a state of the core exists in this machine and is that of a motor's mechanism: the spool of a valve, which has the place of
+    /// the motor's rate, is not.
+    pub fn has_mechanism_state(&self, index: usize) -> bool {
+        self.has_state(index) && (index != state::MOTOR || !self.is_rigid())
+    }
+
     /// Returns whether a state of the core ([`state`]) exists in this machine.
     pub fn has_state(&self, index: usize) -> bool {
         let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);

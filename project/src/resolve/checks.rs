@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use counterpoise_lti::Timebase;
-use counterpoise_models::{Measured, Parameters, Sensor};
+use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
@@ -12,7 +12,7 @@ use super::findings::{Findings, duplicates};
 use super::model::StructureChoice;
 use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
-use super::{Project, base_motion_checks, beam_checks, cylinder, effort_checks};
+use super::{Project, base_motion_checks, beam_checks, cylinder, effort_checks, loop_sensor};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
@@ -301,17 +301,6 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
     }
 }
 
-/// Returns the section of the sensor that the loop controls, whose readings go through a converter.
-fn section_of_loop(measured: Measured) -> &'static str {
-    match measured {
-        Measured::HubRate => "hub_gyro",
-        Measured::RelativeRate | Measured::MotorRate => "tachometer",
-        Measured::HubPosition | Measured::MotorPosition => "resolver",
-        Measured::Torque => "torque",
-        Measured::Current => "current",
-    }
-}
-
 /// Converters round the readings of a sensor whose scale is not stated far more coarsely than those of a real one.
 fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
     let bits = plant.interface.input_bits;
@@ -319,7 +308,8 @@ fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
         return;
     }
     for (name, sensor) in named_sensors(plant) {
-        let name = if name == "hub_gyro" { section_of_loop(plant.sensors.measured) } else { name };
+        let name =
+            if name == "hub_gyro" { loop_sensor::section_of_analogue(plant.sensors.measured) } else { name };
         let Some(sensor) = sensor.filter(|sensor| sensor.is_fitted() && sensor.resolution == 0.0) else {
             continue;
         };

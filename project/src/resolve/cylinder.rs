@@ -1,10 +1,11 @@
 //! `[plant.cylinder]`: a hydraulic cylinder with its servo valve, in place of motor, gear and amplifier.
 
-use counterpoise_models::parameters::cylinder::{L_PER_M3, Lever, Linkage, PA_PER_MPA};
+use counterpoise_models::parameters::cylinder::{L_PER_M3, Lever, PA_PER_MPA};
 use counterpoise_models::{
-    Amplifier, AmplifierDynamics, Axis, Cylinder, FrictionLaw, Gearbox, Motor, Parameters,
+    Amplifier, AmplifierDynamics, Axis, Cylinder, Gearbox, Linkage, Motor, Parameters,
 };
 
+use super::digits::rounded;
 use super::findings::Findings;
 use super::{Project, drive};
 use crate::diagnostic::{Problem, Severity};
@@ -23,8 +24,6 @@ const RATED_CONTROL_V: f64 = 10.0;
 const VALVE_DAMPING: f64 = 0.7;
 /// Smallest lever of a linkage, as a share of the shorter of its radii.
 const LEAST_LEVER: f64 = 1e-3;
-/// Digits that a number derived from two others keeps.
-const DIGITS: usize = 12;
 /// Sections that a cylinder takes the place of.
 const REPLACED: [&str; 8] =
     ["gearbox", "belt", "cable", "harmonic_drive", "ball_screw", "motor", "amplifier", "drive"];
@@ -258,9 +257,7 @@ pub(super) fn fitting(findings: &mut Findings<'_>, project: &Project) {
             );
         }
     }
-    let law = &plant.motor_friction.law;
-    if matches!(law, FrictionLaw::Coulomb { .. } | FrictionLaw::Stribeck { .. } | FrictionLaw::Karnopp { .. })
-    {
+    if plant.motor_friction.law.sticks() {
         let allowed =
             "must be a law with presliding: on a piston no law that truly sticks is simulated".to_owned();
         complain(
@@ -293,9 +290,4 @@ fn linkage(v: &mut dyn Visit, of: &mut Linkage) {
     );
     v.number(&length("anchor", "from the pivot to the pin on the platform"), &mut of.anchor_m);
     v.number(&angle("anchor_angle", "of that pin, from forward, positive upward"), &mut of.anchor_angle_rad);
-}
-
-/// Returns a number to as many digits as its parts have.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.DIGITS$e}").parse().unwrap_or(value)
 }

@@ -12,6 +12,17 @@ use crate::file::visit::{Choice, Presence, Visit, choose};
 /// A loop's sensor of which nothing is written: ideal, with a range beyond every motion.
 pub(super) const UNKNOWN: Sensor = Sensor { scale_v_unit: IDEAL_SCALE, ..Sensor::IDEAL };
 
+/// Returns the section of the loop's sensor where its readings go through a converter.
+pub(super) fn section_of_analogue(measured: Measured) -> &'static str {
+    match measured {
+        Measured::HubRate => "hub_gyro",
+        Measured::RelativeRate | Measured::MotorRate => "tachometer",
+        Measured::HubPosition | Measured::MotorPosition => "resolver",
+        Measured::Torque => "torque",
+        Measured::Current => "current",
+    }
+}
+
 /// Where a sensor sits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {

@@ -12,6 +12,7 @@ pub mod controller;
 pub mod controller_file;
 mod cylinder;
 pub mod design;
+mod digits;
 mod drive;
 mod effort_checks;
 mod findings;

@@ -3,6 +3,7 @@
 use counterpoise_linalg::C64;
 use counterpoise_synth::Weight;
 
+use super::digits::rounded;
 use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Visit, choose, list};
@@ -171,9 +172,6 @@ fn resonator(gain: f64, natural: f64, damping: f64) -> Weight {
     }
 }
 
-/// Digits at which a natural frequency, a damping ratio and a gain are written.
-const DIGITS: i32 = 12;
-
 /// Returns the gain, natural frequency and damping ratio, where a few digits of them give the weight to the
 /// last bit.
 fn second_order_parts(weight: &Weight) -> Option<(f64, f64, f64)> {
@@ -183,14 +181,6 @@ fn second_order_parts(weight: &Weight) -> Option<(f64, f64, f64)> {
     let damping = rounded(-first.re / natural);
     let k = rounded(gain / (natural * natural));
     (resonator(k, natural, damping) == *weight).then_some((k, natural, damping))
-}
-
-fn rounded(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    let scale = 10_f64.powi(DIGITS - value.abs().log10().ceil() as i32);
-    (value * scale).round() / scale
 }
 
 /// The forms that are a few numbers.

@@ -494,7 +494,7 @@ impl Ports {
     fn piston(&self, plant: &Plant, at: &Point) -> Motion {
         let (pivot_rate, pivot_angle) =
             (at.outputs[HUB_RATE] - at.platform.rate, at.outputs[HUB_ANGLE] - at.platform.angle);
-        let Some(lever) = plant.lever(pivot_angle) else { return Motion::default() };
+        let Some(lever) = plant.lever_at(pivot_angle) else { return Motion::default() };
         Motion {
             motor_rate: lever.arm_m * pivot_rate,
             motor_angle: lever.travel_m,

@@ -279,9 +279,9 @@ impl<'a, 'b> Fit<'a, 'b> {
                 parameters.cylinder.as_ref().map_or(voltage_v, |one| one.opening_l_s(voltage_v, u[CURRENT])),
             ),
         ];
-        for (index, value) in of_states.into_iter().filter(|(index, _)| {
-            self.plant.has_state(*index) && (*index != state::MOTOR || !self.plant.is_rigid())
-        }) {
+        for (index, value) in
+            of_states.into_iter().filter(|(index, _)| self.plant.has_mechanism_state(*index))
+        {
             start.core[index] = value;
         }
         start.friction = FrictionState {

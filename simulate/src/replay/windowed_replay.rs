@@ -83,10 +83,8 @@ impl Replayer<'_> {
             return Ok(SelectedReplay { replay: free, mode, divergence });
         };
         let mut replay = self.replay_windowed_with_control(parameters, WINDOW_S, controller)?;
-        let mut window_s = WINDOW_S;
-        if !is_explained(&replay) {
-            window_s = self.own_window_s(parameters, control, &free)?;
-        }
+        let window_s =
+            if is_explained(&replay) { WINDOW_S } else { self.own_window_s(parameters, control, &free)? };
         if window_s < WINDOW_S {
             replay = self.replay_windowed_with_control(parameters, window_s, controller)?;
         }

@@ -237,9 +237,9 @@ impl<'a, 'b> Windows<'a, 'b> {
         out.core[state::ANGLE] += by[ANGLE];
         out.core[state::RATE] += by[HUB];
         let of_states = [(state::MOTOR, MOTOR), (state::WINDUP, WINDUP), (state::CURRENT, CURRENT)];
-        for (index, moved) in of_states.into_iter().filter(|(index, _)| {
-            self.plant.has_state(*index) && (*index != state::MOTOR || !self.plant.is_rigid())
-        }) {
+        for (index, moved) in
+            of_states.into_iter().filter(|(index, _)| self.plant.has_mechanism_state(*index))
+        {
             out.core[index] += by[moved];
         }
         out.hub_gyro[0] += by[HUB];

@@ -57,7 +57,7 @@ const DETUNED: [f64; 2] = [0.887, 1.137];
 ///
 /// # Errors
 /// A road that cannot be made.
-pub(crate) fn platform(
+pub(super) fn platform_motion(
     procedure: &Procedure,
     gravity_m_s2: f64,
     motion: Motion,
@@ -124,7 +124,7 @@ pub(super) struct Part {
 }
 
 /// Returns the parts of a run.
-pub(super) fn parts(load: Load) -> Vec<Part> {
+pub(super) fn load_parts(load: Load) -> Vec<Part> {
     let part = |from_s, to_s, factor| Part { from_s, to_s, factor };
     match load {
         Load::Nominal | Load::WrongStart => vec![part(0.0, LENGTH_S, 1.0)],
@@ -142,7 +142,7 @@ pub(super) fn parts(load: Load) -> Vec<Part> {
 }
 
 /// Returns the motion from a time on.
-pub(super) fn shifted(platform: &PlatformMotion, from_s: f64, initial_angle_rad: f64) -> PlatformMotion {
+pub(super) fn motion_from(platform: &PlatformMotion, from_s: f64, initial_angle_rad: f64) -> PlatformMotion {
     let later = |signal: &Signal| match signal {
         Signal::Sines(sines) => {
             let shift = |s: &Sine| Sine { phase_rad: s.phase_rad + s.frequency_rad_s * from_s, ..*s };

@@ -6,7 +6,7 @@ use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMet
 use counterpoise_simulate::{Imperfections, Initial, PlantState, PlatformMotion, Scenario, Simulator};
 use counterpoise_verify::Procedure;
 
-use super::excitation::{CHANGE, Load, MEASURED_S, Motion, parts, platform, shifted};
+use super::excitation::{CHANGE, Load, MEASURED_S, Motion, load_parts, motion_from, platform_motion};
 use crate::synth::controller_blocks::estimator;
 use crate::synth::schedule::unbalanced;
 use crate::{Modelled, PipelineError};
@@ -73,14 +73,14 @@ impl Stage<'_> {
         let mut state: Option<PlantState> = None;
         let mut angle = self.procedure.operating_point.platform_angle_rad;
         let mut rates = Vec::new();
-        for part in parts(load) {
+        for part in load_parts(load) {
             if acts == Acts::Told {
                 watched.runner.set_out_of_balance(part.factor * design);
             }
             let plant = unbalanced(&self.modelled.plant, part.factor)?;
             let rest = Initial::Rest { hub_angle_rad: self.procedure.operating_point.hub_angle_rad };
             let scenario = Scenario {
-                platform: shifted(platform, part.from_s, angle),
+                platform: motion_from(platform, part.from_s, angle),
                 imperfections: Imperfections::NoiseAndQuantisation { seed: self.procedure.seed },
                 initial: state.take().map_or(rest, |state| Initial::State(Box::new(state))),
                 ..Scenario::still(part.to_s - part.from_s)
@@ -118,6 +118,6 @@ impl Stage<'_> {
 
     /// Returns a motion of the platform for the whole trial.
     pub(crate) fn platform(&self, motion: Motion) -> Result<PlatformMotion, PipelineError> {
-        platform(self.procedure, self.modelled.parameters.gravity_m_s2, motion)
+        platform_motion(self.procedure, self.modelled.parameters.gravity_m_s2, motion)
     }
 }
