@@ -35,6 +35,7 @@ pub mod generalised;
 pub mod generalised_lyapunov;
 pub mod hammarling;
 mod hammarling_leaf;
+mod heap;
 pub mod invariant_subspace;
 mod kernel;
 mod long_complex;

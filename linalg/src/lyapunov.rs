@@ -7,7 +7,7 @@ use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
 use crate::stein_leaf;
 use crate::sylvester::{Kind, check_spectra, middle};
-use crate::tolerance::DOUBTFUL_SEPARATION;
+use crate::tolerance::{CORRECTED_STATES, DOUBTFUL_SEPARATION, MAGNIFIED};
 
 mod doubtful;
 
@@ -16,7 +16,8 @@ mod doubtful;
 ///
 /// A unique solution exists if and only if no two eigenvalues of `A` sum to zero (stable `A`: always).
 /// Method: balancing by powers of two, one real Schur form, Bartels and Stewart by recursive blocks; a solution that may
-/// consist of rounding errors is refined with residuals in twice the working precision. Cost about 32 n^3.
+/// consist of rounding errors, and one of a small equation that is larger than the data, is refined with residuals in twice the working precision.
+/// Cost about 32 n^3.
 ///
 /// # Errors
 /// Returns an error if shapes do not fit or an entry is not finite, and [`Error::CommonEigenvalue`] if rounding the entries of
@@ -82,23 +83,39 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
     let operator = Operator::new(schur(&balanced.A)?, kind)?;
     let X = operator.solve_any(&inner);
-    let X = if is_doubtful(&operator, &balanced.A, &inner, &X) {
-        doubtful::settle(operator, &balanced.A, &inner, X)?
-    } else {
-        X
+    let X = match growth(&operator, &balanced.A, &inner, &X) {
+        Growth::Doubtful => doubtful::settle(operator, &balanced.A, &inner, X)?,
+        Growth::Magnified if A.nrows() <= CORRECTED_STATES => {
+            doubtful::correct(&operator, &balanced.A, &inner, X)
+        }
+        Growth::Magnified | Growth::Benign => X,
     };
     let X = Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]);
     in_range("the solution of the Lyapunov equation", X)
 }
 
-/// Whether the solution may be one of rounding errors: two eigenvalues nearly meet, or it is large beside the data.
-fn is_doubtful(operator: &Operator, A: &Mat, Q: &Mat, X: &Mat) -> bool {
+/// How a solution compares with the data.
+enum Growth {
+    /// It is of their size.
+    Benign,
+    /// It is larger, and the rounding errors of its computation with it.
+    Magnified,
+    /// It may be one of rounding errors: two eigenvalues nearly meet, or it is far larger.
+    Doubtful,
+}
+
+fn growth(operator: &Operator, A: &Mat, Q: &Mat, X: &Mat) -> Growth {
     let size = if operator.kind == Kind::Continuous { A.norm_fro() } else { 1.0 };
-    let grown = X.norm_fro() * size > Q.norm_fro() / DOUBTFUL_SEPARATION;
+    let (grown, data) = (X.norm_fro() * size, Q.norm_fro());
     let gap = |(first, second)| operator.kind.gap(first, second);
-    grown
-        || nearest_pair(&operator.form.eigenvalues(), operator.kind).map(gap)
-            <= Some(DOUBTFUL_SEPARATION * size)
+    let nearest = || nearest_pair(&operator.form.eigenvalues(), operator.kind).map(gap);
+    if grown > data / DOUBTFUL_SEPARATION || nearest() <= Some(DOUBTFUL_SEPARATION * size) {
+        Growth::Doubtful
+    } else if grown > MAGNIFIED * data {
+        Growth::Magnified
+    } else {
+        Growth::Benign
+    }
 }
 
 /// The two eigenvalues, or the one twice, that come nearest to making the equation singular.

@@ -5,7 +5,7 @@ use crate::common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{
-    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, lyap, lyap_factor,
+    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, inverse, lyap, lyap_factor,
     lyap_factors, sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
 };
 
@@ -195,5 +195,30 @@ fn accumulated_cost_of_a_lag_has_its_closed_form() {
         let lag = -(-2.0 * a * h).exp_m1() / (2.0 * a);
         let expected = q * (h - lag) / (2.0 * a);
         assert!((P / expected - 1.0).abs() < 1e-11, "{h}: {P} {expected}");
+    }
+}
+
+#[test]
+fn a_magnified_solution_is_right_entry_by_entry() {
+    // A = T N T^-1 and X = T T' with small fractions of powers of two, so that Q is exact. T is far from orthogonal, and the solution hundreds of
+    // times larger than the data.
+    let T = Mat::from_rows(&[
+        &[1.0, 0.0, 0.0, 0.0],
+        &[5.0, 1.0, 0.0, 0.0],
+        &[-7.0, 6.0, 1.0, 0.0],
+        &[3.0, -4.0, 8.0, 1.0],
+    ]);
+    let T_inverse = inverse(&T).unwrap().map(f64::round);
+    assert_eq!(&T * &T_inverse, Mat::eye(4));
+    let near = 1.0 - f64::exp2(-10.0);
+    let A = &T * Mat::diag(&[near, -near, near, 0.5]) * &T_inverse;
+    let X = &T * T.t();
+    let Q = &X - &(&A * &X * A.t());
+    let found = dlyap(&A, &Q).unwrap();
+    for j in 0..4 {
+        for i in 0..4 {
+            let error = (found[(i, j)] - X[(i, j)]).abs() / (X[(i, i)] * X[(j, j)]).sqrt();
+            assert!(error < 2.0 * f64::EPSILON, "{i} {j} {error:e}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 //! Source: the idea of Benner, Symplectic balancing of Hamiltonian matrices, SIAM J. Sci. Comput. 22 (2001).
 
 use crate::balance::squares;
+use crate::heap::keep_freed_blocks;
 use crate::mat::Mat;
 use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS};
 
@@ -23,6 +24,7 @@ pub(super) struct Scaled {
 /// Lowers the norm of the Hamiltonian matrix `[A -G; -Q -A']` state by state.
 pub(super) fn scale(mut problem: Problem) -> Scaled {
     let n = problem.A.nrows();
+    keep_freed_blocks(n);
     let mut scale = vec![1.0; n];
     for _ in 0..BALANCE_SWEEPS {
         let before = all_shares(&problem);

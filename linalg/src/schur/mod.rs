@@ -6,6 +6,7 @@ mod swap;
 
 use crate::decomposition::{hessenberg, hessenberg_values};
 use crate::error::{Error, check_square};
+use crate::heap::keep_freed_blocks;
 use crate::mat::{C64, Mat};
 
 /// A real Schur form `A = U T U'`: `U` orthogonal, `T` upper triangular but for standardised 2 x 2 blocks (equal diagonal
@@ -27,6 +28,7 @@ pub struct Schur {
 /// Not square, entries that are not finite, or more than forty iterations an eigenvalue.
 pub fn schur(A: &Mat) -> Result<Schur, Error> {
     check_square("A", A)?;
+    keep_freed_blocks(A.nrows());
     match independent(A) {
         groups if groups.len() > 1 => group_by_group(A, &groups),
         _ => connected(A),
@@ -90,6 +92,7 @@ fn connected(A: &Mat) -> Result<Schur, Error> {
 /// As for [`schur`].
 pub fn eigenvalues(A: &Mat) -> Result<Vec<C64>, Error> {
     check_square("A", A)?;
+    keep_freed_blocks(A.nrows());
     let balanced = crate::balance::balance(A)?.A;
     let mut values = Vec::with_capacity(A.nrows());
     for group in independent(&balanced) {
