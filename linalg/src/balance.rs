@@ -42,28 +42,41 @@ vectorised! {
         let n = A.nrows();
         let (mut columns, mut rows) = (vec![0.0; n], vec![0.0; n]);
         for j in 0..n {
-            let mut sums = [0.0; 8];
-            let chunks = A.column(j).chunks_exact(8);
-            let rest: f64 = chunks.remainder().iter().map(|e| e * e).sum();
-            chunks.for_each(|chunk| sums.iter_mut().zip(chunk).for_each(|(s, e)| *s += e * e));
-            columns[j] = sums.iter().sum::<f64>() + rest;
-            rows.iter_mut().zip(A.column(j)).for_each(|(r, e)| *r += e * e);
-        }
-        for (i, e) in A.diagonal().into_iter().enumerate() {
-            columns[i] -= e * e;
-            rows[i] -= e * e;
+            // Without the diagonal entry: taken out of the sum afterwards, it would take much smaller ones with it.
+            let (above, below) = (&A.column(j)[..j], &A.column(j)[j + 1..]);
+            columns[j] = sum_of_squares(above) + sum_of_squares(below);
+            let (upper, lower) = rows.split_at_mut(j);
+            upper.iter_mut().zip(above).for_each(|(r, e)| *r += e * e);
+            lower[1..].iter_mut().zip(below).for_each(|(r, e)| *r += e * e);
         }
         (columns, rows)
     }
 }
 
+#[inline(always)]
+fn sum_of_squares(entries: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let chunks = entries.chunks_exact(8);
+    let rest: f64 = chunks.remainder().iter().map(|e| e * e).sum();
+    chunks.for_each(|chunk| sums.iter_mut().zip(chunk).for_each(|(s, e)| *s += e * e));
+    sums.iter().sum::<f64>() + rest
+}
+
+/// The sum of the squares of a row of a matrix, off the diagonal.
+pub(crate) fn squares_of_row(A: &Mat, i: usize) -> f64 {
+    let of = |columns: std::ops::Range<usize>| columns.map(|j| A[(i, j)] * A[(i, j)]).sum::<f64>();
+    of(0..i) + of(i + 1..A.ncols())
+}
+
+/// The same of a column.
+pub(crate) fn squares_of_column(A: &Mat, j: usize) -> f64 {
+    let of = |entries: &[f64]| entries.iter().map(|e| e * e).sum::<f64>();
+    of(&A.column(j)[..j]) + of(&A.column(j)[j + 1..])
+}
+
 /// Scales state `i` of the present matrix, where that still pays. Returns whether it did.
 fn rescale_state(A: &mut Mat, scale: &mut [f64], i: usize) -> bool {
-    let n = A.nrows();
-    let diagonal = A[(i, i)] * A[(i, i)];
-    let column = A.column(i).iter().map(|e| e * e).sum::<f64>() - diagonal;
-    let row = A.as_slice()[i..].iter().step_by(n).map(|e| e * e).sum::<f64>() - diagonal;
-    let Some(factor) = factor(column, row) else { return false };
+    let Some(factor) = factor(squares_of_column(A, i), squares_of_row(A, i)) else { return false };
     scale_state(A, i, factor);
     scale[i] *= factor;
     true

@@ -222,3 +222,22 @@ fn a_magnified_solution_is_right_entry_by_entry() {
         }
     }
 }
+
+#[test]
+fn units_are_balanced_also_beside_a_far_larger_diagonal() {
+    // One entry of a row is 2e-9 of its diagonal: without balancing, the rounding of the other is larger than this one.
+    let A = Mat::from_rows(&[
+        &[-0.5402935339585326, -1.1554885890949275e-9],
+        &[17018872.25596792, -0.5264552118136085],
+    ]);
+    let Q = Mat::from_rows(&[
+        &[6.758358585042536e-8, -0.43228450150036424],
+        &[-0.43228450150036424, 2765018.870868959],
+    ]);
+    let X = lyap(&A, &Q).unwrap();
+    let expected =
+        [(X[(0, 0)], 6.136372872753231e-8), (X[(0, 1)], 0.5515996264755441), (X[(1, 1)], 20457795.408196237)];
+    for (found, exact) in expected {
+        assert!((found / exact - 1.0).abs() < 1e-13, "{found} {exact}");
+    }
+}

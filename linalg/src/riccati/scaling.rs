@@ -2,7 +2,7 @@
 //!
 //! Source: the idea of Benner, Symplectic balancing of Hamiltonian matrices, SIAM J. Sci. Comput. 22 (2001).
 
-use crate::balance::squares;
+use crate::balance::{squares, squares_of_column, squares_of_row};
 use crate::heap::keep_freed_blocks;
 use crate::mat::Mat;
 use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS};
@@ -115,12 +115,9 @@ fn all_shares(problem: &Problem) -> Vec<Shares> {
 }
 
 fn shares(Problem { A, G, Q }: &Problem, i: usize) -> Shares {
-    let off = |entries: &[f64]| entries.iter().map(|e| e * e).sum::<f64>() - entries[i] * entries[i];
-    let n = A.nrows();
-    let row: f64 = A.as_slice()[i..].iter().step_by(n).map(|e| e * e).sum::<f64>() - A[(i, i)] * A[(i, i)];
     Shares {
-        up: off(A.column(i)) + off(Q.column(i)),
-        down: row + off(G.column(i)),
+        up: squares_of_column(A, i) + squares_of_column(Q, i),
+        down: squares_of_row(A, i) + squares_of_column(G, i),
         q: 0.5 * Q[(i, i)] * Q[(i, i)],
         g: 0.5 * G[(i, i)] * G[(i, i)],
     }
