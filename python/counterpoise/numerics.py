@@ -211,7 +211,13 @@ def hinfsyn(P, nmeas: int, ncon: int, tolerance: float = 1e-4):
     counts = _count("nmeas", nmeas), _count("ncon", ncon)
     K, norm, unreachable = _native.hinf_synthesis(given, *counts, _number("the tolerance", tolerance))
     controller = _control(K, None)
-    closed = _control(given[:4], None).lft(controller)
+    try:
+        closed = _control(given[:4], None).lft(controller)
+    except ValueError as why:
+        raise NumericalError(
+            f"the loop of the plant and the controller with norm {norm:.4g} is singular at high frequency to working precision ({why}): "
+            "change the direct paths of the plant (D11, D22) or their units"
+        ) from why
     return controller, closed, norm, unreachable
 
 

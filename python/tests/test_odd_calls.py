@@ -179,6 +179,11 @@ def test_odd_calls_have_an_answer_or_a_reason(first):
     assert not wrong, wrong[:5]
 
 
+@pytest.mark.parametrize("seed", [51004557, 51014771])
+def test_a_loop_that_is_not_well_posed_is_refused_as_a_numerical_error(seed):
+    assert outcome(seed) == ("hinfsyn", "refused")
+
+
 def test_imaginary_parts_and_masks_are_not_dropped():
     for odd in (np.array([[1j]]), np.ma.masked_array([[1.0]], mask=True), [["one"]], [[10**400]]):
         with pytest.raises(cp.NumericalError, match="A "):
