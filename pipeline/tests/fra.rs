@@ -123,7 +123,7 @@ fn a_loop_of_position_is_measured_where_the_machine_rests() {
     for p in mapped_of(&project, Around::Closed, &[0.5, 2.0]) {
         let off = (db(p.linear) - p.gain_db).abs();
         assert!(off < 0.02, "{} Hz: {} dB, linear {} dB", p.frequency_hz, p.gain_db, db(p.linear));
-        assert!((p.mean_rad_s + 1.5707963).abs() < 1e-3, "{}", p.mean_rad_s);
+        assert!((p.mean_rad_s + std::f64::consts::FRAC_PI_2).abs() < 1e-3, "{}", p.mean_rad_s);
     }
 }
 
