@@ -152,8 +152,9 @@ fn diagnose_scaled(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    let scaled = scale.applied(base);
-    let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r)).collect();
+    let (scaled, measured) = (scale.applied(base), base.sensors.measured);
+    let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r, measured)).collect();
+    let control = scale.control(control, measured);
     let mut found = diagnose_of(scale.sizes(), &scaled, control, &resized, pool)?;
     found.recordings = recordings.to_vec();
     scale.bring_back(&mut found.answer, &scaled);

@@ -91,10 +91,7 @@ pub fn can_have(p: &Parameters, effect: &Effect) -> bool {
             Component::Motor => motor_can_have(p, effect.effect),
             Component::Amplifier => amplifier_can_have(p, effect.effect),
             Component::Pivot => friction_can_have(&p.pivot_friction.law, effect),
-            Component::HubGyro => {
-                let of_gyroscope = [EffectName::GSensitivity, EffectName::Misalignment];
-                !of_gyroscope.contains(&effect.effect) || p.sensors.measured == Measured::HubRate
-            }
+            Component::HubGyro => sensor_can_have(p.sensors.measured, effect),
             _ => true,
         }
 }
@@ -135,6 +132,22 @@ fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
         EffectName::EndStops => p.loads.end_stops.is_some(),
         EffectName::Recoil => p.loads.recoil.is_some(),
         _ => !(of_beam && lumped.is_rigid()),
+    }
+}
+
+/// Only a gyroscope has a sensitivity to other axes; the bias of a torque and that of a current have sizes and units of their own.
+fn sensor_can_have(measured: Measured, effect: &Effect) -> bool {
+    match effect.effect {
+        EffectName::GSensitivity | EffectName::Misalignment => measured == Measured::HubRate,
+        EffectName::Bias => {
+            let unit = match measured {
+                Measured::Torque => "N m",
+                Measured::Current => "A",
+                _ => "rad/s",
+            };
+            effect.parameters[0].unit == unit
+        }
+        _ => true,
     }
 }
 

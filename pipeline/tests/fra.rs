@@ -3,6 +3,7 @@
 
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan, Point};
+use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::{model, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -70,6 +71,73 @@ fn a_linear_loop_of_position_is_measured_as_its_model_says() {
             db(p.linear)
         );
     }
+}
+
+/// A mass that nothing holds, in a loop of position.
+const FREE: &str = "format = 2
+    plant.inertia = 0.02
+    plant.drive = { limit = 6.0 }
+    plant.sensors.resolver = { noise = \"2 arcsec\" }
+    plant.interface = { sample_period = 0.5e-3 }";
+
+/// A hanging pendulum: about the horizontal it is another machine than about its rest.
+const PENDULUM: &str = "format = 2
+    model.hub_angle = -1.5707963
+    plant.lumped = { hub_inertia = 0.007, out_of_balance = 0.05 }
+    plant.motor = { inertia = 0.012, torque_constant = 1.6, resistance = 4.0 }
+    plant.drive = { kind = \"voltage\", limit = 12.0 }
+    plant.friction.pivot = { viscous = 0.012 }
+    plant.sensors.encoder = { counts = 65536 }
+    plant.interface = { sample_period = 2e-3 }";
+
+fn designed(text: &str) -> Project {
+    let document = Document::parse(text, "project.toml");
+    let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
+    with_chosen_weights(&read.project).unwrap().unwrap().project
+}
+
+fn mapped_of(project: &Project, around: Around, frequencies_hz: &[f64]) -> Vec<Point> {
+    let modelled = model(project).unwrap();
+    let amplitudes = vec![around.usual_amplitudes(project)[0]];
+    let plan = Plan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };
+    let analyser = Analyser::new(project, &modelled, &plan, On::Simulation).unwrap();
+    analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points
+}
+
+#[test]
+fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
+    let project = designed(FREE);
+    let torque_per_v = 6.0 / 10.0;
+    for p in mapped_of(&project, Around::Plant, &[0.5, 2.0, 10.0]) {
+        let rate = std::f64::consts::TAU * p.frequency_hz;
+        let closed_form = 20.0 * (torque_per_v / (0.02 * rate * rate)).log10();
+        let off = (p.gain_db - closed_form).abs();
+        assert!(p.settled && off < 0.01, "{} Hz: {} dB, {closed_form} dB", p.frequency_hz, p.gain_db);
+        assert!(p.distortion < 1e-3, "{}", p.distortion);
+    }
+}
+
+#[test]
+fn a_loop_of_position_is_measured_where_the_machine_rests() {
+    let project = designed(PENDULUM);
+    for p in mapped_of(&project, Around::Closed, &[0.5, 2.0]) {
+        let off = (db(p.linear) - p.gain_db).abs();
+        assert!(off < 0.02, "{} Hz: {} dB, linear {} dB", p.frequency_hz, p.gain_db, db(p.linear));
+        assert!((p.mean_rad_s + std::f64::consts::FRAC_PI_2).abs() < 1e-3, "{}", p.mean_rad_s);
+    }
+}
+
+#[test]
+fn usual_points_suit_the_machine() {
+    let mut project = designed(FREE);
+    assert_eq!(Around::usual(&project), Around::Closed);
+    assert_eq!(Around::usual(&rig()), Around::Disturbance);
+    let step = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
+    let demanded = Around::Closed.usual_amplitudes(&project);
+    assert!((demanded[3] / step - 1.0).abs() < 1e-12, "{demanded:?}");
+    project.plant.interface.sample_period_s = 0.05;
+    let highest = usual_frequencies_hz(&project).into_iter().fold(0.0, f64::max);
+    assert!(highest < 10.0 && highest > 5.0, "{highest} Hz at 20 Hz");
 }
 
 #[test]

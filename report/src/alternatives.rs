@@ -1,6 +1,7 @@
 //! A design beside its alternatives, as sections of a report: methods side by side, a lower order, hub and tip, the controllers
 //! over the out-of-balance, the modes that the design neglects.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::design_views::{ControllerFamily, FrequencyResponse};
 use counterpoise_pipeline::studies::comparison::{
     Comparison, LoopFigures, LoweredRow, MethodRow, MotionRow, Spillover,
@@ -8,36 +9,43 @@ use counterpoise_pipeline::studies::comparison::{
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 
 use crate::bode::{BodeCurve, Phase, bode_figure, response_curve};
+use crate::designs::noise_gain_column;
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
 
 /// Returns the sections; none for what a project does not ask for.
-pub fn alternatives_sections(found: &Comparison, families: &[ControllerFamily]) -> Vec<Section> {
+pub fn alternatives_sections(
+    found: &Comparison,
+    families: &[ControllerFamily],
+    controlled: ControlledQuantity,
+) -> Vec<Section> {
     let mut all = Vec::new();
     if found.methods.len() > 1 {
-        all.push(methods(&found.methods));
+        all.push(methods(&found.methods, controlled));
     }
-    all.extend(found.lowered.as_ref().map(lowered));
+    all.extend(found.lowered.as_ref().map(|row| lowered(row, controlled)));
     if !found.motions.is_empty() {
-        all.push(motions(&found.motions));
+        all.push(motions(&found.motions, controlled));
     }
     if found.balance.len() > 1 {
-        all.push(balance(families, &found.balance));
+        all.push(balance(families, &found.balance, controlled));
     }
     all.extend(found.spillover.as_ref().map(spillover));
     all
 }
 
-const FIGURES: [Column; 7] = [
-    Column::Number("gain margin [dB]"),
-    Column::Number("phase margin [deg]"),
-    Column::Number("Ms"),
-    Column::Number("crossover [rad/s]"),
-    Column::Number("overshoot [%]"),
-    Column::Number("|S|, 0.2 to 2 Hz"),
-    Column::Number("noise gain [V s/rad]"),
-];
+fn figure_columns(controlled: ControlledQuantity) -> [Column; 7] {
+    [
+        Column::Number("gain margin [dB]"),
+        Column::Number("phase margin [deg]"),
+        Column::Number("Ms"),
+        Column::Number("crossover [rad/s]"),
+        Column::Number("overshoot [%]"),
+        Column::Number("|S|, 0.2 to 2 Hz"),
+        Column::Number(noise_gain_column(controlled)),
+    ]
+}
 
 fn figure_cells(f: &LoopFigures) -> Vec<Cell> {
     let values = [
@@ -52,14 +60,14 @@ fn figure_cells(f: &LoopFigures) -> Vec<Cell> {
     values.into_iter().map(Cell::number).collect()
 }
 
-fn methods(rows: &[MethodRow]) -> Section {
+fn methods(rows: &[MethodRow], controlled: ControlledQuantity) -> Section {
     let mut columns = vec![
         Column::Text("method"),
         Column::Text("integral action"),
         Column::Number("order"),
         Column::Number("norm"),
     ];
-    columns.extend(FIGURES);
+    columns.extend(figure_columns(controlled));
     let mut table = Table::new("The same plant and weights; figures of the sampled loop", &columns);
     for row in rows {
         let norm = row.norm.map_or(Cell::text(""), Cell::number);
@@ -68,7 +76,7 @@ fn methods(rows: &[MethodRow]) -> Section {
             vec![Cell::text(&row.method), Cell::text(integral), Cell::text(row.order.to_string()), norm];
         match &row.figures {
             Some(found) => cells.extend(figure_cells(found)),
-            None => cells.extend(FIGURES.map(|_| Cell::text("-"))),
+            None => cells.extend(figure_columns(controlled).map(|_| Cell::text("-"))),
         }
         table.rows.push(cells);
     }
@@ -77,9 +85,9 @@ fn methods(rows: &[MethodRow]) -> Section {
     rows.iter().filter_map(why).fold(section, |section, line| section.saying(line))
 }
 
-fn lowered(row: &LoweredRow) -> Section {
+fn lowered(row: &LoweredRow, controlled: ControlledQuantity) -> Section {
     let mut columns = vec![Column::Text("feedback"), Column::Number("order")];
-    columns.extend(FIGURES);
+    columns.extend(figure_columns(controlled));
     let mut table = Table::new("", &columns);
     for (name, order, figures) in
         [("as designed", row.order[0], &row.before), ("lowered", row.order[1], &row.after)]
@@ -96,7 +104,7 @@ fn lowered(row: &LoweredRow) -> Section {
         .listing(table)
 }
 
-fn motions(rows: &[MotionRow]) -> Section {
+fn motions(rows: &[MotionRow], controlled: ControlledQuantity) -> Section {
     let columns = [
         Column::Text("expected motion"),
         Column::Number("hub, feedback alone"),
@@ -104,7 +112,15 @@ fn motions(rows: &[MotionRow]) -> Section {
         Column::Number("tip, feedback alone"),
         Column::Number("tip, with feedforward"),
     ];
-    let mut table = Table::new("RMS rates on the design plant, mrad/s", &columns);
+    let tip = controlled.motion();
+    let of_tip = if tip == controlled {
+        String::new()
+    } else {
+        format!(", and {} of the tip, {}", tip.short_name(), tip.milli_unit())
+    };
+    let caption =
+        format!("RMS {} on the design plant, {}{of_tip}", controlled.short_name(), controlled.milli_unit());
+    let mut table = Table::new(&caption, &columns);
     for row in rows {
         let mut cells = vec![Cell::text(row.disturbance)];
         cells.extend(row.hub_rad_s.iter().chain(&row.tip_rad_s).map(|rate| Cell::number(1e3 * rate)));
@@ -114,11 +130,11 @@ fn motions(rows: &[MotionRow]) -> Section {
 }
 
 /// Returns the controllers over the states of balance.
-fn balance(families: &[ControllerFamily], rows: &[BalanceRow]) -> Section {
+fn balance(families: &[ControllerFamily], rows: &[BalanceRow], controlled: ControlledQuantity) -> Section {
     let section = Section::new("Over the out-of-balance")
         .saying("Each state of balance has its own full design; curves that cannot be told apart lie on each other.")
         .showing(families.iter().map(family));
-    section.listing(changes(rows)).listing(laws(rows))
+    section.listing(changes(rows, controlled)).listing(laws(rows))
 }
 
 /// Returns the response of a controller in every state of balance.
@@ -133,19 +149,23 @@ fn family(family: &ControllerFamily) -> Figure {
     bode_figure(&title, family.unit, &curves, Phase::Hidden, Vec::new())
 }
 
-fn changes(rows: &[BalanceRow]) -> Table {
+fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> Table {
     let columns = [
         Column::Text("state"),
         Column::Number("out-of-balance [kg m]"),
         Column::Number("feedback [dB]"),
         Column::Number("heave [dB]"),
         Column::Number("pitch [dB]"),
-        Column::Number("old controllers [mrad/s]"),
-        Column::Number("gain law [mrad/s]"),
-        Column::Number("redesign [mrad/s]"),
+        Column::Number("old controllers"),
+        Column::Number("gain law"),
+        Column::Number("redesign"),
     ];
-    let caption = "Change of each controller from 0.1 to 20 Hz, lowest to highest, and RMS hub rate under the expected heave";
-    let mut table = Table::new(caption, &columns);
+    let caption = format!(
+        "Change of each controller from 0.1 to 20 Hz, lowest to highest, and RMS {} under the expected heave, {}",
+        controlled.name(),
+        controlled.milli_unit()
+    );
+    let mut table = Table::new(&caption, &columns);
     let range = |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", tidy(low), tidy(high));
     let change = |db: Option<[f64; 2]>| Cell::text(db.map_or("-".to_owned(), range));
     let error = |rate: Option<f64>| rate.map_or(Cell::text("-"), |rate| Cell::number(1e3 * rate));

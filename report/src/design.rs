@@ -49,7 +49,11 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
         certificate_section(&designed.certificates, &result.synth),
     ];
     more.extend(run.first_design.map(crate::first_design::first_design_section));
-    more.extend(alternatives::alternatives_sections(&designed.comparison, &designed.views.families));
+    more.extend(alternatives::alternatives_sections(
+        &designed.comparison,
+        &designed.views.families,
+        stages.synthesised.controlled,
+    ));
     more.extend(designed.two_axes.as_ref().map(crate::two_axes::two_axes_section));
     more.push(order_section(result));
     more.push(crate::check::assumptions_section(run.assumptions, run.effects));
@@ -79,7 +83,11 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
 
 /// Returns the report of a synthesis: the weights, and the design beside its alternatives.
 pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origin) -> Report {
-    let mut sections = alternatives::alternatives_sections(&study.comparison, &study.views.families);
+    let mut sections = alternatives::alternatives_sections(
+        &study.comparison,
+        &study.views.families,
+        study.synthesised.controlled,
+    );
     sections.push(weight_section(&study.weights, &study.views.weights));
     let tile = |(name, order): (&String, &usize)| Tile::plain(name, order.to_string(), "states");
     let report = Report {

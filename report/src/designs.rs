@@ -1,45 +1,77 @@
 //! Every design of a project in one table: terminal lines, page, and Markdown.
 
+use counterpoise_models::{Axis as Travel, ControlledQuantity, QuantityKind};
 use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable, LimitsResult};
 use counterpoise_pipeline::tuning::{BlockResult, WeightsResult};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
 
-/// What each column of the table is.
-pub const COLUMNS: [&str; 18] = [
-    "order",
-    "Ms",
-    "Mt",
-    "gain margin [dB]",
-    "phase margin [deg]",
-    "delay margin [ms]",
-    "decay [rad/s]",
-    "noise gain [V s/rad]",
-    "largest KS [V s/rad]",
-    "effort [V]",
-    "RMS of S, 0.2 to 2 Hz",
-    "residual hub rate [mrad/s]",
-    "step [mrad/s]",
-    "sines [mrad/s]",
-    "motion [mrad/s]",
-    "rest [mrad/s]",
-    "control [V]",
-    "time [s]",
-];
+/// What each column of the table is: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
+macro_rules! heads {
+    ($name:literal, $milli:literal, $gain:literal) => {
+        [
+            "order",
+            "Ms",
+            "Mt",
+            "gain margin [dB]",
+            "phase margin [deg]",
+            "delay margin [ms]",
+            "decay [rad/s]",
+            concat!("noise gain [", $gain, "]"),
+            concat!("largest KS [", $gain, "]"),
+            "effort [V]",
+            "RMS of S, 0.2 to 2 Hz",
+            concat!("residual ", $name, " [", $milli, "]"),
+            concat!("step [", $milli, "]"),
+            concat!("sines [", $milli, "]"),
+            concat!("motion [", $milli, "]"),
+            concat!("rest [", $milli, "]"),
+            "control [V]",
+            "time [s]",
+        ]
+    };
+}
 
-/// What the columns mean, for a reader of the table.
-pub const LEGEND: [&str; 4] = [
-    "Order: states of the feedback. Decay: the slowest pole of the closed loop. Margins, noise gain (RMS control for readings with noise of unit RMS), largest KS and |S| are those of the \
-     sampled linear loop.",
-    "Residual hub rate and effort: RMS rate and RMS control that the estimated disturbance at the output leaves in the linear loop; a tuned structure makes the \
-     residual hub rate least.",
-    "Step, sines, motion, rest: RMS of the true hub rate less its demand in the nonlinear closed loop with friction, backlash, converters and noise. Every \
-     design has the project's feedforwards and friction observers, except a joint optimum, which is one controller.",
-    "Control: RMS of the control about its mean under the motion.",
-];
+/// Returns what each column of the table is, in a loop of a quantity.
+pub fn columns(controlled: ControlledQuantity) -> [&'static str; 18] {
+    match (controlled.kind, controlled.axis) {
+        (QuantityKind::Rate, Travel::Rotary) => heads!("hub rate", "mrad/s", "V s/rad"),
+        (QuantityKind::Rate, Travel::Linear) => heads!("slide speed", "mm/s", "V s/m"),
+        (QuantityKind::Position, Travel::Rotary) => heads!("hub angle", "mrad", "V/rad"),
+        (QuantityKind::Position, Travel::Linear) => heads!("slide position", "mm", "V/m"),
+        (QuantityKind::Effort, Travel::Rotary) => heads!("transmitted torque", "mN m", "V/(N m)"),
+        (QuantityKind::Effort, Travel::Linear) => heads!("transmitted force", "mN", "V/N"),
+        (QuantityKind::Current, _) => heads!("controlled current", "mA", "V/A"),
+    }
+}
+
+/// Returns what the column of the noise gain is.
+pub fn noise_gain_column(controlled: ControlledQuantity) -> &'static str {
+    columns(controlled)[7]
+}
+
+/// Returns what the columns mean, for a reader of the table.
+pub fn legend(controlled: ControlledQuantity) -> [String; 4] {
+    let (name, short) = (controlled.name(), controlled.short_name());
+    [
+        "Order: states of the feedback. Decay: the slowest pole of the closed loop. Margins, noise gain (RMS control for readings with noise of unit RMS), largest KS and |S| are those of the \
+         sampled linear loop."
+            .to_owned(),
+        format!(
+            "Residual {name} and effort: RMS {short} and RMS control that the estimated disturbance at the output leaves in the linear loop; a tuned structure makes the \
+             residual {name} least."
+        ),
+        format!(
+            "Step, sines, motion, rest: RMS of the true {name} less its demand in the nonlinear closed loop with friction, backlash, converters and noise. Every \
+             design has the project's feedforwards and friction observers, except a joint optimum, which is one controller."
+        ),
+        "Control: RMS of the control about its mean under the motion.".to_owned(),
+    ]
+}
 
 /// Returns the cells of a row after its name, with the time that its design took in s; empty text if there is no number.
 pub fn design_cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
@@ -105,24 +137,25 @@ pub fn block_words(block: &BlockResult) -> String {
 }
 
 /// Returns tuned weights in words.
-pub fn weight_words(weights: &WeightsResult) -> String {
+pub fn weight_words(weights: &WeightsResult, controlled: ControlledQuantity) -> String {
     format!(
-        "error weight {}; control weight {}; measurement noise {} (rad/s)^2 s; loop recovery {} V^2 s",
+        "error weight {}; control weight {}; measurement noise {} {}; loop recovery {} V^2 s",
         weights.error,
         weights.control,
         short_number(weights.measurement_noise),
+        controlled.density_unit(),
         short_number(weights.loop_recovery)
     )
 }
 
 /// Returns the remarks on a row: limits, blocks, what is missed, or why there is no controller.
-pub fn design_remarks(row: &DesignRow) -> Vec<String> {
+pub fn design_remarks(row: &DesignRow, controlled: ControlledQuantity) -> Vec<String> {
     let mut all = Vec::new();
     all.extend(row.limits.as_ref().map(|limits| format!("tuned under {}", limits_words(limits))));
     if !row.blocks.is_empty() {
         all.push(row.blocks.iter().map(block_words).collect::<Vec<_>>().join(" "));
     }
-    all.extend(row.weights.as_ref().map(weight_words));
+    all.extend(row.weights.as_ref().map(|weights| weight_words(weights, controlled)));
     if let (Some(bound), Some(linear)) = (&row.bound, &row.linear) {
         let gap = 100.0 * (linear.residual_rad_s / bound.lower_bound - 1.0);
         let half = bound.half_basis.map_or("keeps no such limits".to_owned(), |value| {
@@ -144,21 +177,22 @@ pub fn design_remarks(row: &DesignRow) -> Vec<String> {
 
 /// Returns the table in Markdown, with its legend.
 pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
-    let mut text = format!("| design | {} |\n", COLUMNS.join(" | "));
-    text += &format!("|---|{}\n", "---|".repeat(COLUMNS.len()));
+    let columns = columns(table.controlled);
+    let mut text = format!("| design | {} |\n", columns.join(" | "));
+    text += &format!("|---|{}\n", "---|".repeat(columns.len()));
     for (k, row) in table.rows.iter().enumerate() {
         let cells = design_cells(row, times_s.get(k).copied());
         text += &format!("| {} {} | {} |\n", k + 1, row.name, cells.join(" | "));
     }
     text.push('\n');
     for (k, row) in table.rows.iter().enumerate() {
-        let words = design_remarks(row);
+        let words = design_remarks(row, table.controlled);
         if !words.is_empty() {
             text += &format!("{}. {}: {}.\n", k + 1, row.name, words.join("; "));
         }
     }
     text.push('\n');
-    for line in LEGEND {
+    for line in legend(table.controlled) {
         text += &format!("{line}\n");
     }
     text
@@ -166,25 +200,30 @@ pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
 
 /// Returns the page.
 pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
-    let mut columns = vec![Column::Text("design")];
-    columns.extend(COLUMNS.map(Column::Number));
-    let mut shown = Table::new("Designs", &columns);
+    let controlled = table.controlled;
+    let mut heads = vec![Column::Text("design")];
+    heads.extend(columns(controlled).map(Column::Number));
+    let mut shown = Table::new("Designs", &heads);
     for (k, row) in table.rows.iter().enumerate() {
         let mut line = vec![Cell::text(row.name.clone())];
         line.extend(design_cells(row, times_s.get(k).copied()).into_iter().map(Cell::text));
         shown.rows.push(line);
     }
     let mut details = Section::new("What each design is");
-    for row in table.rows.iter().filter(|row| !design_remarks(row).is_empty()) {
-        details = details.saying(format!("{}: {}.", row.name, design_remarks(row).join("; ")));
+    for row in &table.rows {
+        let remarks = design_remarks(row, controlled);
+        if !remarks.is_empty() {
+            details = details.saying(format!("{}: {}.", row.name, remarks.join("; ")));
+        }
     }
-    let legend = LEGEND.iter().fold(Section::new("Columns"), |section, line| section.saying(*line));
+    let legend =
+        legend(controlled).into_iter().fold(Section::new("Columns"), |section, line| section.saying(line));
     let best = best_row(table);
     let text = match best {
-        Some(row) => format!("Least hub rate under {}: {}", table.motion, row.name),
+        Some(row) => format!("Least {} under {}: {}", controlled.name(), table.motion, row.name),
         None => "No design could be simulated".to_owned(),
     };
-    let tiles = best.map(tiles).unwrap_or_default();
+    let tiles = best.map(|row| tiles(row, controlled)).unwrap_or_default();
     let identity = ProjectIdentity { name: table.name.clone(), hash: table.hash.clone() };
     let report = Report {
         title: format!("Designs of {}", table.name),
@@ -199,7 +238,7 @@ pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) 
     report.reproduced_by(&origin.command)
 }
 
-/// Returns every simulated design: hub rate against noise gain, each with its number.
+/// Returns every simulated design: what the loop controls against noise gain, each with its number.
 fn figure(table: &DesignTable) -> Option<Figure> {
     const COLOURS: [Colour; 4] = [Colour::First, Colour::Second, Colour::Third, Colour::Fourth];
     let mut marks = Vec::new();
@@ -224,14 +263,19 @@ fn figure(table: &DesignTable) -> Option<Figure> {
         .collect();
     // The series gives the axes their range; its points lie under the rings.
     let series = Series::dotted("", Colour::Muted, points);
-    let panel =
-        Panel::new(Axis::linear("hub rate under the motion", "mrad/s RMS"), vec![series]).with_marks(marks);
-    let x = Axis::linear("noise gain", "V s/rad");
+    let controlled = table.controlled;
+    let y = Axis::linear(
+        &format!("{} under the motion", controlled.name()),
+        &format!("{} RMS", controlled.milli_unit()),
+    );
+    let panel = Panel::new(y, vec![series]).with_marks(marks);
+    let x = Axis::linear("noise gain", controlled.gain_unit());
     let caption = "Down is less motion, left is less noise in the control. The line joins the designs in the order of the table.";
-    Some(Figure::new("Hub rate against noise gain", x, vec![panel]).with_caption(caption))
+    let title = format!("{} against noise gain", capitalise_first(controlled.name()));
+    Some(Figure::new(&title, x, vec![panel]).with_caption(caption))
 }
 
-/// Returns the row of the least hub rate under the motion.
+/// Returns the row of the least controlled quantity under the motion.
 fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     let moved =
         |row: &DesignRow| row.nonlinear.as_ref().map(|run| run.motion_rad_s.unwrap_or(run.sines_rad_s));
@@ -239,15 +283,39 @@ fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     rows.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
 
-fn tiles(row: &DesignRow) -> Vec<Tile> {
+fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<Tile> {
     let mut all = Vec::new();
     if let Some(run) = &row.nonlinear {
         let moved = run.motion_rad_s.unwrap_or(run.sines_rad_s);
-        all.push(Tile::plain("hub rate under the motion", short_number(1e3 * moved), "mrad/s RMS"));
+        let (name, unit) =
+            (format!("{} under the motion", controlled.name()), format!("{} RMS", controlled.milli_unit()));
+        all.push(Tile::plain(&name, short_number(1e3 * moved), &unit));
     }
     if let Some(linear) = &row.linear {
         all.push(Tile::plain("largest sensitivity", short_number(linear.max_sensitivity), ""));
-        all.push(Tile::plain("noise gain", short_number(linear.noise_gain), "V s/rad"));
+        all.push(Tile::plain("noise gain", short_number(linear.noise_gain), controlled.gain_unit()));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_columns_have_the_names_and_units_of_the_controlled_quantity() {
+        let kinds = [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current];
+        for kind in kinds {
+            for axis in [Travel::Rotary, Travel::Linear] {
+                let controlled = ControlledQuantity { kind, axis };
+                let (milli, gain) = (controlled.milli_unit(), controlled.gain_unit());
+                let own = columns(controlled);
+                assert_eq!(own[7], format!("noise gain [{gain}]"));
+                assert_eq!(own[8], format!("largest KS [{gain}]"));
+                assert_eq!(own[11], format!("residual {} [{milli}]", controlled.name()));
+                assert!(own[12..16].iter().all(|name| name.ends_with(&format!("[{milli}]"))), "{own:?}");
+                assert!(legend(controlled)[2].contains(controlled.name()));
+            }
+        }
+    }
 }

@@ -18,7 +18,8 @@ pub fn identification_report(
     found: &IdentificationText,
     units: &AxisUnits,
 ) -> Report {
-    let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
+    let loops: Vec<Figure> =
+        found.loops.iter().map(|l| loop_figure(l, found, Drawn { command, units })).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
     if !others.is_empty() {
@@ -33,7 +34,7 @@ pub fn identification_report(
         headline: headline(found, units),
         tiles: tiles(found, units),
         verdicts: estimates(found, units),
-        glance: first.iter().map(|figure| explained(figure, found)).collect(),
+        glance: first.iter().map(|figure| explained(figure, found, units)).collect(),
         sections,
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
@@ -118,8 +119,16 @@ fn interval_end(value: f64) -> String {
     if value == 0.0 || value.abs() >= 0.01 { format!("{value:.3}") } else { format!("{value:.2e}") }
 }
 
-/// Control against hub rate, measured and as the identified mechanism needs it.
-fn loop_figure(picture: &Loop, found: &IdentificationText, command: &str) -> Figure {
+/// What a figure is drawn with.
+#[derive(Clone, Copy)]
+struct Drawn<'a> {
+    command: &'a str,
+    units: &'a AxisUnits,
+}
+
+/// Control against the rate of the axis, measured and as the identified mechanism needs it.
+fn loop_figure(picture: &Loop, found: &IdentificationText, drawn: Drawn<'_>) -> Figure {
+    let rate = drawn.units.rate;
     let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![
         Series::solid("recorded", Colour::Second, points(1)),
@@ -133,18 +142,18 @@ fn loop_figure(picture: &Loop, found: &IdentificationText, command: &str) -> Fig
         panel
     };
     let state = if picture.balance == 0 { "" } else { ", other state" };
-    let title = format!("{}{state}: control against hub rate", picture.recording);
-    let figure = Figure::new(&title, Axis::linear("hub rate", "rad/s"), vec![panel]);
-    Figure { command: command.to_owned(), ..figure }
+    let title = format!("{}{state}: control against {}", picture.recording, rate.name());
+    let figure = Figure::new(&title, Axis::linear(rate.name(), rate.unit()), vec![panel]);
+    Figure { command: drawn.command.to_owned(), ..figure }
 }
 
 /// Returns the same figure with how it is read.
-fn explained(figure: &Figure, found: &IdentificationText) -> Figure {
+fn explained(figure: &Figure, found: &IdentificationText, units: &AxisUnits) -> Figure {
     let l = &found.lobes;
     figure.clone().with_caption(&format!(
-        "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} V s/rad): \
-         viscous friction and back-EMF. Width ({:.2} V per rad/s²): inertia. Presliding, about rate zero, was not fitted.",
-        l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
+        "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} {}): \
+         viscous friction and back-EMF. Width ({:.2} V per {}/s²): inertia. Presliding, about rate zero, was not fitted.",
+        l.step_v, l.slope_v_s_rad, units.slope, l.width_v_s2_rad, units.position
     ))
 }
 
@@ -242,6 +251,7 @@ mod tests {
             viscous: "N m s/rad",
             slope: "V s/rad",
             position: "rad",
+            rate: counterpoise_models::ControlledQuantity::RATE,
         };
         let page = html_page(&identification_report("rig", "counterpoise identify rig", &found(), &rotary));
         assert!(page.contains("Not as in the project: out-of-balance, Coulomb friction"), "headline");

@@ -40,7 +40,31 @@ const CURRENT_LOOP: &str = "format = 2
             plant.sensors.current = { noise = 1e-3 }
             plant.interface = { sample_period = 2e-4, output_bits = 16 }";
 
-const KINDS: [Kind; 14] = [
+/// A joint whose torque is measured behind an elastic gear, against a spring.
+const ELASTIC_JOINT: &str = "format = 2
+            verify.step.rate = 3.0
+            plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+            plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+            plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+            plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+            plant.friction.pivot = { viscous = 0.1 }
+            plant.friction.motor = { model = \"coulomb\", coulomb = 0.01, viscous = 1e-5 }
+            plant.sensors.torque = { noise = 5e-3 }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }";
+
+/// A belt whose tension is measured, on a load that a spring holds.
+const BELT_TENSION: &str = "format = 2
+            verify.step.rate = 5.0
+            plant.lumped = { hub_inertia = 0.8, position_stiffness = 150.0 }
+            plant.belt = { ratio = 8.0, stiffness = 1500.0 }
+            plant.motor = { inertia = 0.004, torque_constant = 0.4 }
+            plant.drive = { kind = \"current\", limit = 20.0, bandwidth = \"500 Hz\" }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 0.4, viscous = 1.5 }
+            plant.sensors.torque = { noise = 1e-2, natural_frequency = 2000.0 }
+            plant.sensors.motor_tachometer = { noise = 2e-3 }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }";
+
+const KINDS: [Kind; 17] = [
     Kind {
         name: "direct torque drive, gyroscope",
         file: "format = 2
@@ -214,6 +238,24 @@ const KINDS: [Kind; 14] = [
         name: "current loop on a voltage drive, friction at half",
         file: CURRENT_LOOP,
         conceals: |p| p.pivot_friction.law.scale_coulomb(0.5),
+        names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
+    },
+    Kind {
+        name: "torque loop of a series elastic joint, a weaker motor",
+        file: ELASTIC_JOINT,
+        conceals: |p| p.motor.torque_constant_nm_a *= 0.8,
+        names: &[(C::Motor, E::TorqueConstant)],
+    },
+    Kind {
+        name: "torque loop of a series elastic joint, the sensor's scale",
+        file: ELASTIC_JOINT,
+        conceals: |p| p.sensors.hub_gyro.gain *= 1.1,
+        names: &[(C::HubGyro, E::Scale)],
+    },
+    Kind {
+        name: "torque loop of a belt with a tachometer on the motor, more friction",
+        file: BELT_TENSION,
+        conceals: |p| p.pivot_friction.law.scale_coulomb(2.0),
         names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
     },
 ];

@@ -98,26 +98,29 @@ fn limits(text: &str) -> Result<LoopLimits> {
     })
 }
 
+/// Width of the column of names: "residual transmitted torque [mN m]" and a space.
+const WIDEST_NAME: usize = 35;
+
 /// Prints the table with one design a column, because it has more figures than a terminal has columns.
 fn print(table: &DesignTable, times_s: &[f64]) {
     say!("{}: tuned structures make least: {}", table.name, table.objective);
     say!();
     for (k, row) in table.rows.iter().enumerate() {
         say!("{}  {}", k + 1, row.name);
-        designs::design_remarks(row).iter().for_each(|line| say!("     {line}"));
+        designs::design_remarks(row, table.controlled).iter().for_each(|line| say!("     {line}"));
     }
     say!();
     let heads: String = (1..=table.rows.len()).map(|k| format!("{k:>11}")).collect();
-    say!("{:27}{heads}", "");
+    say!("{:WIDEST_NAME$}{heads}", "");
     let columns: Vec<Vec<String>> = table
         .rows
         .iter()
         .enumerate()
         .map(|(k, row)| designs::design_cells(row, times_s.get(k).copied()))
         .collect();
-    for (line, name) in designs::COLUMNS.iter().enumerate() {
+    for (line, name) in designs::columns(table.controlled).iter().enumerate() {
         let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
-        say!("{name:27}{cells}");
+        say!("{name:WIDEST_NAME$}{cells}");
     }
 }
 

@@ -60,8 +60,11 @@ fn print_limit(row: &LimitRow) {
     let without = without.unwrap_or_default();
     match (row.bandwidth_rad_s, row.over_reached) {
         (Some(rate), Some(over)) => {
-            let (rate, over) = (short_number(rate), short_number(over));
-            say!("  {:26} allows {rate:>9} rad/s, {over} times what is reached{without}", row.limit);
+            let over = match short_number(over) {
+                same if same == "1" => "which is reached".to_owned(),
+                more => format!("{more} times what is reached"),
+            };
+            say!("  {:26} allows {:>9} rad/s, {over}{without}", row.limit, short_number(rate));
         }
         _ => say!("  {:26} allows every bandwidth that was looked at{without}", row.limit),
     }

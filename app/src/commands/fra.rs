@@ -7,7 +7,8 @@ use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
-use counterpoise_project::{Purpose, StructureChoice};
+use counterpoise_pipeline::studies::fra_plan::{logarithmic_hz, usual_frequencies_hz};
+use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::fra::{Pace, fra_report};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
@@ -25,13 +26,13 @@ use counterpoise_host::workers::Workers;
 pub struct FraOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// What is excited and measured
-    #[arg(long = "loop", value_enum, default_value_t = LoopName::Disturbance)]
-    pub around: LoopName,
+    /// What is excited and measured; if not given, `disturbance` with a gyroscope on the platform, else `closed`
+    #[arg(long = "loop", value_enum)]
+    pub around: Option<LoopName>,
     /// The plant that is measured; the controller stays the project's
     #[arg(long, value_enum, default_value_t = PlantName::Project, conflicts_with = "recording")]
     pub plant: PlantName,
-    /// Amplitudes of the sine: V for `plant`, rad/s otherwise
+    /// Amplitudes of the sine: V for `plant`, in the unit of the demand for `closed`, rad/s otherwise
     #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
     pub amplitudes: Vec<f64>,
     /// Frequencies in Hz: a list, or FROM:TO:COUNT on a logarithmic scale
@@ -65,13 +66,13 @@ pub enum PlantName {
 /// The loops by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LoopName {
-    /// Control to hub rate, without a controller
+    /// Control to what the loop controls, without a controller
     Plant,
-    /// Demand to hub rate, with the controller
+    /// Demand to what the loop controls, with the controller
     Closed,
-    /// Platform rate to hub rate, with the controller
+    /// Platform rate to what the loop controls, with the controller
     Disturbance,
-    /// Platform rate to hub rate, balanced, the motor disconnected
+    /// Platform rate to what the loop controls, balanced, the motor disconnected
     Disconnected,
 }
 
@@ -86,25 +87,22 @@ impl From<LoopName> for Around {
     }
 }
 
-const CONTROL_AMPLITUDES_V: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
-const RATE_AMPLITUDES_RAD_S: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
-/// Lowest and highest frequency in Hz, and the number of frequencies, by default.
-const FREQUENCIES: LogarithmicRange = LogarithmicRange { from_hz: 0.3, to_hz: 30.0, count: 25 };
 /// Most frequencies of one map.
 const MOST_FREQUENCIES: usize = 10_000;
 
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
     let mut loaded = projects::load_project(&options.project, Purpose::Model)?;
-    let has_controller = matches!(options.around, LoopName::Closed | LoopName::Disturbance);
+    let around = options.around.map_or_else(|| Around::usual(&loaded.project), Around::from);
+    let has_controller = matches!(around, Around::Closed | Around::Disturbance);
     if has_controller && options.recording.is_empty() && loaded.project.synth.is_none() {
         loaded = projects::load_project(&options.project, Purpose::Synth)?;
     }
     output::print_warnings(&loaded, options.outputs.results.progress());
     if options.recording.is_empty() {
-        check_platform_is_measured(&loaded, options.around)?;
+        check_platform_is_measured(&loaded, around)?;
     }
-    let plan = plan(options)?;
+    let plan = plan(options, &loaded.project, around)?;
     let (maps, speed) = if options.recording.is_empty() {
         simulated(&loaded, &plan, options)?
     } else {
@@ -125,8 +123,8 @@ pub fn run(options: &FraOptions) -> Done {
 }
 
 /// Refuses a response to the platform's motion if the machine has no gyroscope on the platform, against whose reading it is measured.
-fn check_platform_is_measured(loaded: &Loaded, around: LoopName) -> Result<()> {
-    let is_to_platform = matches!(around, LoopName::Disturbance | LoopName::Disconnected);
+fn check_platform_is_measured(loaded: &Loaded, around: Around) -> Result<()> {
+    let is_to_platform = matches!(around, Around::Disturbance | Around::Disconnected);
     if is_to_platform && !loaded.project.plant.sensors.platform_gyro.is_fitted() {
         bail!(
             "the response to the platform's motion is measured against the gyroscope on the platform, and {} has none: add \
@@ -210,17 +208,27 @@ fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Ma
     Ok(found.into_iter().map(describe_recorded_map).collect())
 }
 
-fn plan(options: &FraOptions) -> Result<Plan> {
-    let around = Around::from(options.around);
-    let usual = if around == Around::Plant { CONTROL_AMPLITUDES_V } else { RATE_AMPLITUDES_RAD_S };
-    let amplitudes = if options.amplitudes.is_empty() { usual.to_vec() } else { options.amplitudes.clone() };
+fn plan(options: &FraOptions, project: &Project, around: Around) -> Result<Plan> {
+    let usual = || around.usual_amplitudes(project).to_vec();
+    let amplitudes = if options.amplitudes.is_empty() { usual() } else { options.amplitudes.clone() };
+    if let Some(bad) = amplitudes.iter().find(|size| !(**size > 0.0 && size.is_finite())) {
+        bail!("--amplitudes {bad}: an amplitude must be positive and finite");
+    }
     let frequencies_hz = match &options.frequencies {
         Some(text) => frequencies(text)?,
-        None if options.recording.is_empty() => FREQUENCIES.frequencies_hz(),
+        None if options.recording.is_empty() => usual_frequencies_hz(project),
         None => {
             bail!("--recording needs --frequencies: the frequencies in Hz at which the recording was excited")
         }
     };
+    let half_rate_hz = 0.5 / project.plant.interface.sample_period_s;
+    if let Some(above) = frequencies_hz.iter().find(|hz| **hz >= half_rate_hz) {
+        bail!(
+            "--frequencies: {above} Hz cannot be measured: the controller samples at {} Hz, and only sines below half of that, \
+             {half_rate_hz} Hz, are sampled as what they are",
+            2.0 * half_rate_hz
+        );
+    }
     Ok(Plan { around, amplitudes, frequencies_hz, offset_m: options.offset })
 }
 
@@ -235,25 +243,11 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
         [list] => list.split(',').map(number).collect(),
         [from, to, count] => match count.trim().parse::<usize>() {
             Ok(count) if (2..=MOST_FREQUENCIES).contains(&count) => {
-                Ok(LogarithmicRange { from_hz: number(from)?, to_hz: number(to)?, count }.frequencies_hz())
+                Ok(logarithmic_hz([number(from)?, number(to)?], count))
             }
             _ => bail!("--frequencies {text}: COUNT must be a whole number from 2 to {MOST_FREQUENCIES}"),
         },
         _ => bail!("--frequencies {text}: write a list as 1,2,5 or a range as FROM:TO:COUNT"),
-    }
-}
-
-/// Frequencies at a constant ratio, both ends included.
-struct LogarithmicRange {
-    from_hz: f64,
-    to_hz: f64,
-    count: usize,
-}
-
-impl LogarithmicRange {
-    fn frequencies_hz(&self) -> Vec<f64> {
-        let step = (self.to_hz / self.from_hz).ln() / (self.count - 1) as f64;
-        (0..self.count).map(|k| self.from_hz * (step * k as f64).exp()).collect()
     }
 }
 

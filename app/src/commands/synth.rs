@@ -6,7 +6,7 @@ use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, Method
 use counterpoise_pipeline::studies::search::{Judged, Searched, search, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::{
-    self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, study_synthesis,
+    self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
 use counterpoise_synth::{Ended, Figures, Trial};
@@ -78,7 +78,7 @@ pub fn run(options: &SynthOptions) -> Done {
         super::tuning::print_tuning(&loaded);
         study.weights.iter().for_each(|line| say!("{line}"));
         print_design(&result);
-        print_comparison(&study.comparison);
+        print_comparison(&study);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
@@ -110,8 +110,9 @@ fn print_design(result: &SynthResult) {
 }
 
 /// Prints the comparison of a design with its alternatives.
-pub fn print_comparison(beside: &Comparison) {
-    print_methods(&beside.methods);
+pub fn print_comparison(study: &SynthesisStudy) {
+    let (beside, gain_unit) = (&study.comparison, study.synthesised.controlled.gain_unit());
+    print_methods(&beside.methods, gain_unit);
     if let Some(row) = &beside.lowered {
         say!();
         say!(
@@ -121,24 +122,43 @@ pub fn print_comparison(beside: &Comparison) {
         );
         say!("  the closed loop changes by {} % at most", short_number(100.0 * row.loop_change));
         for (name, found) in [("before", &row.before), ("after", &row.after)] {
-            say!("  {name:8}{}", figures_line(found));
+            say!("  {name:8}{}", figures_line(found, gain_unit));
         }
     }
-    if !beside.motions.is_empty() {
-        say!();
-        say!("RMS rate under the expected motion, feedback alone -> with feedforward, mrad/s");
-        for row in &beside.motions {
-            let pair = |[alone, both]: [f64; 2]| format!("{:.3} -> {:.3}", 1e3 * alone, 1e3 * both);
-            say!("  {:8} hub {:>20}   tip {:>20}", row.disturbance, pair(row.hub_rad_s), pair(row.tip_rad_s));
-        }
-    }
+    print_motions(study);
     print_total_cost(beside);
-    print_balance(beside);
+    print_balance(study);
     if let Some(found) = &beside.spillover {
         let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
         let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
         say!();
         say!("on the beam with {modes} modes (order {order}): {says}, largest modulus {pole:.6}");
+    }
+}
+
+/// Prints what the expected motions leave. In a loop of torque or current the tip moves by another quantity, which stands in the report.
+fn print_motions(study: &SynthesisStudy) {
+    let (rows, controlled) = (&study.comparison.motions, study.synthesised.controlled);
+    if rows.is_empty() {
+        return;
+    }
+    say!();
+    say!(
+        "RMS {} under the expected motion, feedback alone -> with feedforward, {}",
+        controlled.short_name(),
+        controlled.milli_unit()
+    );
+    for row in rows {
+        let pair = |[alone, both]: [f64; 2]| {
+            let shown = |value: f64| short_number(1e3 * value);
+            format!("{} -> {}", shown(alone), shown(both))
+        };
+        let tip = if controlled.motion() == controlled {
+            format!("   tip {:>20}", pair(row.tip_rad_s))
+        } else {
+            String::new()
+        };
+        say!("  {:8} hub {:>20}{tip}", row.disturbance, pair(row.hub_rad_s));
     }
 }
 
@@ -165,7 +185,7 @@ fn print_total_cost(beside: &Comparison) {
     }
 }
 
-fn print_methods(rows: &[MethodRow]) {
+fn print_methods(rows: &[MethodRow], gain_unit: &str) {
     if rows.len() < 2 {
         return;
     }
@@ -176,33 +196,38 @@ fn print_methods(rows: &[MethodRow]) {
         let norm = row.norm.map_or(String::new(), |norm| format!(", norm {norm:.4}"));
         say!("  {}, {kind}: order {}{norm}", row.method, row.order);
         match (&row.figures, &row.why) {
-            (Some(found), _) => say!("    {}", figures_line(found)),
+            (Some(found), _) => say!("    {}", figures_line(found, gain_unit)),
             (None, Some(why)) => say!("    no controller: {why}"),
             (None, None) => {}
         }
     }
 }
 
-fn figures_line(f: &LoopFigures) -> String {
+fn figures_line(f: &LoopFigures, gain_unit: &str) -> String {
     format!(
-        "margins {:.1} dB, {:.1} deg; Ms {:.3}; crossover {:.1} rad/s; overshoot {:.1} %; |S| {:.3}; noise gain {:.2} V s/rad",
+        "margins {:.1} dB, {:.1} deg; Ms {:.3}; crossover {:.1} rad/s; overshoot {:.1} %; |S| {:.3}; noise gain {} {gain_unit}",
         f.gain_margin_db,
         f.phase_margin_deg,
         f.max_sensitivity,
         f.crossover_rad_s,
         f.overshoot_percent,
         f.rejection,
-        f.noise_gain
+        short_number(f.noise_gain)
     )
 }
 
-fn print_balance(beside: &Comparison) {
+fn print_balance(study: &SynthesisStudy) {
+    let (beside, controlled) = (&study.comparison, study.synthesised.controlled);
     if beside.balance.is_empty() {
         return;
     }
     say!();
     say!("over out-of-balance: change of each controller from 0.1 to 20 Hz, lowest .. highest, dB,");
-    say!("and RMS hub rate under the expected heave, mrad/s: nominal controllers | gain law | redesign");
+    say!(
+        "and RMS {} under the expected heave, {}: nominal controllers | gain law | redesign",
+        controlled.name(),
+        controlled.milli_unit()
+    );
     for row in &beside.balance {
         let range = |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", tidy(low), tidy(high));
         let change = |db: Option<[f64; 2]>| db.map_or("none".to_owned(), range);
@@ -279,7 +304,7 @@ fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, 
         projects::write_file(path, html_page(&page).as_bytes())?;
     }
     if !output::write_json(&options.outputs.results, &result)? {
-        print_search(&found, &result);
+        print_search(&found, &result, loaded.project.plant.controlled_quantity().gain_unit());
         print_verified(&result.verified, chosen);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
@@ -344,7 +369,7 @@ fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult
     }
 }
 
-fn print_search(found: &Searched, result: &SearchResult) {
+fn print_search(found: &Searched, result: &SearchResult, gain_unit: &str) {
     let ended = match found.found.ended {
         Ended::Settled => "no step improves any more",
         Ended::OutOfTrials => "as many as [synth.search] allows for one answer",
@@ -360,10 +385,10 @@ fn print_search(found: &Searched, result: &SearchResult) {
     ] {
         let verdict = if missed == 0.0 { "the requirements hold" } else { "REQUIREMENTS ARE MISSED" };
         say!("{name}: {verdict}");
-        say!("  {}", searched_line(figures));
+        say!("  {}", searched_line(figures, gain_unit));
     }
     if !result.curve.is_empty() {
-        say!("trade-off: limit of Ms, Ms, |S| over the band, noise gain V s/rad");
+        say!("trade-off: limit of Ms, Ms, |S| over the band, noise gain {gain_unit}");
     }
     for point in &result.curve {
         let missed = if point.missed == 0.0 { "" } else { "  (requirements are missed)" };
@@ -372,8 +397,8 @@ fn print_search(found: &Searched, result: &SearchResult) {
     }
 }
 
-fn searched_line(f: &Figures) -> String {
-    figures_line(&LoopFigures {
+fn searched_line(f: &Figures, gain_unit: &str) -> String {
+    let found = LoopFigures {
         gain_margin_db: f.gain_margin_db,
         phase_margin_deg: f.phase_margin_deg,
         max_sensitivity: f.ms,
@@ -381,5 +406,6 @@ fn searched_line(f: &Figures) -> String {
         overshoot_percent: 100.0 * f.overshoot,
         rejection: f.rejection,
         noise_gain: f.noise_gain,
-    })
+    };
+    figures_line(&found, gain_unit)
 }

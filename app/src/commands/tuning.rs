@@ -11,8 +11,11 @@ use crate::output::say;
 pub fn print_tuning(loaded: &Loaded) {
     let Some(found) = &loaded.tuned else { return };
     let result = TuningResult::from(found);
+    let controlled = loaded.project.plant.controlled_quantity();
     match &result.weights {
-        Some(weights) => say!("the weights of the H2 feedback were tuned: {}", weight_words(weights)),
+        Some(weights) => {
+            say!("the weights of the H2 feedback were tuned: {}", weight_words(weights, controlled))
+        }
         None => say!("the feedback has a fixed structure, and its open parameters were tuned:"),
     }
     result.blocks.iter().for_each(|block| say!("  {}", block_words(block)));
@@ -27,8 +30,9 @@ pub fn print_tuning(loaded: &Loaded) {
     for (k, m) in result.measures.iter().enumerate() {
         let plant = if k == 0 { "nominal plant".to_owned() } else { format!("plant {}", k + 1) };
         say!(
-            "  {plant}: residual {} mrad/s; Ms {}, Mt {}; margins {} dB, {} deg, {} ms; noise gain {}, largest KS {} V s/rad; effort {} V",
+            "  {plant}: residual {} {}; Ms {}, Mt {}; margins {} dB, {} deg, {} ms; noise gain {}, largest KS {} {}; effort {} V",
             short_number(1e3 * m.residual_rad_s),
+            controlled.milli_unit(),
             short_number(m.max_sensitivity),
             short_number(m.max_complementary),
             short_number(m.gain_margin_db),
@@ -36,6 +40,7 @@ pub fn print_tuning(loaded: &Loaded) {
             short_number(1e3 * m.delay_margin_s),
             short_number(m.noise_gain),
             short_number(m.control_peak),
+            controlled.gain_unit(),
             short_number(m.effort_v)
         );
     }

@@ -3,12 +3,17 @@
 //!
 //! The library's bounds and typical sizes are those of a mechanism of some hundred kg m^2 behind a gear of some hundred turns.
 //! Torques at the hub times S and the gear ratio times c leave every motion of the hub, every control and every current as
-//! they are; torques at the motor are then S / c, its rates and angles c times what they were.
+//! they are; torques at the motor are then S / c, its rates and angles c times what they were. A sensor of the torque that the transmission
+//! passes reads S times as much, and what the loop demands is S times as much.
 
 use crate::tolerance::findings::{UNSCALED_WITHIN, USUAL_INERTIA_AND_RATIO, USUAL_TORQUE_NM};
 use counterpoise_models::friction::Similarity;
-use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable, Ripple};
+use counterpoise_models::loads::{Force, Loads};
+use counterpoise_models::{
+    Drift, LearnedElement, LearnedPlace, Measured, Parameters, RegimeVariable, Ripple, Sensor,
+};
 use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::Loop;
 
 use crate::findings::answer::{Answer, Basis};
 use crate::findings::channel_fits::Channels;
@@ -96,13 +101,18 @@ impl Scale {
         p.motor_friction = p.motor_friction.similar(Similarity { torque: s / c, angle: c });
         p.pivot_friction = p.pivot_friction.similar(Similarity { torque: s, angle: 1.0 });
         p.learned.iter_mut().for_each(|element| self.learned(element));
+        set_loads(&mut p.loads, s);
+        set_reading(&mut p.sensors.hub_gyro, self.reading(p.sensors.measured));
         if let Some(tachometer) = &mut p.sensors.motor_tachometer {
-            tachometer.scale_v_unit /= c;
-            tachometer.noise_rms *= c;
-            tachometer.bias *= c;
-            tachometer.g_sensitivity *= c;
+            set_reading(tachometer, c);
         }
         p
+    }
+
+    /// Returns the factor on what the loop's sensor reads: that of the torques if it measures one. A current, and a rate or an angle of the motor
+    /// over the ratio, stay as they are.
+    fn reading(self, measured: Measured) -> f64 {
+        if measured == Measured::Torque { self.torque } else { 1.0 }
     }
 
     /// Scales a free function: its values if they are torques, and its points if they are torques, or angles or rates of the motor.
@@ -121,18 +131,27 @@ impl Scale {
         }
     }
 
-    /// Returns a recording as the scaled machine would have made it.
-    pub fn recording(self, recording: &Recording) -> Recording {
+    /// Returns a recording as the scaled machine would have made it, in a loop of what `measured` says.
+    pub fn recording(self, recording: &Recording, measured: Measured) -> Recording {
         let mut out = recording.clone();
-        out.samples_mut(Channel::MotorRate)
-            .unwrap_or_default()
-            .iter_mut()
-            .for_each(|rate| *rate *= self.ratio);
+        let reading = self.reading(measured);
+        let factors =
+            [(Channel::MotorRate, self.ratio), (Channel::HubRate, reading), (Channel::Demand, reading)];
+        for (channel, factor) in factors {
+            out.samples_mut(channel).unwrap_or_default().iter_mut().for_each(|value| *value *= factor);
+        }
         out
+    }
+
+    /// Returns the loop in which the scaled machine is replayed: under the recorded control if its readings are scaled, because a controller
+    /// reads those of the machine itself. [`Loop::under`] replays such a loop so anyway.
+    pub fn control(self, control: Loop, measured: Measured) -> Loop {
+        if self.reading(measured) == 1.0 { control } else { Loop::Open }
     }
 
     /// Converts the numbers of an answer back to the machine itself.
     pub fn bring_back(self, answer: &mut Answer, scaled: &Parameters) {
+        let measured = scaled.sensors.measured;
         for finding in &mut answer.findings {
             for parameter in &mut finding.parameters {
                 let found = find_parameter(finding.component, finding.effect, parameter.name);
@@ -172,18 +191,20 @@ impl Scale {
                 part.reading = read(&part.element);
             }
             let tables = [&mut learned.after, &mut learned.held_out_before, &mut learned.held_out_after];
-            tables.into_iter().for_each(|table| self.bring_channels_back(table));
+            tables.into_iter().for_each(|table| self.bring_channels_back(table, measured));
         }
         let fit = &mut answer.fit;
         for table in [&mut fit.before, &mut fit.after, &mut fit.held_out_before, &mut fit.held_out_after] {
-            self.bring_channels_back(table);
+            self.bring_channels_back(table, measured);
         }
     }
 
-    fn bring_channels_back(self, table: &mut Channels) {
-        if let Some(motor) = table.get_mut("motor_rate") {
-            motor.rms_error /= self.ratio;
-            motor.floor /= self.ratio;
+    fn bring_channels_back(self, table: &mut Channels, measured: Measured) {
+        for (channel, factor) in [("motor_rate", self.ratio), ("hub_rate", self.reading(measured))] {
+            if let Some(fit) = table.get_mut(channel) {
+                fit.rms_error /= factor;
+                fit.floor /= factor;
+            }
         }
     }
 
@@ -215,6 +236,36 @@ fn find_parameter(component: Component, effect: EffectName, name: &str) -> Optio
     definitions.find(|definition| definition.name == name)
 }
 
+/// Scales the torques of equilibrator, stops and recoil: forces, and what makes them, by the factor.
+fn set_loads(loads: &mut Loads, factor: f64) {
+    if let Some(equilibrator) = &mut loads.equilibrator {
+        match &mut equilibrator.force {
+            Force::Spring { stiffness_n_m, .. } => *stiffness_n_m *= factor,
+            Force::Gas(gas) => {
+                gas.area_m2 *= factor;
+                gas.volume_m3 *= factor;
+            }
+        }
+    }
+    if let Some(stops) = &mut loads.end_stops {
+        stops.stiffness_nm_rad *= factor;
+    }
+    if let Some(recoil) = &mut loads.recoil {
+        recoil.impulse_ns *= factor;
+        recoil.mass_kg *= factor;
+    }
+}
+
+/// Scales everything that a sensor states in the unit of its reading.
+fn set_reading(sensor: &mut Sensor, factor: f64) {
+    sensor.scale_v_unit /= factor;
+    let Sensor { noise_rms, bias, g_sensitivity, resolution, drift, .. } = sensor;
+    let Drift { angle_random_walk, bias_instability, rate_random_walk } = drift;
+    let walks = [angle_random_walk, bias_instability, rate_random_walk];
+    let stated = [noise_rms, bias, g_sensitivity, resolution].into_iter().chain(walks);
+    stated.for_each(|value| *value *= factor);
+}
+
 /// Returns a ripple whose amplitude is a torque times `t`, over an angle times `r`.
 fn ripple(ripple: &Ripple, t: f64, r: f64) -> Ripple {
     Ripple { amplitude: ripple.amplitude * t, order: ripple.order / r, phase_rad: ripple.phase_rad }
@@ -225,8 +276,8 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
     use counterpoise_controller::ProportionalIntegral;
-    use counterpoise_models::Plant;
     use counterpoise_models::reference::rig;
+    use counterpoise_models::{EndStops, Plant};
     use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
     fn rates(machine: &Parameters) -> (Vec<f64>, Vec<f64>) {
@@ -267,5 +318,41 @@ mod tests {
         let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
         let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
         assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
+    }
+
+    /// The reading of the loop's sensor under a control that is played back.
+    fn read_in_open_loop(machine: &Parameters) -> Vec<f64> {
+        let plant = Plant::lumped(machine).unwrap();
+        let held = plant.equilibrium(&Default::default()).control_v;
+        let control: Vec<f64> = (0..1000).map(|k| held + (0.03 * f64::from(k)).sin()).collect();
+        let scenario = Scenario { detail: Detail::Recording, ..Scenario::still(1.0) };
+        let mut played = counterpoise_simulate::replay::Playback::new(&control);
+        Simulator::new(&plant).unwrap().run(&mut played, &scenario).unwrap().readings.hub_rate_rad_s
+    }
+
+    #[test]
+    fn a_torque_is_read_scaled_and_comes_back_with_its_sensor_and_its_loads() {
+        let mut rig = rig();
+        rig.sensors.measured = Measured::Torque;
+        rig.sensors.hub_gyro = Sensor { noise_rms: 0.5, bias: 3.0, resolution: 0.25, ..Sensor::IDEAL };
+        rig.loads.end_stops = Some(EndStops {
+            lower_rad: -1e-3,
+            upper_rad: 1e-3,
+            stiffness_nm_rad: 2e5,
+            dissipation_s_rad: 0.1,
+        });
+        let scale = Scale { torque: 2f64.powi(-12), ratio: 2f64.powi(-5) };
+        let machine = scale.applied(&rig);
+        let (of_rig, of_machine) = (read_in_open_loop(&rig), read_in_open_loop(&machine));
+        let largest = of_rig.iter().map(|torque| (torque - of_rig[0]).abs()).fold(0.0, f64::max);
+        let apart = |(a, b): (&f64, &f64)| (a - b / scale.torque).abs();
+        let off = of_rig.iter().zip(&of_machine).map(apart).fold(0.0, f64::max);
+        assert!(largest > 10.0 && off < 1e-3 * largest, "{off} of {largest} N m");
+        assert_eq!(scale.inverse().applied(&machine), rig);
+        let recording = Recording::new("", 1e-3).with(Channel::HubRate, of_machine.clone());
+        let back = scale.inverse().recording(&recording, Measured::Torque);
+        let read = back.samples(Channel::HubRate).unwrap();
+        assert!(read.iter().zip(&of_machine).all(|(back, own)| *back == own / scale.torque));
+        assert_eq!(scale.inverse().recording(&recording, Measured::Current), recording);
     }
 }

@@ -61,6 +61,20 @@ pub(super) static EFFECTS: &[Effect] = &[
         &[],
         parameter!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.hub_gyro.bias)
     ),
+    // reading = torque + bias: a typical one is a thousandth of the torque of a drive of the usual size
+    instrument!(
+        HubGyro,
+        Bias,
+        &[],
+        parameter!("bias", "N m", [-300.0, 300.0], 0.6, Linear, sensors.hub_gyro.bias)
+    ),
+    // reading = current + bias
+    instrument!(
+        HubGyro,
+        Bias,
+        &[],
+        parameter!("bias", "A", [-20.0, 20.0], 1e-2, Linear, sensors.hub_gyro.bias)
+    ),
     // second-order lag of another natural frequency
     instrument!(
         HubGyro,

@@ -141,6 +141,32 @@ impl ControlledQuantity {
         self.words().milli_unit
     }
 
+    /// Returns the unit of a gain from a reading to the control, for example "V s/rad" or "V/m".
+    pub fn gain_unit(self) -> &'static str {
+        match self.unit() {
+            "rad/s" => "V s/rad",
+            "m/s" => "V s/m",
+            "rad" => "V/rad",
+            "m" => "V/m",
+            "N m" => "V/(N m)",
+            "N" => "V/N",
+            _ => "V/A",
+        }
+    }
+
+    /// Returns the unit of the spectral density of white noise in a reading, for example "(rad/s)^2 s".
+    pub fn density_unit(self) -> &'static str {
+        match self.unit() {
+            "rad/s" => "(rad/s)^2 s",
+            "m/s" => "(m/s)^2 s",
+            "rad" => "rad^2 s",
+            "m" => "m^2 s",
+            "N m" => "(N m)^2 s",
+            "N" => "N^2 s",
+            _ => "A^2 s",
+        }
+    }
+
     /// Returns the unit of the tip's motion.
     pub fn tip_unit(self) -> &'static str {
         self.motion().words().unit

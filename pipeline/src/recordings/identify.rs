@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use counterpoise_diagnose::identification::Identified;
-use counterpoise_models::Axis;
+use counterpoise_models::{Axis, ControlledQuantity, QuantityKind};
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
@@ -37,6 +37,8 @@ pub struct AxisUnits {
     pub slope: &'static str,
     /// Of a position.
     pub position: &'static str,
+    /// The rate of the axis.
+    pub rate: ControlledQuantity,
 }
 
 impl AxisUnits {
@@ -49,6 +51,7 @@ impl AxisUnits {
             viscous: axis.unit("N m s/rad"),
             slope: axis.unit("V s/rad"),
             position: axis.unit("rad"),
+            rate: ControlledQuantity { kind: QuantityKind::Rate, axis },
         }
     }
 }

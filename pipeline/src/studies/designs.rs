@@ -2,6 +2,7 @@
 //! and friction observers, the tuned ones under the limits that the own controller reaches and under further ones.
 
 use counterpoise_controller::Controller;
+use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
 use counterpoise_project::resolve::synthesis::Synthesis;
@@ -30,6 +31,9 @@ pub struct DesignTable {
     pub name: String,
     /// Hash of the project.
     pub hash: String,
+    /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
+    #[serde(skip)]
+    pub controlled: ControlledQuantity,
     /// What the tuned structures make least, in words.
     pub objective: String,
     /// Motion that the last nonlinear run has, in words.
@@ -184,10 +188,11 @@ pub fn design_table(
         }));
         rows.push(bench.best(limits, &wanted));
     }
+    let controlled = project.plant.controlled_quantity();
     let motion = if bench.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
     let objective = match ground.objective {
         TuningObjective::Motion => {
-            format!("hub rate under {motion}")
+            format!("{} under {motion}", controlled.name())
         }
         TuningObjective::Band => {
             let [low, high] = wanted.band_rad_s;
@@ -196,7 +201,7 @@ pub fn design_table(
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let (name, hash) = (identity.name, identity.hash);
-    Ok(DesignTable { name, hash, objective, motion, disturbance, reading_noise_rad_s, rows })
+    Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise_rad_s, rows })
 }
 
 /// Name of the H2 feedback whose weights were tuned.

@@ -167,13 +167,14 @@ impl TestRun {
         let period = plant.parameters().interface.sample_period_s;
         let window = Window::new(frequency_rad_s, period, settings)?;
         let most = settings.most_windows.max(3);
+        let simulator = Simulator::new(plant)?;
+        let sine = TestSine { frequency_rad_s: window.frequency_rad_s, amplitude };
         let scenario = Scenario {
             duration_s: (most * window.samples) as f64 * period,
-            ..scenario_of(test, window.frequency_rad_s, amplitude, settings)
+            ..scenario_of(test, sine, &simulator, settings)
         };
         let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
         let holding = (test == Test::Plant).then(|| Holding(plant.equilibrium(&point).control_v));
-        let simulator = Simulator::new(plant)?;
         Ok(Self { test, at, window, scenario, simulator, settled_below: settings.settled_below, holding })
     }
 
@@ -283,16 +284,23 @@ impl Window {
     }
 }
 
-fn scenario_of(test: Test, frequency_rad_s: f64, amplitude: f64, settings: &Settings) -> Scenario {
+/// Returns the run of a sine about the machine at rest.
+fn scenario_of(test: Test, sine: TestSine, simulator: &Simulator, settings: &Settings) -> Scenario {
+    let TestSine { frequency_rad_s, amplitude } = sine;
+    let held = held_demand(simulator, settings);
     let mut scenario = Scenario {
+        demand_rad_s: held.clone(),
         imperfections: settings.imperfections,
         initial: Initial::Rest { hub_angle_rad: settings.hub_angle_rad },
         detail: Detail::Recording,
         ..Scenario::still(1.0)
     };
     match test {
-        Test::Plant => scenario.injection_v = Signal::sine(amplitude, frequency_rad_s),
-        Test::ClosedLoop => scenario.demand_rad_s = Signal::sine(amplitude, frequency_rad_s),
+        Test::Plant => scenario.injection_v = Signal::Sines(vec![without_drift(sine, simulator.plant())]),
+        Test::ClosedLoop => {
+            let moved = Signal::sine(amplitude, frequency_rad_s);
+            scenario.demand_rad_s = if held.is_zero() { moved } else { Signal::Sum(vec![held, moved]) };
+        }
         Test::PlatformToHub => {
             // the rate starts at zero, its angle at the end of its swing
             let angle =
@@ -301,6 +309,26 @@ fn scenario_of(test: Test, frequency_rad_s: f64, amplitude: f64, settings: &Sett
         }
     }
     scenario
+}
+
+/// Returns the demand that holds the machine where it rests: what the loop's sensor shows there if it measures a position, a torque or a
+/// current, and no rate.
+fn held_demand(simulator: &Simulator, settings: &Settings) -> Signal {
+    let at_rest = simulator.rest(settings.hub_angle_rad, 0.0, 0.0).hub_gyro[0];
+    if at_rest == 0.0 { Signal::ZERO } else { Signal::Constant(at_rest) }
+}
+
+/// Returns the sine of the control of which a mass that nothing holds does not drift away.
+///
+/// A control that starts as a sine leaves a double integrator with the mean rate A b / w, so its position runs away and
+/// hides the swing A b / w^2. With the phase of a cosine half a sample early the held control has no part at zero frequency: the z-transform of
+/// cos(w (k + 1/2) T) has a zero at z = 1, which cancels one of the two integrators. A machine whose loop measures no position keeps the
+/// sine.
+fn without_drift(sine: TestSine, plant: &Plant) -> Sine {
+    let parameters = plant.parameters();
+    let early = 0.25 * TAU + 0.5 * sine.frequency_rad_s * parameters.interface.sample_period_s;
+    let phase_rad = if parameters.sensors.measured.is_position() { early } else { 0.0 };
+    Sine { amplitude: sine.amplitude, frequency_rad_s: sine.frequency_rad_s, phase_rad }
 }
 
 /// A constant control.

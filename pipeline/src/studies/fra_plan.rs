@@ -1,0 +1,59 @@
+//! What a map of frequency responses relates and where it has its points, unless something else is asked for.
+
+use counterpoise_project::Project;
+
+use super::fra::Around;
+
+/// The usual amplitudes of a map, over the size of what is excited: more than a decade, in which friction shows.
+const USUAL_AMPLITUDES: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
+/// Size of a control: its share of the largest control, so that the largest usual amplitude stays far from the limit.
+const USUAL_CONTROL_SHARE: f64 = 0.1;
+/// Largest control, V, of a machine that states none: the range of the converters.
+const CONVERTER_RANGE_V: f64 = 10.0;
+/// Size of a platform's rate, rad/s: that of a vehicle on a road.
+const USUAL_PLATFORM_RATE_RAD_S: f64 = 0.1;
+/// Lowest and highest of the usual frequencies, Hz, and their number.
+const USUAL_FREQUENCIES_HZ: [f64; 2] = [0.3, 30.0];
+const USUAL_FREQUENCIES: usize = 25;
+/// Highest usual frequency over the sample rate: below one half, where a sampled sine has no amplitude of its own.
+const USUAL_SAMPLED_SHARE: f64 = 0.4;
+
+/// Returns the usual frequencies of a map, Hz, on a logarithmic scale; none is near half the sample rate.
+pub fn usual_frequencies_hz(project: &Project) -> Vec<f64> {
+    let [from_hz, to_hz] = USUAL_FREQUENCIES_HZ;
+    let to_hz = to_hz.min(USUAL_SAMPLED_SHARE / project.plant.interface.sample_period_s);
+    logarithmic_hz([from_hz.min(0.1 * to_hz), to_hz], USUAL_FREQUENCIES)
+}
+
+/// Returns frequencies at a constant ratio, both ends included.
+pub fn logarithmic_hz([from_hz, to_hz]: [f64; 2], count: usize) -> Vec<f64> {
+    let step = (to_hz / from_hz).ln() / count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|k| from_hz * (step * k as f64).exp()).collect()
+}
+
+impl Around {
+    /// Returns what a map of a project's machine relates unless something else is asked for: the hub to the platform's motion if a
+    /// gyroscope on the platform reads that, otherwise to the demand.
+    pub fn usual(project: &Project) -> Self {
+        if project.plant.sensors.platform_gyro.is_fitted() { Self::Disturbance } else { Self::Closed }
+    }
+
+    /// Returns the usual amplitudes of what is excited, in its unit: shares of the largest control, multiples of the step of the demand that is
+    /// verified, or rates of the platform.
+    pub fn usual_amplitudes(self, project: &Project) -> [f64; 5] {
+        let limit_v = project.plant.amplifier.input_limit_v;
+        let size = match self {
+            Self::Plant if limit_v.is_finite() => USUAL_CONTROL_SHARE * limit_v,
+            Self::Plant => USUAL_CONTROL_SHARE * CONVERTER_RANGE_V,
+            Self::Closed => usual_demand(project),
+            Self::Disturbance | Self::Disconnected => USUAL_PLATFORM_RATE_RAD_S,
+        };
+        USUAL_AMPLITUDES.map(|share| share * size)
+    }
+}
+
+/// Returns the size of a demand in its unit: the step that is verified, or that of a project that verifies nothing.
+fn usual_demand(project: &Project) -> f64 {
+    let step = project.verify.as_ref().map(|verify| verify.procedure.step.rate_rad_s.abs());
+    step.filter(|size| *size > 0.0).unwrap_or(USUAL_PLATFORM_RATE_RAD_S)
+}
