@@ -1,7 +1,7 @@
 //! A program that is killed at any system call leaves every file as it was, or whole.
 //!
 //! With `strace` the kill is placed at the k-th call that changes the file system; without it the test says so and does nothing.
-//! `KILLS` sets how many are tried (default 12, spread over all calls); `.ci/evidence` tries every one.
+//! `KILLS` sets how many are tried (default 6, spread over all calls); `.ci/evidence` tries every one.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -60,7 +60,7 @@ fn traced(arguments: &[&str], output: &Path, kill_at: Option<usize>) -> usize {
 
 /// Returns places at which to kill, spread evenly.
 fn places(calls: usize) -> Vec<usize> {
-    let wanted = std::env::var("KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(12_usize);
+    let wanted = std::env::var("KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(6_usize);
     let count = wanted.min(calls).max(1);
     (0..count).map(|k| 1 + k * calls / count).collect()
 }

@@ -33,6 +33,15 @@ pub(crate) struct Guide {
     sections: Vec<Section>,
 }
 
+/// Where a name means something.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Places {
+    /// Paths of the sections that have a key of this name.
+    pub of_key: Vec<String>,
+    /// Paths of the sections of this name.
+    pub sections: Vec<String>,
+}
+
 /// The table in which the walk stands, and the choices that were made in it.
 #[derive(Debug, Default)]
 struct Frame {
@@ -49,6 +58,11 @@ const TURNS: usize = 4320;
 const MOST_INHERITED: usize = 480;
 /// All walks: those that leave the choices of `[plant]` at their defaults, then those that make them too.
 pub(crate) const WALKS: usize = 2 * TURNS;
+/// Numbers of walks that together meet nearly every section and key, for hints: all walks take seconds.
+pub(crate) const SOME_WALKS: [usize; 24] = [
+    0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4320, 4331, 4342, 4353, 4364, 4375, 4386, 4397, 4408, 4419, 4430,
+    4441,
+];
 /// The table whose choices change the units of the keys in other tables.
 const KEPT_FIRST: &str = "plant";
 
@@ -103,6 +117,17 @@ impl Guide {
         }
         for (key, count, name) in &frame.chosen {
             note(&mut section.rows[at].with, key, *count, name);
+        }
+    }
+
+    /// Returns the sections in which a key, or a section of this name, may stand; the empty path is the top of the file.
+    pub fn places(&self, name: &str) -> Places {
+        let with_key = |section: &&Section| section.rows.iter().any(|row| row.key == name);
+        let is_named = |section: &&Section| section.path.rsplit('.').next() == Some(name);
+        let paths = |sections: Vec<&Section>| sections.into_iter().map(|s| s.path.clone()).collect();
+        Places {
+            of_key: paths(self.sections.iter().filter(with_key).collect()),
+            sections: paths(self.sections.iter().filter(is_named).collect()),
         }
     }
 

@@ -15,6 +15,7 @@ pub mod design;
 mod digits;
 mod drive;
 mod effort_checks;
+mod elsewhere;
 mod findings;
 pub mod fixed_structure;
 mod format;
@@ -152,6 +153,7 @@ impl Project {
             findings.extend(document.syntax.clone());
         }
         diagnostic::sort(&mut findings);
+        elsewhere::hint(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
         if errors.is_empty() { Ok(Parsed { project, warnings, assumptions }) } else { Err(errors) }

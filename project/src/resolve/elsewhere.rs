@@ -1,0 +1,45 @@
+//! Where a key that is unknown in its section belongs.
+
+use std::sync::OnceLock;
+
+use super::{Project, file};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::file::guide::{Guide, Places, SOME_WALKS};
+
+/// Most sections that a hint names: a key of more places means something else in each.
+const MOST_PLACES: usize = 3;
+
+/// Adds to each unknown key without a hint the sections that have a key, or are a section, of that name.
+pub(super) fn hint(findings: &mut [Diagnostic]) {
+    let unknown = |d: &&mut Diagnostic| d.problem == Problem::UnknownKey && d.hint.is_none();
+    for finding in findings.iter_mut().filter(unknown) {
+        let (own, name) = finding.path.rsplit_once('.').unwrap_or(("", &finding.path));
+        finding.hint = words(own, name, &guide().places(name));
+    }
+}
+
+fn guide() -> &'static Guide {
+    static GUIDE: OnceLock<Guide> = OnceLock::new();
+    GUIDE.get_or_init(|| {
+        let mut guide = Guide::default();
+        for walk in SOME_WALKS {
+            guide.turn(walk);
+            file(&mut guide, &mut Project::blank());
+        }
+        guide
+    })
+}
+
+fn words(own: &str, name: &str, places: &Places) -> Option<String> {
+    let section =
+        |path: &str| if path.is_empty() { "the top of the file".to_owned() } else { format!("[{path}]") };
+    let list = |paths: &[String]| paths.iter().map(|path| section(path)).collect::<Vec<_>>().join(" or ");
+    let few = |paths: &[String]| (1..=MOST_PLACES).contains(&paths.len());
+    if places.of_key.iter().any(|path| path == own) {
+        return Some(format!("{} has the key \"{name}\" only with other choices than these", section(own)));
+    }
+    if few(&places.of_key) {
+        return Some(format!("\"{name}\" is a key of {}", list(&places.of_key)));
+    }
+    few(&places.sections).then(|| format!("the section of this name is {}", list(&places.sections)))
+}
