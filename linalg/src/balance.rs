@@ -3,7 +3,7 @@
 use crate::error::{Error, check_square};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
-use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS};
+use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS, EPS};
 
 /// A balanced matrix `A = D^-1 A0 D` with `D = diag(scale)`, every entry of `scale` a power of two.
 #[derive(Debug, Clone)]
@@ -14,7 +14,18 @@ pub struct Balanced {
     pub scale: Vec<f64>,
 }
 
-/// Scales the state of `A` so that row i and column i have similar 2-norms for every i.
+/// Which entries off the diagonal count as couplings of a state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Couplings {
+    /// All of them: units may differ by any factor.
+    All,
+    /// Those that exceed the rounding of the state's own rate. Below it may be what a computation left where 0 belongs, and balancing
+    /// would make it as large as the rest of the matrix.
+    AboveRounding,
+}
+
+/// Scales the state of `A` so that row i and column i have similar 2-norms for every i. A row or a column that is below 1e-8 of its diagonal
+/// entry is left as it is: the eigenvalues of a matrix with rounding errors in place of zeros are better without.
 ///
 /// Source: Parlett and Reinsch, Numer. Math. 13 (1969); the 2-norm as in James, Langou and Lowery (2014), which does
 /// not spoil a matrix that is good already. No rounding: the factors are powers of two.
@@ -22,13 +33,25 @@ pub struct Balanced {
 /// # Errors
 /// Not square, or entries that are not finite.
 pub fn balance(A: &Mat) -> Result<Balanced, Error> {
+    balance_by(A, Couplings::AboveRounding)
+}
+
+/// The same with every coupling, however small beside the diagonal: for equations whose data are in units over many decades.
+///
+/// # Errors
+/// As [`balance`].
+pub(crate) fn balance_all(A: &Mat) -> Result<Balanced, Error> {
+    balance_by(A, Couplings::All)
+}
+
+fn balance_by(A: &Mat, couplings: Couplings) -> Result<Balanced, Error> {
     check_square("A", A)?;
     let mut A = A.clone();
     let mut scale = vec![1.0; A.nrows()];
     for _ in 0..BALANCE_SWEEPS {
         let (columns, rows) = squares(&A);
         let candidates = (0..A.nrows()).filter(|&i| factor(columns[i], rows[i]).is_some());
-        let changed = candidates.filter(|&i| rescale_state(&mut A, &mut scale, i)).count();
+        let changed = candidates.filter(|&i| rescale_state(&mut A, &mut scale, i, couplings)).count();
         if changed == 0 {
             break;
         }
@@ -75,8 +98,13 @@ pub(crate) fn squares_of_column(A: &Mat, j: usize) -> f64 {
 }
 
 /// Scales state `i` of the present matrix, where that still pays. Returns whether it did.
-fn rescale_state(A: &mut Mat, scale: &mut [f64], i: usize) -> bool {
-    let Some(factor) = factor(squares_of_column(A, i), squares_of_row(A, i)) else { return false };
+fn rescale_state(A: &mut Mat, scale: &mut [f64], i: usize, couplings: Couplings) -> bool {
+    let (column, row) = (squares_of_column(A, i), squares_of_row(A, i));
+    let rounding = if couplings == Couplings::All { 0.0 } else { EPS * A[(i, i)] * A[(i, i)] };
+    if column.min(row) <= rounding {
+        return false;
+    }
+    let Some(factor) = factor(column, row) else { return false };
     scale_state(A, i, factor);
     scale[i] *= factor;
     true

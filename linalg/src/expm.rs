@@ -1,6 +1,6 @@
 //! The matrix exponential and the integrals of it that discretisation needs.
 
-use crate::balance::balance;
+use crate::balance::balance_all;
 use crate::dense::solve;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::kernel::vectorised;
@@ -16,7 +16,7 @@ use crate::tolerance::EXPM_BALANCE_GAIN;
 /// Not square, or not finite. An exponential that overflows is [`Error::NotFinite`].
 pub fn expm(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
-    let balanced = balance(A)?;
+    let balanced = balance_all(A)?;
     if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
         return checked(pade(A)?);
     }
@@ -148,7 +148,7 @@ vectorised! {
 pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
     check_shape("B", B, A.nrows(), B.ncols())?;
-    let balanced = balance(A)?;
+    let balanced = balance_all(A)?;
     let worthwhile = balanced.A.norm_one() <= EXPM_BALANCE_GAIN * A.norm_one();
     if !worthwhile {
         return held(&A.scale(h), &B.scale(h));

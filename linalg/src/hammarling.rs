@@ -85,7 +85,7 @@ struct Prepared {
 impl Prepared {
     fn of(A: &Mat, kind: Kind) -> Result<Self, Error> {
         check_square("A", A)?;
-        let balanced = crate::balance::balance(A)?;
+        let balanced = crate::balance::balance_all(A)?;
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
         let spectrum = Spectrum::from_form(balanced.A, form, balanced.scale);

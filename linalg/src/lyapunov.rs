@@ -78,7 +78,7 @@ fn separation(A: &Mat, kind: Kind) -> Result<f64, Error> {
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_shape("Q", Q, A.nrows(), A.ncols())?;
-    let balanced = crate::balance::balance(A)?;
+    let balanced = crate::balance::balance_all(A)?;
     let d = &balanced.scale;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
     let operator = Operator::new(schur(&balanced.A)?, kind)?;

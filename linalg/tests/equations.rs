@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{
-    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, inverse, lyap, lyap_factor,
-    lyap_factors, sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
+    Error, Mat, balance, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, inverse, lyap,
+    lyap_factor, lyap_factors, sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
 };
 
 #[test]
@@ -221,6 +221,15 @@ fn a_magnified_solution_is_right_entry_by_entry() {
             assert!(error < 2.0 * f64::EPSILON, "{i} {j} {error:e}");
         }
     }
+}
+
+#[test]
+fn what_may_be_rounding_is_not_balanced_for_eigenvalues() {
+    // 3e-11 beside a rate of 1e4 is what a subtraction of 2.5e5 leaves: made as large as 2.5e5, it would move the eigenvalues.
+    let A = Mat::from_rows(&[&[-1.0, 2.5e5], &[-3e-11, -1e4]]);
+    assert_eq!(balance(&A).unwrap().scale, [1.0, 1.0]);
+    let A = Mat::from_rows(&[&[-1.0, 2.5e5], &[-3e-3, -1e4]]);
+    assert!(balance(&A).unwrap().scale[0] > balance(&A).unwrap().scale[1]);
 }
 
 #[test]
