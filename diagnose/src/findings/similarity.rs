@@ -44,8 +44,9 @@ impl Scale {
         // a free function over a turn of the motor keeps its turn only with its own gear
         let by_turn =
             |e: &LearnedElement| e.variable == RegimeVariable::Turn && e.place == LearnedPlace::Motor;
-        let has_turn = base.learned.iter().any(by_turn);
-        let ratio = if has_turn { 1.0 } else { USUAL_INERTIA_AND_RATIO.1 / base.gearbox.ratio };
+        // and a piston travels along its own lever
+        let keeps_ratio = base.cylinder.is_some() || base.learned.iter().any(by_turn);
+        let ratio = if keeps_ratio { 1.0 } else { USUAL_INERTIA_AND_RATIO.1 / base.gearbox.ratio };
         let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
         let usual = near(by_inertia, UNSCALED_WITHIN.0) && near(ratio, UNSCALED_WITHIN.1);
         let drive = drive_torque(base, recordings);
@@ -276,7 +277,8 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
     use counterpoise_controller::ProportionalIntegral;
-    use counterpoise_models::reference::rig;
+    use counterpoise_models::parameters::cylinder::Lever;
+    use counterpoise_models::reference::{put_cylinder, rig};
     use counterpoise_models::{EndStops, Plant};
     use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
@@ -318,6 +320,19 @@ mod tests {
         let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
         let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
         assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_machine_on_a_cylinder_moves_alike_with_its_own_lever() {
+        let mut crane = rig();
+        put_cylinder(&mut crane, Lever::Constant(0.3));
+        let small = Scale { torque: 2f64.powi(-10), ratio: 1.0 }.applied(&crane);
+        let scale = Scale::of(&small, &[]).unwrap();
+        assert_eq!(scale.ratio, 1.0);
+        let (own, usual) = (read_in_open_loop(&small), read_in_open_loop(&scale.applied(&small)));
+        let largest = own.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+        let off = own.iter().zip(&usual).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(largest > 1e-4 && off < 1e-3 * largest, "{off} of {largest} rad/s");
     }
 
     /// The reading of the loop's sensor under a control that is played back.
