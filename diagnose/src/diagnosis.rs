@@ -154,7 +154,7 @@ fn diagnose_scaled(
 ) -> Result<Diagnosis, Error> {
     let (scaled, measured) = (scale.applied(base), base.sensors.measured);
     let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r, measured)).collect();
-    let control = scale.control(control, measured);
+    let control = scale.replayed_loop(control, measured);
     let mut found = diagnose_of(scale.sizes(), &scaled, control, &resized, pool)?;
     found.recordings = recordings.to_vec();
     scale.bring_back(&mut found.answer, &scaled);

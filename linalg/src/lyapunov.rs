@@ -86,7 +86,7 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     let X = match growth(&operator, &balanced.A, &inner, &X) {
         Growth::Doubtful => doubtful::settle(operator, &balanced.A, &inner, X)?,
         Growth::Magnified if A.nrows() <= CORRECTED_STATES => {
-            doubtful::correct(&operator, &balanced.A, &inner, X)
+            doubtful::correct_once(&operator, &balanced.A, &inner, X)
         }
         Growth::Magnified | Growth::Benign => X,
     };

@@ -130,8 +130,8 @@ fn a_loop_of_position_is_measured_where_the_machine_rests() {
 #[test]
 fn usual_points_suit_the_machine() {
     let mut project = designed(FREE);
-    assert_eq!(Around::usual(&project), Around::Closed);
-    assert_eq!(Around::usual(&rig()), Around::Disturbance);
+    assert_eq!(Around::usual_of(&project), Around::Closed);
+    assert_eq!(Around::usual_of(&rig()), Around::Disturbance);
     let step = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
     let demanded = Around::Closed.usual_amplitudes(&project);
     assert!((demanded[3] / step - 1.0).abs() < 1e-12, "{demanded:?}");

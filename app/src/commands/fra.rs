@@ -93,7 +93,7 @@ const MOST_FREQUENCIES: usize = 10_000;
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
     let mut loaded = projects::load_project(&options.project, Purpose::Model)?;
-    let around = options.around.map_or_else(|| Around::usual(&loaded.project), Around::from);
+    let around = options.around.map_or_else(|| Around::usual_of(&loaded.project), Around::from);
     let has_controller = matches!(around, Around::Closed | Around::Disturbance);
     if has_controller && options.recording.is_empty() && loaded.project.synth.is_none() {
         loaded = projects::load_project(&options.project, Purpose::Synth)?;

@@ -146,7 +146,7 @@ impl Scale {
 
     /// Returns the loop in which the scaled machine is replayed: under the recorded control if its readings are scaled, because a controller
     /// reads those of the machine itself. [`Loop::under`] replays such a loop so anyway.
-    pub fn control(self, control: Loop, measured: Measured) -> Loop {
+    pub fn replayed_loop(self, control: Loop, measured: Measured) -> Loop {
         if self.reading(measured) == 1.0 { control } else { Loop::Open }
     }
 

@@ -33,7 +33,7 @@ pub(super) fn settle(operator: Operator, A: &Mat, Q: &Mat, X: Mat) -> Result<Mat
 
 /// One correction by the residual in twice the working precision: it leaves the rounding of the solution where the Schur form left that of the
 /// norms of the equation, which the entries of a matrix far from normal do not show.
-pub(super) fn correct(operator: &Operator, A: &Mat, Q: &Mat, X: Mat) -> Mat {
+pub(super) fn correct_once(operator: &Operator, A: &Mat, Q: &Mat, X: Mat) -> Mat {
     let step = operator.solve_any(&residual(A, Q, &X.clone().into(), operator.kind));
     if step.norm_fro() < REFINED.sqrt() * X.norm_fro() { X + step } else { X }
 }

@@ -34,7 +34,7 @@ pub fn logarithmic_hz([from_hz, to_hz]: [f64; 2], count: usize) -> Vec<f64> {
 impl Around {
     /// Returns what a map of a project's machine relates unless something else is asked for: the hub to the platform's motion if a
     /// gyroscope on the platform reads that, otherwise to the demand.
-    pub fn usual(project: &Project) -> Self {
+    pub fn usual_of(project: &Project) -> Self {
         if project.plant.sensors.platform_gyro.is_fitted() { Self::Disturbance } else { Self::Closed }
     }
 
