@@ -5,6 +5,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{Channel, Design, Entry, Specification, Weight};
 use ndarray::Array2;
 
+use crate::frequencies::logarithmic_hz;
 use crate::{Modelled, PipelineError, Reduced, Synthesised};
 
 /// A frequency response.
@@ -72,8 +73,7 @@ struct Grid {
 
 impl Grid {
     fn frequencies_hz(&self) -> Vec<f64> {
-        let ratio = (self.highest_hz / self.lowest_hz).ln() / (self.points - 1) as f64;
-        (0..self.points).map(|k| self.lowest_hz * (ratio * k as f64).exp()).collect()
+        logarithmic_hz([self.lowest_hz, self.highest_hz], self.points)
     }
 }
 

@@ -214,10 +214,7 @@ impl ResponseResult {
 
 /// Returns frequencies of the stored responses, Hz: 200 in equal ratios from 0.02 to 500.
 pub fn stored_frequencies_hz() -> Vec<f64> {
-    const POINTS: i32 = 200;
-    let (lowest, highest): (f64, f64) = (0.02, 500.0);
-    let ratio = (highest / lowest).ln() / f64::from(POINTS - 1);
-    (0..POINTS).map(|k| lowest * (ratio * f64::from(k)).exp()).collect()
+    crate::frequencies::logarithmic_hz([0.02, 500.0], 200)
 }
 
 /// Returns the controllers of a design in continuous time, with their systems.

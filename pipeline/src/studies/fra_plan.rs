@@ -3,13 +3,14 @@
 use counterpoise_project::Project;
 
 use super::fra::Around;
+use crate::frequencies::logarithmic_hz;
+use crate::model::CONVERTER_RANGE_V;
 
-/// The usual amplitudes of a map, over the size of what is excited: more than a decade, in which friction shows.
-const USUAL_AMPLITUDES: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
+/// The size of what is excited over the usual amplitudes of a map: more than a decade, in which friction shows. A size of 0.1 divided by them
+/// gives the numbers that a reader writes, 0.01 and not 0.010000000000000002.
+const SIZE_OVER_AMPLITUDES: [f64; 5] = [10.0, 5.0, 2.0, 1.0, 0.5];
 /// Size of a control: its share of the largest control, so that the largest usual amplitude stays far from the limit.
 const USUAL_CONTROL_SHARE: f64 = 0.1;
-/// Largest control, V, of a machine that states none: the range of the converters.
-const CONVERTER_RANGE_V: f64 = 10.0;
 /// Size of a platform's rate, rad/s: that of a vehicle on a road.
 const USUAL_PLATFORM_RATE_RAD_S: f64 = 0.1;
 /// Lowest and highest of the usual frequencies, Hz, and their number.
@@ -25,12 +26,6 @@ pub fn usual_frequencies_hz(project: &Project) -> Vec<f64> {
     logarithmic_hz([from_hz.min(0.1 * to_hz), to_hz], USUAL_FREQUENCIES)
 }
 
-/// Returns frequencies at a constant ratio, both ends included.
-pub fn logarithmic_hz([from_hz, to_hz]: [f64; 2], count: usize) -> Vec<f64> {
-    let step = (to_hz / from_hz).ln() / count.saturating_sub(1).max(1) as f64;
-    (0..count).map(|k| from_hz * (step * k as f64).exp()).collect()
-}
-
 impl Around {
     /// Returns what a map of a project's machine relates unless something else is asked for: the hub to the platform's motion if a
     /// gyroscope on the platform reads that, otherwise to the demand.
@@ -44,11 +39,12 @@ impl Around {
         let limit_v = project.plant.amplifier.input_limit_v;
         let size = match self {
             Self::Plant if limit_v.is_finite() => USUAL_CONTROL_SHARE * limit_v,
+            // a machine that states no limit has that of the converters
             Self::Plant => USUAL_CONTROL_SHARE * CONVERTER_RANGE_V,
             Self::Closed => usual_demand(project),
             Self::Disturbance | Self::Disconnected => USUAL_PLATFORM_RATE_RAD_S,
         };
-        USUAL_AMPLITUDES.map(|share| share * size)
+        SIZE_OVER_AMPLITUDES.map(|over| size / over)
     }
 }
 

@@ -121,13 +121,17 @@ impl Guide {
     }
 
     /// Returns the sections in which a key, or a section of this name, may stand; the empty path is the top of the file.
-    pub fn places(&self, name: &str) -> Places {
-        let with_key = |section: &&Section| section.rows.iter().any(|row| row.key == name);
-        let is_named = |section: &&Section| section.path.rsplit('.').next() == Some(name);
-        let paths = |sections: Vec<&Section>| sections.into_iter().map(|s| s.path.clone()).collect();
+    pub fn places_of(&self, name: &str) -> Places {
+        let paths = |is_meant: &dyn Fn(&Section) -> bool| {
+            self.sections
+                .iter()
+                .filter(|section| is_meant(section))
+                .map(|section| section.path.clone())
+                .collect()
+        };
         Places {
-            of_key: paths(self.sections.iter().filter(with_key).collect()),
-            sections: paths(self.sections.iter().filter(is_named).collect()),
+            of_key: paths(&|section| section.rows.iter().any(|row| row.key == name)),
+            sections: paths(&|section| section.path.rsplit('.').next() == Some(name)),
         }
     }
 

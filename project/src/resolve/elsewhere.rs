@@ -10,11 +10,11 @@ use crate::file::guide::{Guide, Places, SOME_WALKS};
 const MOST_PLACES: usize = 3;
 
 /// Adds to each unknown key without a hint the sections that have a key, or are a section, of that name.
-pub(super) fn hint(findings: &mut [Diagnostic]) {
+pub(super) fn hint_at_sections(findings: &mut [Diagnostic]) {
     let unknown = |d: &&mut Diagnostic| d.problem == Problem::UnknownKey && d.hint.is_none();
     for finding in findings.iter_mut().filter(unknown) {
         let (own, name) = finding.path.rsplit_once('.').unwrap_or(("", &finding.path));
-        finding.hint = words(own, name, &guide().places(name));
+        finding.hint = words(&without_numbers(own), name, &guide().places_of(name));
     }
 }
 
@@ -28,6 +28,11 @@ fn guide() -> &'static Guide {
         }
         guide
     })
+}
+
+/// Returns a path without the numbers of items: the guide knows lists, not their lengths.
+fn without_numbers(path: &str) -> String {
+    path.split('.').map(|part| part.split('[').next().unwrap_or(part)).collect::<Vec<_>>().join(".")
 }
 
 fn words(own: &str, name: &str, places: &Places) -> Option<String> {

@@ -153,7 +153,7 @@ impl Project {
             findings.extend(document.syntax.clone());
         }
         diagnostic::sort(&mut findings);
-        elsewhere::hint(&mut findings);
+        elsewhere::hint_at_sections(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
         if errors.is_empty() { Ok(Parsed { project, warnings, assumptions }) } else { Err(errors) }
