@@ -64,7 +64,7 @@ const BELT_TENSION: &str = "format = 2
             plant.sensors.motor_tachometer = { noise = 2e-3 }
             plant.interface = { sample_period = 1e-3, output_bits = 16 }";
 
-const KINDS: [Kind; 17] = [
+const KINDS: [Kind; 19] = [
     Kind {
         name: "direct torque drive, gyroscope",
         file: "format = 2
@@ -257,6 +257,18 @@ const KINDS: [Kind; 17] = [
         file: BELT_TENSION,
         conceals: |p| p.pivot_friction.law.scale_coulomb(2.0),
         names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
+    },
+    Kind {
+        name: "torque loop of a series elastic joint, friction of the motor",
+        file: ELASTIC_JOINT,
+        conceals: |p| p.motor_friction.law.scale_coulomb(2.0),
+        names: &[(C::Motor, E::Coulomb)],
+    },
+    Kind {
+        name: "torque loop of a series elastic joint, a stiffer gear",
+        file: ELASTIC_JOINT,
+        conceals: |p| p.gearbox.stiffness_nm_rad *= 1.3,
+        names: &[(C::Gearbox, E::Stiffness)],
     },
 ];
 

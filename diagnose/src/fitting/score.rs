@@ -115,10 +115,12 @@ impl Score {
 
     /// Returns [`Self::gain_over`] for one recording alone.
     pub fn gain_in(&self, recording: usize, before: &Score) -> f64 {
-        let of = |score: &Score| Score {
-            cells: score.cells.iter().filter(|cell| cell.recording == recording).cloned().collect(),
-        };
-        of(self).gain_over(&of(before))
+        self.of_recording(recording).gain_over(&before.of_recording(recording))
+    }
+
+    /// Returns the cells of one recording.
+    pub fn of_recording(&self, recording: usize) -> Score {
+        Score { cells: self.cells.iter().filter(|cell| cell.recording == recording).cloned().collect() }
     }
 
     /// Returns the log-likelihood by which this mechanism is behind another on the same parts, every cell weighted by its

@@ -7,6 +7,7 @@ use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::selection::stage::StageBreadth;
+use crate::simulator_access::Assessment;
 use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
@@ -58,12 +59,26 @@ impl Searcher<'_> {
         }
         if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
             let singles = stage.singles();
-            if singles.iter().any(|c| c.has_same_effects(&best) && c.gain() < c.least_gain) {
+            let gains_little = |c: &Candidate| c.has_same_effects(&best) && c.gain() < c.least_gain;
+            if singles.iter().any(gains_little) && !self.gains_alone(&best, &search.baseline.fitted) {
                 return;
             }
             search.rivals = vec![self.refit_rivals(singles, &best)];
         }
         search.accepted = Some(best);
+    }
+
+    /// Returns whether what is left of a larger model gains enough on the last part of every recording, fitted from its own values to the
+    /// first parts. The first fit of its only effect may not have come so far from the values of the model as it was.
+    fn gains_alone(&self, best: &Candidate, before: &[Assessment]) -> bool {
+        let all: Vec<usize> = (0..self.simulator.count()).collect();
+        let selection = FitSelection::searching(all.clone());
+        let fit = self.fit(best.fit.effects.clone(), &best.fit.values, &selection, &best.assessments);
+        let judged = fit.and_then(|fit| {
+            let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
+            self.build_candidate(fit, &judged, &all, before)
+        });
+        judged.is_some_and(|judged| judged.is_acceptable())
     }
 
     /// Returns the rivals of an effect, best first: the effect itself as the model is fitted now, and those that were level with
