@@ -1,6 +1,5 @@
 //! The stability certificate in words: what is proved, what is predicted, what the simulator shows.
 
-use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -22,14 +21,19 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
         Stability::LimitCycle { amplitude_rad_s, frequency_hz } => format!(
             "NOT quiet at rest: a limit cycle of {} {} at {} Hz",
             short_number(1e3 * amplitude_rad_s),
-            case.rate.milli_unit(),
+            case.controlled.milli_unit(),
             short_number(frequency_hz)
         ),
         Stability::Unstable => "NOT stable: the motion grows".to_owned(),
         Stability::NotPredicted => format!(
-            "not predicted: the runs show neither rest nor a limit cycle; at rest the hub moves {} {} RMS",
+            "not predicted: the runs show neither rest nor a limit cycle; at rest the {} {} {} RMS",
+            if case.controlled == case.rate {
+                "hub moves".to_owned()
+            } else {
+                format!("{} varies by", case.controlled.name())
+            },
             short_number(1e3 * case.rest.rms_rad_s),
-            case.rate.milli_unit()
+            case.controlled.milli_unit()
         ),
     }
 }
@@ -87,6 +91,8 @@ pub fn name_regime(regime: Regime) -> &'static str {
         Regime::Sliding => "sliding friction",
         Regime::PreslidingLearning => "at rest, estimator learning",
         Regime::SlidingLearning => "sliding, estimator learning",
+        Regime::Frictionless => "at rest and in motion",
+        Regime::FrictionlessLearning => "estimator learning",
         Regime::TeethOpen => "gear teeth open",
     }
 }
@@ -115,7 +121,7 @@ pub fn certificate_lines(found: &Certificate) -> Vec<String> {
         )
     }));
     lines.extend(
-        worst.orbits.iter().filter(|orbit| orbit.rms_rad_s > 0.0).map(|orbit| orbit_words(orbit, worst.rate)),
+        worst.orbits.iter().filter(|orbit| orbit.rms_rad_s > 0.0).map(|orbit| orbit_words(orbit, worst)),
     );
     let others = found.cases.iter().filter(|case| case.name != worst.name);
     lines.extend(others.map(|case| format!("{}: {}", case.name, describe_verdict(case))));
@@ -138,8 +144,8 @@ fn loop_words(at: &RegimeLoop) -> String {
     )
 }
 
-fn orbit_words(orbit: &Orbit, motion: ControlledQuantity) -> String {
-    let unit = motion.milli_unit();
+fn orbit_words(orbit: &Orbit, case: &CaseCertificate) -> String {
+    let unit = case.controlled.milli_unit();
     if orbit.rms_rad_s.is_infinite() {
         return format!(
             "simulated from {} {unit}: the motion diverges",
@@ -159,20 +165,24 @@ fn orbit_words(orbit: &Orbit, motion: ControlledQuantity) -> String {
 /// linear worst case and stands elsewhere.
 pub fn robustness_lines(found: &[RegimeRobustness]) -> Vec<String> {
     let line = |at: &RegimeRobustness| {
-        let joints = match at.joints {
-            Joints::Sliding => "sliding friction",
-            Joints::AtRest => "at rest",
+        let case = match at.joints {
+            Joints::Sliding => format!("{}, sliding friction", at.case),
+            Joints::AtRest => format!("{}, at rest", at.case),
+            Joints::Frictionless => at.case.clone(),
         };
         match &at.found {
-            Some(bounds) => format!(
-                "{}, {joints}: stable within {} times the stated ranges",
-                at.case,
-                short_number(bounds.guaranteed)
-            ),
-            None => format!("{}, {joints}: the loop is not stable without any deviation", at.case),
+            Some(bounds) => {
+                format!("{case}: stable within {} times the stated ranges", short_number(bounds.guaranteed))
+            }
+            None => format!("{case}: the loop is not stable without any deviation"),
         }
     };
     found.iter().map(line).collect()
+}
+
+/// Returns what the lines on the linear worst case of the design's own case begin with.
+pub fn worst_case_heading(joints: Joints) -> &'static str {
+    if joints == Joints::Frictionless { "linear" } else { "linear, sliding friction" }
 }
 
 /// Returns the section of a report.

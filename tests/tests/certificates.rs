@@ -102,3 +102,48 @@ fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
     assert!((frequency_hz / run.frequency_hz - 1.0).abs() < 0.05, "{frequency_hz} {run:?}");
     assert!(!found.prediction.cycles.is_empty(), "the harmonic balance sees that the loop hunts");
 }
+
+/// A file without weights, designed with those that suit the machine.
+fn designed(file: &str) -> CaseCertificate {
+    let document = counterpoise_project::Document::parse(file, "project.toml");
+    let files = counterpoise_project::Attachments::none();
+    let read = Project::resolve_for(&document, &files, counterpoise_project::Purpose::Design);
+    let project = read.unwrap().project;
+    let chosen = counterpoise_pipeline::with_chosen_weights(&project).unwrap();
+    certified(&chosen.map_or(project, |chosen| chosen.project))
+}
+
+/// A joint whose torque sensor has no noise: the floor is what rounding keeps up, in N m, and no rate is measured against it.
+#[test]
+fn a_torque_loop_without_noise_is_quiet_by_a_floor_of_torque() {
+    let found = designed(
+        "format = 2
+        verify.step.rate = 3.0
+        plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
+        plant.gearbox = { ratio = 50.0, stiffness = 300.0 }
+        plant.motor = { inertia = 6e-5, torque_constant = 0.1 }
+        plant.drive = { kind = \"current\", limit = 15.0, bandwidth = \"800 Hz\" }
+        plant.friction.pivot = { viscous = 0.1 }
+        plant.friction.motor = { model = \"coulomb\", coulomb = 0.01, viscous = 1e-5 }
+        plant.sensors.torque = { }
+        plant.interface = { sample_period = 1e-3 }",
+    );
+    assert_eq!(found.stability, Stability::Stable);
+    assert_eq!(found.controlled.unit(), "N m");
+    assert!((found.noise_floor_rad_s / 3e-6 - 1.0).abs() < 0.01, "{}", found.noise_floor_rad_s);
+    // the largest disturbance that is followed is the step of the verification, in N m
+    assert!((found.orbits.last().unwrap().start_rad_s / 3.0 - 1.0).abs() < 1e-9);
+}
+
+/// A pendulum without friction that an encoder of 4096 counts holds: it moves within a count, which is no limit cycle; and there is neither a
+/// presliding nor a sliding regime.
+#[test]
+fn a_pendulum_within_a_count_of_its_encoder_is_quiet() {
+    let path = format!("{}/../examples/servo-pendulum/project.toml", env!("CARGO_MANIFEST_DIR"));
+    let found = designed(&std::fs::read_to_string(path).unwrap());
+    assert_eq!(found.stability, Stability::Stable);
+    let count = std::f64::consts::TAU / 4096.0;
+    assert!((found.noise.step_rad_s / count - 1.0).abs() < 1e-9 && found.rest.rms_rad_s < count);
+    let regimes: Vec<&str> = found.regimes.iter().map(|at| at.regime.key()).collect();
+    assert_eq!(regimes, ["frictionless"]);
+}

@@ -8,6 +8,10 @@ pub const NEUTRAL: f64 = 1e-5;
 /// A motion that grows or fades more slowly than this, 1/s, is taken as one that stays: by a factor of 1.5 in 20 s.
 pub const STEADY_GROWTH: f64 = 0.02;
 
+/// Share of the step of the verification below which no motion counts in a loop that controls no rate: a run of the simulator is that accurate,
+/// and a sensor without noise gives no floor of its own.
+pub const ROUNDED_STEP: f64 = 1e-6;
+
 /// Hub rate RMS at rest above this many noise floors is a motion, not noise. Two is what the verdicts on recordings use as well.
 pub const MOVES_FLOORS: f64 = 2.0;
 

@@ -18,7 +18,7 @@ use counterpoise_report::{
     Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
     two_axes,
 };
-use counterpoise_verify::certificate::Certificate;
+use counterpoise_verify::certificate::{CaseCertificate, Certificate};
 use counterpoise_verify::difference::{Change, changes};
 use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_verify::spectral::{Spectral, spectral};
@@ -124,7 +124,9 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
         result.leave_histories_out();
     }
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
-    let own = stability.map(|found| RobustnessResult::new("design", Joints::Sliding, Some(found)));
+    let design = study.certificate.as_ref().and_then(|found| found.cases.first());
+    let joints = design.map_or(Joints::Sliding, CaseCertificate::first_joints);
+    let own = stability.map(|found| RobustnessResult::new("design", joints, Some(found)));
     let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
     let advised = study.advice.iter().map(Into::into).collect();
     let shown = Shown { result, robust_to_times_the_ranges, robustness, advice: advised };
@@ -137,10 +139,9 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
         worse_feedforwards(&study.found).iter().for_each(|line| say!("note: {line}"));
         let certified = study.certificate.iter().flat_map(certificate::certificate_lines);
         certified.for_each(|line| say!("stability: {line}"));
-        stability
-            .into_iter()
-            .flat_map(robust::robustness_lines)
-            .for_each(|line| say!("linear, sliding friction: {line}"));
+        let heading = certificate::worst_case_heading(joints);
+        let robust = stability.into_iter().flat_map(robust::robustness_lines);
+        robust.for_each(|line| say!("{heading}: {line}"));
         certificate::robustness_lines(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
         let bands = study.adaptation.iter().flat_map(|tried| &tried.bands);
         bands.for_each(|bands| say!("adaptation: {}", describe_bands(bands)));

@@ -141,6 +141,11 @@ impl Ripple {
 }
 
 impl Parameters {
+    /// Returns whether dry friction acts at motor or pivot.
+    pub fn has_dry_friction(&self) -> bool {
+        self.motor_friction.coulomb_nm() > 0.0 || self.pivot_friction.coulomb_nm() > 0.0
+    }
+
     /// Returns what a rigid transmission adds to the hub's inertia, kg m^2: ratio^2 x rotor; 0 if it is compliant.
     pub fn reflected_inertia_kg_m2(&self) -> f64 {
         if self.gearbox.is_rigid() { self.gearbox.ratio.powi(2) * self.motor.inertia_kg_m2 } else { 0.0 }

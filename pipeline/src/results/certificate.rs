@@ -1,10 +1,12 @@
 //! The stability certificate as plain data.
 
+use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_verify::certificate::multiplier::{Kind, Term};
 use counterpoise_verify::certificate::{
     CaseCertificate, Certificate, Orbit, Prediction, RegimeLoop, SectorProof, Stability,
 };
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::balance::CycleBalanceResult;
 use crate::exchange::{PulledLoopResult, SystemResult};
@@ -37,7 +39,7 @@ pub struct CaseResult {
     pub proved: bool,
     /// The sector argument; `None` if none applies.
     pub sector: Option<SectorResult>,
-    /// The limit cycle that stays: half the range of the hub rate, rad/s, and its frequency, Hz.
+    /// The limit cycle that stays: half the range of the hub rate, rad/s, or of what else the loop controls, and its frequency, Hz.
     pub limit_cycle: Option<CycleResult>,
     /// The linear loop in each regime.
     pub regimes: Vec<RegimeResult>,
@@ -45,22 +47,58 @@ pub struct CaseResult {
     pub predicted: Vec<PredictedResult>,
     /// What the simulator does from near each prediction, and from two other disturbances.
     pub orbits: Vec<OrbitResult>,
-    /// RMS of the hub rate in a run of 20 s at rest, with noise, rad/s.
+    /// What moves in the runs.
+    #[serde(flatten)]
+    pub motion: MotionResult,
+}
+
+/// The runs of a case at rest and in motion, with the noise floor: in rad/s of the hub rate, or of what else the loop controls in its unit,
+/// which then stands at the end of the keys.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionResult {
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
+    /// RMS in a run of 20 s at rest, with noise.
     pub rest_rms_rad_s: f64,
-    /// RMS of the hub rate over the second half of a run in motion, over that of the first half.
+    /// RMS over the second half of a run in motion, over that of the first half.
     pub motion_growth: f64,
-    /// Noise floor of the hub rate, rad/s: RMS of noise and quantisation of a reading.
+    /// Noise floor: RMS of noise and quantisation of a reading, and of what rounding keeps up.
     pub noise_floor_rad_s: f64,
-    /// RMS of the white noise of a reading, rad/s.
+    /// RMS of the white noise of a reading.
     pub reading_noise_rad_s: f64,
-    /// Step of a reading, rad/s.
+    /// Step of a reading.
     pub reading_step_rad_s: f64,
-    /// The hub's rate about its mean in the run at rest, rad/s, at the sample time of the loop; absent unless time histories were asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// RMS of what the rounding of the control and the arithmetic of a run keep up; not part of a loop of rate.
+    pub rounding: f64,
+    /// The motion about its mean in the run at rest, at the sample time of the loop; absent unless time histories were asked for.
     pub rest_rates_rad_s: Vec<f64>,
     /// The same in the run in motion.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion_rates_rad_s: Vec<f64>,
+}
+
+impl Serialize for MotionResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let controlled = self.controlled;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry(&controlled.key_of("rest_rms"), &self.rest_rms_rad_s)?;
+        map.serialize_entry("motion_growth", &self.motion_growth)?;
+        map.serialize_entry(&controlled.key_of("noise_floor"), &self.noise_floor_rad_s)?;
+        map.serialize_entry(&controlled.key_of("reading_noise"), &self.reading_noise_rad_s)?;
+        map.serialize_entry(&controlled.key_of("reading_step"), &self.reading_step_rad_s)?;
+        if controlled.kind != QuantityKind::Rate {
+            map.serialize_entry(&controlled.key_of("rounding"), &self.rounding)?;
+        }
+        let histories = [("rest", &self.rest_rates_rad_s), ("motion", &self.motion_rates_rad_s)];
+        for (run, motion) in histories.into_iter().filter(|(_, motion)| !motion.is_empty()) {
+            map.serialize_entry(&controlled.key_of(&format!("{run}_{}", plural_of(controlled))), motion)?;
+        }
+        map.end()
+    }
+}
+
+/// Returns what the samples of a motion are called in a key: `rates` in a loop of rate.
+fn plural_of(controlled: ControlledQuantity) -> &'static str {
+    if controlled.kind == QuantityKind::Rate { "rates" } else { "samples" }
 }
 
 /// A sector argument.
@@ -148,12 +186,23 @@ impl From<&SectorProof> for SectorResult {
 }
 
 /// A limit cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleResult {
-    /// Amplitude of the hub rate, rad/s.
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
+    /// Amplitude of the hub rate, rad/s, or of what else the loop controls, in its unit.
     pub amplitude_rad_s: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
+}
+
+impl Serialize for CycleResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry(&self.controlled.key_of("amplitude"), &self.amplitude_rad_s)?;
+        map.serialize_entry("frequency_hz", &self.frequency_hz)?;
+        map.end()
+    }
 }
 
 /// The loop in a regime.
@@ -194,25 +243,40 @@ pub struct PredictedResult {
 }
 
 /// A motion on the simulator.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OrbitResult {
-    /// Amplitude of the hub rate at its start, rad/s.
+    /// What the loop controls.
+    pub controlled: ControlledQuantity,
+    /// Amplitude at its start, rad/s of the hub rate or the unit of what else the loop controls.
     pub start_rad_s: f64,
-    /// Amplitude that stays, rad/s; 0 if the motion faded, `None` if it diverged.
+    /// Amplitude that stays, rad/s or the unit of what else the loop controls; 0 if the motion faded, `None` if it diverged.
     pub amplitude_rad_s: Option<f64>,
     /// Its frequency, Hz.
     pub frequency_hz: f64,
-    /// The hub's rate about its mean over the last stretch that was followed, rad/s, at the sample time of the loop; absent unless time
-    /// histories were asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// The motion about its mean over the last stretch that was followed, at the sample time of the loop; absent unless time histories were
+    /// asked for.
     pub rates_rad_s: Vec<f64>,
+}
+
+impl Serialize for OrbitResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let controlled = self.controlled;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry(&controlled.key_of("start"), &self.start_rad_s)?;
+        map.serialize_entry(&controlled.key_of("amplitude"), &self.amplitude_rad_s)?;
+        map.serialize_entry("frequency_hz", &self.frequency_hz)?;
+        if !self.rates_rad_s.is_empty() {
+            map.serialize_entry(&controlled.key_of(plural_of(controlled)), &self.rates_rad_s)?;
+        }
+        map.end()
+    }
 }
 
 impl CertificateResult {
     /// Leaves out the rates of motions on the simulator.
     pub fn leave_histories_out(&mut self) {
         for case in &mut self.cases {
-            (case.rest_rates_rad_s, case.motion_rates_rad_s) = (Vec::new(), Vec::new());
+            (case.motion.rest_rates_rad_s, case.motion.motion_rates_rad_s) = (Vec::new(), Vec::new());
             case.orbits.iter_mut().for_each(|orbit| orbit.rates_rad_s.clear());
             let balances = case.predicted.iter_mut().flat_map(|cycle| &mut cycle.balances);
             balances.for_each(CycleBalanceResult::leave_torques_out);
@@ -250,7 +314,7 @@ impl From<&CaseCertificate> for CaseResult {
     fn from(case: &CaseCertificate) -> Self {
         let limit_cycle = match case.stability {
             Stability::LimitCycle { amplitude_rad_s, frequency_hz } => {
-                Some(CycleResult { amplitude_rad_s, frequency_hz })
+                Some(CycleResult { controlled: case.controlled, amplitude_rad_s, frequency_hz })
             }
             _ => None,
         };
@@ -263,14 +327,18 @@ impl From<&CaseCertificate> for CaseResult {
             limit_cycle,
             regimes: case.regimes.iter().map(RegimeResult::from).collect(),
             predicted: predicted(&case.prediction),
-            orbits: case.orbits.iter().map(OrbitResult::from).collect(),
-            rest_rms_rad_s: case.rest.rms_rad_s,
-            motion_growth: case.motion.second_half_rad_s / case.motion.first_half_rad_s,
-            noise_floor_rad_s: case.noise_floor_rad_s,
-            reading_noise_rad_s: case.noise.white_rad_s,
-            reading_step_rad_s: case.noise.step_rad_s,
-            rest_rates_rad_s: case.rest.rates_rad_s.clone(),
-            motion_rates_rad_s: case.motion.rates_rad_s.clone(),
+            orbits: case.orbits.iter().map(|orbit| OrbitResult::new(orbit, case.controlled)).collect(),
+            motion: MotionResult {
+                controlled: case.controlled,
+                rest_rms_rad_s: case.rest.rms_rad_s,
+                motion_growth: case.motion.second_half_rad_s / case.motion.first_half_rad_s,
+                noise_floor_rad_s: case.noise_floor_rad_s,
+                reading_noise_rad_s: case.noise.white_rad_s,
+                reading_step_rad_s: case.noise.step_rad_s,
+                rounding: case.noise.rounding,
+                rest_rates_rad_s: case.rest.rates_rad_s.clone(),
+                motion_rates_rad_s: case.motion.rates_rad_s.clone(),
+            },
         }
     }
 }
@@ -302,10 +370,11 @@ fn predicted(found: &Prediction) -> Vec<PredictedResult> {
     each.collect()
 }
 
-impl From<&Orbit> for OrbitResult {
-    fn from(orbit: &Orbit) -> Self {
+impl OrbitResult {
+    fn new(orbit: &Orbit, controlled: ControlledQuantity) -> Self {
         let diverged = orbit.rms_rad_s.is_infinite();
         Self {
+            controlled,
             start_rad_s: orbit.start_rad_s,
             amplitude_rad_s: (!diverged).then_some(orbit.amplitude_rad_s),
             frequency_hz: orbit.frequency_hz,

@@ -171,6 +171,7 @@ impl RobustnessResult {
             joints: match joints {
                 Joints::Sliding => "sliding",
                 Joints::AtRest => "at rest",
+                Joints::Frictionless => "frictionless",
             },
             guaranteed: found.map(|it| it.guaranteed),
             worst_hz: found.map(|it| it.worst_hz),

@@ -89,9 +89,12 @@ pub fn robust_regimes(
         if parameters.lumped.is_none() {
             continue;
         }
-        for joints in [Joints::Sliding, Joints::AtRest] {
+        let has_friction = parameters.has_dry_friction() || !controller.parts().observers.is_empty();
+        let regimes: &[Joints] =
+            if has_friction { &[Joints::Sliding, Joints::AtRest] } else { &[Joints::Frictionless] };
+        for &joints in regimes {
             let linear = match joints {
-                Joints::Sliding => controller.clone(),
+                Joints::Sliding | Joints::Frictionless => controller.clone(),
                 Joints::AtRest => quasi_linear(controller, &Elements::observers_at_rest(&case, controller)?)?,
             };
             let found = robust_stability_in(joints, parameters, &linear, procedure, &uncertainty)?;

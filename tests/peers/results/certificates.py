@@ -295,7 +295,9 @@ def frequency_of(rates, dt):
 def runs(case, dt):
     """The runs with noise by their rates, the noise floor, and which motion the limit cycle is."""
     name = case["name"]
-    floor = math.hypot(case["reading_noise_rad_s"], case["reading_step_rad_s"] / math.sqrt(12.0))
+    # a loop of position, torque or current has a floor in its own unit, with what rounding keeps up
+    noise = (case["reading_noise_rad_s"], case["reading_step_rad_s"] / math.sqrt(12.0), case.get("rounding", 0.0))
+    floor = math.hypot(*noise)
     yield f"noise floor, {name}", case["noise_floor_rad_s"], floor, 1e-12
     rest, moved = (np.array(case.get(key, [])) for key in ("rest_rates_rad_s", "motion_rates_rad_s"))
     spread = lambda part: float(np.std(part))

@@ -15,6 +15,30 @@ ENDINGS = [
 ]
 
 
+# A case of the stability certificate: its runs, its noise floor and its limit cycle.
+CASE = [
+    (r"^(rest_rms|noise_floor|reading_noise|reading_step|amplitude|start)_(?:m_s|rad|m|nm|n|a)$", r"\1_rad_s"),
+    (r"^rounding_(?:m_s|rad|m|nm|n|a)$", "rounding"),
+    (r"^(rest_|motion_|)samples_(?:m_s|rad|m|nm|n|a)$", r"\1rates_rad_s"),
+]
+
+
+def case(one):
+    """Returns a case of the certificate under the names of a loop of rate."""
+
+    def keys(part):
+        renamed = {}
+        for name, value in part.items():
+            for own, of_rate in CASE:
+                name = re.sub(own, of_rate, name)
+            renamed[name] = value
+        return renamed
+
+    one = keys(one)
+    cycle = one["limit_cycle"]
+    return {**one, "limit_cycle": cycle and keys(cycle), "orbits": [keys(orbit) for orbit in one["orbits"]]}
+
+
 def figure(name):
     """Returns the key of a figure in a loop of rate."""
     for own, of_rate in ENDINGS:
@@ -44,6 +68,8 @@ def as_rate_loop(value):
         value = history(value)
     if "experiment" in value and "cost_db" in value:
         value = {re.sub(r"^(error_rms|errors)_.*", r"\1_rad_s", name): one for name, one in value.items()}
+    if {"orbits", "limit_cycle"} <= value.keys():
+        value = case(value)
     if "frequency_hz" in value and isinstance(value.get("name"), str):
         value = {**value, "name": re.sub("^.* over platform, ", "hub rate over platform, ", value["name"])}
     return {

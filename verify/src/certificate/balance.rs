@@ -8,8 +8,8 @@ use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance};
 use counterpoise_models::{Friction, FrictionLaw};
 
-use super::Subject;
 use super::elements::{Elements, Linear, ObserverGain, Sinusoid, quasi_linear, with_mesh};
+use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
 use crate::linear::closed::resolver_use;

@@ -8,9 +8,9 @@
 use counterpoise_linalg::C64;
 use counterpoise_lti::Response;
 
-use super::Subject;
 use super::balance::{CycleBalance, MeshBalance, Settled};
 use super::elements::{Elements, Learning, Linear, Sinusoid};
+use super::floor::Subject;
 use super::gap::gap_share;
 use super::regime::{Teeth, teeth};
 use crate::Error;

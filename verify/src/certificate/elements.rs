@@ -8,7 +8,8 @@ use counterpoise_models::Parameters;
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant, impedance};
 
-use super::{Case, Subject};
+use super::Case;
+use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
 use crate::linear::closed::resolver_use;

@@ -11,27 +11,32 @@
 //!
 //! Its verdict is a [`Stability`]; what is proved, what is predicted and what is only simulated stay apart.
 //!
-//! Modules in reading order: [`regime`], [`elements`], [`gap`], [`balance`], [`cycle`], [`gear_rattle`], [`prediction`], [`orbit`], [`multiplier`], [`sector`],
+//! Modules in reading order: [`regime`], [`elements`], [`floor`], [`gap`], [`balance`], [`cycle`], [`gear_rattle`], `rounding`, [`prediction`], [`orbit`], [`multiplier`], [`sector`],
 //! [`runs`].
 
 pub mod balance;
 pub mod cycle;
 pub mod elements;
+pub mod floor;
 pub mod gap;
 pub mod gear_rattle;
 pub mod multiplier;
 pub mod orbit;
 pub mod prediction;
 pub mod regime;
+mod rounding;
 pub mod runs;
 pub mod sector;
 
 use counterpoise_controller::Controller;
-use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::Plant;
+use counterpoise_models::{ControlledQuantity, QuantityKind};
+
+use floor::Subject;
 
 pub use balance::CycleBalance;
 pub use cycle::Cycle;
+pub use floor::ReadingNoise;
 pub use multiplier::Criterion;
 pub use orbit::Orbit;
 pub use prediction::Prediction;
@@ -39,6 +44,7 @@ pub use regime::{Regime, RegimeLoop, Teeth};
 pub use runs::Run;
 pub use sector::SectorProof;
 
+use crate::structured::Joints;
 use crate::tolerance::{LEAST_CYCLES, MOVES_FLOORS, MOVES_UNSTABLE_FLOORS, RUN_S, STEADY_GROWTH};
 use crate::{Error, Procedure};
 
@@ -60,7 +66,7 @@ pub enum Stability {
     Stable,
     /// A limit cycle stays.
     LimitCycle {
-        /// Its amplitude: half the range of the hub's rate, rad/s.
+        /// Its amplitude: half the range of the hub's rate, rad/s, or of what the loop controls, in its unit.
         amplitude_rad_s: f64,
         /// Its frequency, Hz.
         frequency_hz: f64,
@@ -76,8 +82,10 @@ pub enum Stability {
 pub struct CaseCertificate {
     /// The case's name.
     pub name: String,
-    /// What the hub moves by in the runs: a rate of its axis.
+    /// The rate of its axis, in which limit cycles are predicted and disturbances start.
     pub rate: ControlledQuantity,
+    /// What the loop controls: the motion of the runs and the noise floor are of this quantity, in its unit.
+    pub controlled: ControlledQuantity,
     /// The out-of-balance that the controller is told, kg m.
     pub out_of_balance_kg_m: f64,
     /// The verdict.
@@ -94,26 +102,11 @@ pub struct CaseCertificate {
     pub rest: Run,
     /// The run in motion.
     pub motion: Run,
-    /// Noise floor of the hub's rate, rad/s: RMS of the hub gyroscope's noise and quantisation.
+    /// Noise floor of the hub's rate, rad/s: RMS of the hub gyroscope's noise and quantisation. That of another controlled quantity is in its
+    /// unit, with what rounding keeps up.
     pub noise_floor_rad_s: f64,
     /// What the noise floor is made of.
     pub noise: ReadingNoise,
-}
-
-/// What a reading of the hub's rate is uncertain by.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReadingNoise {
-    /// RMS of the gyroscope's noise that is white, rad/s.
-    pub white_rad_s: f64,
-    /// Step of the converter, rad/s.
-    pub step_rad_s: f64,
-}
-
-impl ReadingNoise {
-    /// Returns the RMS of noise and quantisation together, rad/s.
-    pub fn rms_rad_s(&self) -> f64 {
-        self.white_rad_s.hypot(self.step_rad_s / 12f64.sqrt())
-    }
 }
 
 /// The certificate over all cases.
@@ -139,6 +132,12 @@ impl Certificate {
 }
 
 impl CaseCertificate {
+    /// Returns the regime of dry friction in which the linear worst case of the case is computed first.
+    pub fn first_joints(&self) -> Joints {
+        let frictionless = self.regimes.iter().any(|at| at.regime == Regime::Frictionless);
+        if frictionless { Joints::Frictionless } else { Joints::Sliding }
+    }
+
     /// Returns the regime that is nearest to instability, or furthest beyond it; open teeth do not count, because no control reaches
     /// the hub while they are open. `None` without regimes.
     pub fn worst_regime(&self) -> Option<&RegimeLoop> {
@@ -157,31 +156,13 @@ impl CaseCertificate {
 /// # Errors
 /// Those of the models, the linear loop and the simulator; a motion that diverges is a result.
 pub fn certify(controller: &Controller, procedure: &Procedure, cases: &[Case]) -> Result<Certificate, Error> {
-    let certified = |case: &Case| certify_case(&Subject { case, controller, procedure });
+    let certified = |case: &Case| {
+        let noise = ReadingNoise::default();
+        let mut subject = Subject { case, controller, procedure, noise };
+        subject.noise = rounding::reading_noise(&subject)?;
+        certify_case(&subject)
+    };
     Ok(Certificate { cases: cases.iter().map(certified).collect::<Result<_, Error>>()? })
-}
-
-/// A case with the controller and the procedure.
-pub(crate) struct Subject<'a> {
-    pub(crate) case: &'a Case,
-    pub(crate) controller: &'a Controller,
-    pub(crate) procedure: &'a Procedure,
-}
-
-impl Subject<'_> {
-    /// Returns the noise floor of the hub's rate, rad/s.
-    pub(crate) fn noise_floor_rad_s(&self) -> f64 {
-        self.noise().rms_rad_s()
-    }
-
-    fn noise(&self) -> ReadingNoise {
-        let parameters = self.case.plant.parameters();
-        let (gyro, interface) = (&parameters.sensors.hub_gyro, &parameters.interface);
-        let step_rad_s = 2.0 * counterpoise_simulate::sensing::CONVERTER_RANGE_V
-            / f64::from(interface.input_bits).exp2()
-            / gyro.scale_v_unit;
-        ReadingNoise { white_rad_s: gyro.white_noise_rms(interface.sample_period_s), step_rad_s }
-    }
 }
 
 fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
@@ -193,7 +174,8 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let motion = runs::in_motion(subject)?;
     let mut found = CaseCertificate {
         name: subject.case.name.clone(),
-        rate: subject.case.plant.parameters().controlled_quantity().rate(),
+        rate: subject.controlled().rate(),
+        controlled: subject.controlled(),
         out_of_balance_kg_m: subject.case.out_of_balance_kg_m,
         stability: Stability::Stable,
         regimes,
@@ -203,7 +185,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
         rest,
         motion,
         noise_floor_rad_s,
-        noise: subject.noise(),
+        noise: subject.noise,
     };
     found.stability = judge(&found);
     Ok(found)
@@ -232,7 +214,8 @@ fn judge(found: &CaseCertificate) -> Stability {
         let (amplitude_rad_s, frequency_hz) = (largest.amplitude_rad_s, largest.frequency_hz);
         return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
     }
-    if found.motion.grows() {
+    let is_rate = found.controlled.kind == QuantityKind::Rate;
+    if found.motion.grows() && (is_rate || found.motion.second_half_rad_s > floor) {
         return Stability::Unstable;
     }
     let grows = |one: &RegimeLoop| one.regime.is_judged() && one.growth_per_s > STEADY_GROWTH;

@@ -6,7 +6,8 @@
 use counterpoise_controller::SampledController;
 use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
-use super::{Prediction, Subject};
+use super::Prediction;
+use super::floor::Subject;
 use crate::Error;
 use crate::signals::periodic::fundamental_hz;
 use crate::signals::statistics::centred;
@@ -16,7 +17,7 @@ use crate::tolerance::{
     STILL_FADES, STRETCH_PERIODS, STRETCH_S,
 };
 
-/// What became of a disturbance.
+/// What became of a disturbance: of the hub's rate, or what else the loop controls, in its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
     /// Amplitude of the hub's rate at which it started, rad/s.
@@ -57,7 +58,8 @@ pub(super) fn follow(subject: &Subject<'_>, prediction: &Prediction) -> Result<V
         .iter()
         .map(|cycle| Start { rate_rad_s: cycle.rate_rad_s, hz: cycle.frequency_hz })
         .collect();
-    starts.extend([3.0 * floor, large].map(|rate_rad_s| Start { rate_rad_s, hz }));
+    let started = |amplitude| Start { rate_rad_s: subject.rate_of(amplitude, hz), hz };
+    starts.extend([3.0 * floor, large].map(started));
     let mut simulator = Simulator::new(&subject.case.plant)?;
     starts.into_iter().map(|start| orbit(subject, &mut simulator, start)).collect()
 }
@@ -67,7 +69,7 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
     let mut runner = subject.controller.runner();
     runner.set_out_of_balance(subject.case.out_of_balance_kg_m);
     let mut found = Orbit {
-        start_rad_s: start.rate_rad_s,
+        start_rad_s: start.rate_rad_s / subject.rate_of(1.0, start.hz),
         start_hz: start.hz,
         burst_v: burst_v(subject, start),
         rms_rad_s: 0.0,
@@ -117,8 +119,10 @@ struct Stretches {
     state: counterpoise_simulate::PlantState,
     stretch_s: f64,
     time_s: f64,
-    /// RMS of the stretches before.
+    /// What the motion is seen to settle or to fade by, of the stretches before.
     before_rad_s: Vec<f64>,
+    /// The same of the last stretch.
+    settling_rms: f64,
     rms_rad_s: f64,
     amplitude_rad_s: f64,
     frequency_hz: f64,
@@ -147,6 +151,7 @@ impl Stretches {
             stretch_s: (STRETCH_PERIODS / start.hz).clamp(STRETCH_S, LONGEST_STRETCH_S),
             time_s: 0.0,
             before_rad_s: Vec::new(),
+            settling_rms: f64::NAN,
             rms_rad_s: f64::NAN,
             amplitude_rad_s: 0.0,
             frequency_hz: 0.0,
@@ -163,8 +168,9 @@ impl Stretches {
         let initial = Initial::State(Box::new(self.state.clone()));
         let scenario = Scenario { initial, ..still(subject, self.stretch_s) };
         let run = simulator.run(controller, &scenario)?;
-        let rates = centred(&run.truth.hub_rate_rad_s);
-        self.before_rad_s.extend(Some(self.rms_rad_s).filter(|rms| !rms.is_nan()));
+        let rates = centred(&subject.motion(&run.truth, 0));
+        self.before_rad_s.extend(Some(self.settling_rms).filter(|rms| !rms.is_nan()));
+        self.settling_rms = subject.settling_rms(&run.truth);
         self.rms_rad_s = rms(&rates);
         [self.amplitude_rad_s, self.frequency_hz] = cycle_of(&rates, run.sample_period_s);
         self.rates_rad_s = rates;
@@ -176,13 +182,13 @@ impl Stretches {
     /// Whether the last two stretches moved alike.
     fn has_settled(&self) -> bool {
         let [.., earlier, last] = self.before_rad_s[..] else { return false };
-        [earlier, last].iter().all(|before| (self.rms_rad_s / before - 1.0).abs() < SETTLED)
+        [earlier, last].iter().all(|before| (self.settling_rms / before - 1.0).abs() < SETTLED)
     }
 
     /// Whether the motion has fallen distinctly since half as many stretches ago.
     fn fades(&self) -> bool {
         let earlier = self.before_rad_s.get(self.before_rad_s.len() / 2);
-        earlier.is_some_and(|before| self.rms_rad_s < STILL_FADES * before)
+        earlier.is_some_and(|before| self.settling_rms < STILL_FADES * before)
     }
 }
 

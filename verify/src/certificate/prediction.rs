@@ -1,8 +1,8 @@
 //! What the harmonic balance predicts: growth over the amplitude, and the stable limit cycles.
 
-use super::Subject;
 use super::balance::CycleBalance;
 use super::cycle::{Balance, Bracketed, Cycle, Growth};
+use super::floor::Subject;
 use super::regime::Teeth;
 use crate::Error;
 use crate::tolerance::{AMPLITUDES_PER_DECADE, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S, STEADY_GROWTH};
@@ -28,8 +28,9 @@ impl Prediction {
 /// Predicts the limit cycles of a case.
 pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
     let balance = Balance::new(subject)?;
-    // The floor of a loop of position, torque or current is one of its reading, which may be any number beside a rate.
-    let least = (LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s()).min(0.1 * MOST_AMPLITUDE_RAD_S);
+    // the floor of a loop of position, torque or current may be any number beside a rate
+    let floor = subject.rate_of(subject.noise_floor_rad_s(), balance.start_rad_s / std::f64::consts::TAU);
+    let least = (LEAST_AMPLITUDE_FLOORS * floor).min(0.1 * MOST_AMPLITUDE_RAD_S);
     let decades = (MOST_AMPLITUDE_RAD_S / least).log10();
     let count = (decades * AMPLITUDES_PER_DECADE).ceil() as usize + 1;
     let mut found = Prediction::default();

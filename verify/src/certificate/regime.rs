@@ -3,8 +3,9 @@
 use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
+use super::Case;
 use super::elements::{Elements, Learning, Linear};
-use super::{Case, Subject};
+use super::floor::Subject;
 use crate::Error;
 use crate::tolerance::{GRID_LOWEST_HZ, GRID_POINTS, LARGEST_SENSITIVITY, OPEN};
 
@@ -19,6 +20,10 @@ pub enum Regime {
     PreslidingLearning,
     /// As [`Regime::Sliding`], while the estimator learns.
     SlidingLearning,
+    /// There is no dry friction, in the mechanism or in the controller: at rest and in motion the loop is the same.
+    Frictionless,
+    /// As [`Regime::Frictionless`], while the estimator learns.
+    FrictionlessLearning,
     /// The gear teeth do not touch, and friction is at rest: no control reaches the hub.
     TeethOpen,
 }
@@ -63,7 +68,19 @@ impl Regime {
             Regime::Sliding => "sliding",
             Regime::PreslidingLearning => "presliding_learning",
             Regime::SlidingLearning => "sliding_learning",
+            Regime::Frictionless => "frictionless",
+            Regime::FrictionlessLearning => "frictionless_learning",
             Regime::TeethOpen => "teeth_open",
+        }
+    }
+
+    /// Returns the regime while the estimator learns.
+    fn learning(self) -> Self {
+        match self {
+            Regime::Presliding => Regime::PreslidingLearning,
+            Regime::Sliding => Regime::SlidingLearning,
+            Regime::Frictionless => Regime::FrictionlessLearning,
+            other => other,
         }
     }
 
@@ -109,12 +126,16 @@ pub fn teeth(case: &Case, subject_point: &counterpoise_models::OperatingPoint) -
 pub(super) fn loops(subject: &Subject<'_>) -> Result<Vec<RegimeLoop>, Error> {
     let rest = Elements::at_rest(subject)?;
     let sliding = Elements::sliding(subject, subject.procedure.step.rate_rad_s.abs())?;
-    let mut all =
-        vec![loop_in(subject, Regime::Presliding, &rest)?, loop_in(subject, Regime::Sliding, &sliding)?];
+    let mut regimes = if has_friction(subject) {
+        vec![(Regime::Presliding, &rest), (Regime::Sliding, &sliding)]
+    } else {
+        vec![(Regime::Frictionless, &sliding)]
+    };
     if subject.controller.parts().estimator.is_some() {
-        all.push(loop_in(subject, Regime::PreslidingLearning, &rest)?);
-        all.push(loop_in(subject, Regime::SlidingLearning, &sliding)?);
+        regimes.extend(regimes.clone().into_iter().map(|(regime, elements)| (regime.learning(), elements)));
     }
+    let one = |(regime, elements)| loop_in(subject, regime, elements);
+    let mut all = regimes.into_iter().map(one).collect::<Result<Vec<_>, Error>>()?;
     if teeth(subject.case, &subject.procedure.operating_point)? == Teeth::CanOpen {
         let open = Elements { mesh_share: OPEN, ..rest };
         all.push(loop_in(subject, Regime::TeethOpen, &open)?);
@@ -122,9 +143,16 @@ pub(super) fn loops(subject: &Subject<'_>) -> Result<Vec<RegimeLoop>, Error> {
     Ok(all)
 }
 
+/// Returns whether dry friction acts in the mechanism, or a friction observer in the controller.
+fn has_friction(subject: &Subject<'_>) -> bool {
+    subject.case.plant.parameters().has_dry_friction() || !subject.controller.parts().observers.is_empty()
+}
+
 fn loop_in(subject: &Subject<'_>, regime: Regime, elements: &Elements) -> Result<RegimeLoop, Error> {
     let learning = match regime {
-        Regime::PreslidingLearning | Regime::SlidingLearning => Learning::Active,
+        Regime::PreslidingLearning | Regime::SlidingLearning | Regime::FrictionlessLearning => {
+            Learning::Active
+        }
         _ => Learning::Still,
     };
     let linear = Linear::close(subject, elements, learning)?;

@@ -4,7 +4,7 @@ use counterpoise_simulate::{
     Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
 };
 
-use super::Subject;
+use super::floor::Subject;
 use super::orbit::cycle_of;
 use crate::Error;
 use crate::signals::rms;
@@ -13,7 +13,7 @@ use crate::tolerance::{
     ALIKE_HALVES, GROWS, MOST_CREST, MOVES_FLOORS, MOVES_UNSTABLE_FLOORS, REPEATED_RUNS, RUN_S, SETTLING_S,
 };
 
-/// A run of 20 s after the controller has settled.
+/// A run of 20 s after the controller has settled. What moves is the hub's rate, or what else the loop controls, in its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// RMS of the hub's rate about its mean over the whole run, rad/s; infinite if it diverged.
@@ -127,7 +127,7 @@ fn run(
         other => other?,
     };
     let first = (SETTLING_S / history.sample_period_s) as usize;
-    let rates = &history.truth.hub_rate_rad_s[first.min(history.truth.hub_rate_rad_s.len())..];
+    let rates = &subject.motion(&history.truth, first);
     let (early, late) = rates.split_at(rates.len() / 2);
     let spread = |part: &[f64]| rms(&centred(part));
     let [amplitude_rad_s, frequency_hz] = cycle_of(late, history.sample_period_s);

@@ -18,8 +18,8 @@ use counterpoise_linalg::{C64, CMat, csolve};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::{Friction, FrictionLaw};
 
-use super::Subject;
 use super::elements::{ObserverGain, quasi_linear};
+use super::floor::Subject;
 use super::multiplier::{Best, Criterion, Knowledge, Multiplier, Proof, adds_terms, search};
 use super::regime::{Teeth, grid_rad_s, teeth};
 use crate::Error;

@@ -89,6 +89,8 @@ pub enum Joints {
     Sliding,
     /// Friction is at rest: dry friction is the spring of its presliding stiffness.
     AtRest,
+    /// There is no dry friction, in the mechanism or in the controller.
+    Frictionless,
 }
 
 /// The presliding stiffness at motor and pivot, N m/rad: 0 for a law that creeps, that of a joint that is all but stuck for one that

@@ -187,7 +187,7 @@ impl<'a> Problem<'a> {
             }
         }
         let springs = match self.joints {
-            Joints::Sliding => [0.0; 2],
+            Joints::Sliding | Joints::Frictionless => [0.0; 2],
             Joints::AtRest => presliding(&parameters),
         };
         Ok((without_dry(&parameters, dry), Dry { viscous: dry, springs }))

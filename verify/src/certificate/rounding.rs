@@ -1,0 +1,58 @@
+//! What a loop's noise floor is made of: the noise and the step of its reading, and what rounding keeps up.
+
+use counterpoise_lti::{StateSpace, lft};
+use counterpoise_models::QuantityKind;
+use counterpoise_simulate::replay::reading_step;
+use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
+
+use super::elements::{Elements, Learning, Linear};
+use super::floor::{ReadingNoise, Subject};
+use crate::Error;
+use crate::linear::plant::port;
+use crate::tolerance::{ROUNDED_STEP, RUN_S};
+
+/// Returns what the noise floor of a case is made of.
+///
+/// # Errors
+/// Those of the linear loop at rest, which a floor needs if the loop controls anything but a rate.
+pub(super) fn reading_noise(subject: &Subject<'_>) -> Result<ReadingNoise, Error> {
+    let parameters = subject.case.plant.parameters();
+    let (sensor, interface) = (&parameters.sensors.hub_gyro, &parameters.interface);
+    let is_rate = subject.controlled().kind == QuantityKind::Rate;
+    let converter_step =
+        2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit;
+    Ok(ReadingNoise {
+        white_rad_s: sensor.white_noise_rms(interface.sample_period_s),
+        step_rad_s: if is_rate { converter_step } else { reading_step(sensor, interface) },
+        rounding: if is_rate { 0.0 } else { rounding(subject)? },
+    })
+}
+
+/// Returns the RMS of what rounding keeps up in the controlled quantity: the rounding of the control as white noise in the closed loop at
+/// rest (B. Widrow, 1956), over the time of a run, and a share of the step for the arithmetic of the run itsubject. A loop that is
+/// unstable at rest passes on no noise that could be told from its motion: there the share alone counts.
+fn rounding(subject: &Subject<'_>) -> Result<f64, Error> {
+    let arithmetic = ROUNDED_STEP * subject.procedure.step.rate_rad_s.abs();
+    let linear = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
+    if linear.largest_pole().norm() >= 1.0 {
+        return Ok(arithmetic);
+    }
+    let interface = &subject.case.plant.parameters().interface;
+    let readings = port::FIRST_READING..linear.plant.sampled.outputs();
+    let outputs: Vec<usize> = std::iter::once(port::HUB).chain(readings).collect();
+    let opened = linear.plant.sampled.select(&outputs, &[port::CONTROL, port::CONTROL]);
+    let closed = lft(&opened, &linear.controller)?;
+    let samples = (RUN_S / interface.sample_period_s) as usize;
+    let step_v = 2.0 * CONVERTER_RANGE_V / f64::from(interface.output_bits).exp2();
+    Ok((impulse_energy(&closed, samples).sqrt() * step_v / 12f64.sqrt()).hypot(arithmetic))
+}
+
+/// Returns the sum of the squares of a discrete impulse response over a number of samples.
+fn impulse_energy(system: &StateSpace, samples: usize) -> f64 {
+    let (mut state, mut energy) = (system.B.clone(), system.D[(0, 0)].powi(2));
+    for _ in 0..samples {
+        energy += (&system.C * &state)[(0, 0)].powi(2);
+        state = &system.A * &state;
+    }
+    energy
+}
