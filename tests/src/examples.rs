@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use counterpoise_pipeline::{Modelled, Synthesised, model, reduce, synthesise};
+use counterpoise_pipeline::{Modelled, Synthesised, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
+use counterpoise_verify::VerifiedController;
 
 use crate::workspace::root;
 use crate::{Beside, decided};
@@ -68,16 +69,40 @@ pub struct Designed {
     pub made: Synthesised,
 }
 
-type Kept = Arc<OnceLock<Option<Arc<Designed>>>>;
+/// What this program has computed of each example; several suites ask for it, and the first one computes it.
+struct Kept<T>(Mutex<BTreeMap<PathBuf, Arc<Once<T>>>>);
 
-/// The designs that this program has computed.
-static DESIGNS: Mutex<BTreeMap<PathBuf, Kept>> = Mutex::new(BTreeMap::new());
+type Once<T> = OnceLock<Option<Arc<T>>>;
+
+impl<T> Kept<T> {
+    const fn none() -> Self {
+        Self(Mutex::new(BTreeMap::new()))
+    }
+
+    fn or_compute(&self, path: &Path, compute: impl FnOnce() -> Option<T>) -> Option<Arc<T>> {
+        let key = path.canonicalize().unwrap();
+        let kept = self.0.lock().unwrap().entry(key).or_default().clone();
+        kept.get_or_init(|| compute().map(Arc::new)).clone()
+    }
+}
+
+static DESIGNS: Kept<Designed> = Kept::none();
+static VERIFIED: Kept<VerifiedController> = Kept::none();
 
 /// Returns the design of an example whose machine is to be controlled; it is computed once in a program. Returns `None` for an example that asks for no design and tells of recordings or of measured modes instead.
 pub fn designed(path: &Path) -> Option<Arc<Designed>> {
-    let key = path.canonicalize().unwrap();
-    let kept = DESIGNS.lock().unwrap().entry(key).or_default().clone();
-    kept.get_or_init(|| compute(path).map(Arc::new)).clone()
+    DESIGNS.or_compute(path, || compute(path))
+}
+
+/// Returns the verified controller of an example by its own procedure; it is computed once in a program. Returns `None` where [`designed`] does.
+///
+/// # Panics
+/// Where the file has no `[verify]`, or where the verification fails.
+pub fn verified(path: &Path) -> Option<Arc<VerifiedController>> {
+    VERIFIED.or_compute(path, || {
+        let designed = designed(path)?;
+        Some(verify(&designed.project, &designed.modelled, &designed.made, &world(path)).unwrap())
+    })
 }
 
 fn compute(path: &Path) -> Option<Designed> {

@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_verify::certificate::Criterion;
 use counterpoise_verify::certificate::multiplier::{Knowledge, Multiplier, Proof, search};
-use counterpoise_verify::structured::taylor::{Interval, Taylor, response_over};
+use counterpoise_verify::structured::taylor::{Evaluated, Interval, Taylor};
 
 const RANGE: [f64; 2] = [1e-3, 1e3];
 
@@ -25,13 +25,14 @@ fn transfer(numerator: &[f64], denominator: &[f64]) -> StateSpace {
 }
 
 /// G + 1 / k: a nonlinearity of slopes from 0 to k round G is one of slopes from 0 to infinity round this.
-fn shifted(system: &StateSpace, k: f64, over: Interval) -> Option<Vec<Vec<Taylor>>> {
-    let G = response_over(system, over)?[0][0];
+fn shifted(system: &Evaluated, k: f64, over: Interval) -> Option<Vec<Vec<Taylor>>> {
+    let G = system.over(over)?[0][0];
     Some(vec![vec![G + Taylor::constant(C64::new(1.0 / k, 0.0), over)]])
 }
 
 /// Whether stability is proved for all nonlinearities of what is known with slopes up to k.
 fn proves(system: &StateSpace, k: f64, known: Knowledge, most: Criterion) -> bool {
+    let system = &Evaluated::of(system).unwrap();
     let mut rates: Vec<f64> =
         (0..160).map(|i| RANGE[0] * (RANGE[1] / RANGE[0]).powf(f64::from(i) / 159.0)).collect();
     for _ in 0..8 {

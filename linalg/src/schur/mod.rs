@@ -2,6 +2,7 @@
 
 mod block;
 mod francis;
+mod resolvent;
 mod swap;
 
 use crate::decomposition::{hessenberg, hessenberg_values};

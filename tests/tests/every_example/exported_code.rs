@@ -15,7 +15,7 @@ use counterpoise_export::{
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::export::run_targets;
-use counterpoise_pipeline::{project_procedure, verify};
+use counterpoise_pipeline::project_procedure;
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
 
@@ -163,7 +163,7 @@ fn design_of(path: &Path) -> Option<Design> {
     let designed = examples::designed(path)?;
     let (project, modelled) = (&designed.project, &designed.modelled);
     let world = examples::world(path);
-    let verified = verify(project, modelled, &designed.made, &world).unwrap();
+    let verified = examples::verified(path)?;
     let compared = run_targets(modelled, &verified, &project_procedure(project, &world).unwrap()).unwrap();
     let name = examples::name(path);
     let controller = designed.made.sampled.controller.clone();

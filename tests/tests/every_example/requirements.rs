@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use counterpoise_pipeline::{Synthesised, verify};
+use counterpoise_pipeline::Synthesised;
 use counterpoise_project::Purpose;
 use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
 use counterpoise_tests::examples;
@@ -28,7 +28,7 @@ fn in_sampled_time(made: &Synthesised) -> Option<String> {
 fn wrong(path: &Path) -> Option<Vec<String>> {
     examples::resolved(path, Purpose::Export).unwrap().synth?;
     let designed = examples::designed(path)?;
-    let (project, modelled, made) = (&designed.project, &designed.modelled, &designed.made);
+    let (project, made) = (&designed.project, &designed.made);
     let (name, mut wrong) = (examples::name(path), Vec::new());
     let costs = [Some(made.design.feedback.cost)]
         .into_iter()
@@ -43,7 +43,7 @@ fn wrong(path: &Path) -> Option<Vec<String>> {
         wrong.extend(in_sampled_time(made).map(|why| format!("{name}, in sampled time: {why}")));
     }
     if project.verify.is_some() {
-        let verified = verify(project, modelled, made, &examples::world(path)).unwrap();
+        let verified = examples::verified(path)?;
         for (requirement, verdict) in &verified.verification().verdicts {
             println!("{name}: {}: {verdict:?}", requirement.figure.key());
             if !matches!(verdict, Verdict::Holds { .. }) {

@@ -26,7 +26,7 @@ use super::channels::{Base, Channel, base, channels_of};
 use super::closing::linearised;
 use super::factor::Factor;
 use super::places::{Dry, Place};
-use super::taylor::{Interval, Taylor, response_over};
+use super::taylor::{Evaluated, Interval, Taylor};
 use crate::Error;
 use crate::linear::closed::resolver_use;
 use crate::linear::plant::port;
@@ -86,9 +86,9 @@ pub struct UncertainLoop {
 
 /// The systems of the loop, in balanced coordinates.
 struct Systems {
-    extended: StateSpace,
+    extended: Evaluated,
     /// From the readings without control to the control, the sampled loop closed; `None` if the loop is algebraically singular.
-    closed: Option<StateSpace>,
+    closed: Option<Evaluated>,
 }
 
 /// M over an interval of rates: direct + control x reading, where `reading` is the control that a tone of each channel causes in the
@@ -138,15 +138,15 @@ impl UncertainLoop {
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
         let extended = extended(&base, &channels)?;
         let sampled = plant.sampled.select(&readings, &[port::CONTROL]);
-        let balanced = |system: &StateSpace| balance(system).0;
+        let evaluated = |system: &StateSpace| Evaluated::of(&balance(system).0);
         Ok(Self {
             structure,
             extended: Response::of(&extended)?,
             sampled: Response::of(&sampled)?,
             controller: Response::of(&K)?,
             systems: Systems {
-                extended: balanced(&extended),
-                closed: feedback(&K, &sampled.negate()).ok().as_ref().map(balanced),
+                extended: evaluated(&extended)?,
+                closed: feedback(&K, &sampled.negate()).ok().as_ref().map(evaluated).transpose()?,
             },
             made_of: [extended, sampled, K],
             plant,
@@ -179,8 +179,8 @@ impl UncertainLoop {
     /// middle of the interval, or if the loop is algebraically singular.
     pub fn over(&self, interval: Interval) -> Option<Pieces> {
         let m = self.channels;
-        let G = response_over(&self.systems.extended, interval)?;
-        let K = response_over(self.systems.closed.as_ref()?, interval)?;
+        let G = self.systems.extended.over(interval)?;
+        let K = self.systems.closed.as_ref()?.over(interval)?;
         let none = Taylor::constant(C64::new(0.0, 0.0), interval);
         let period_s = self.plant.sample_period_s;
         let control_s = period_s * self.plant.delays.control as f64;

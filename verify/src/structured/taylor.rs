@@ -10,7 +10,7 @@
 
 use std::ops::{Add, Mul};
 
-use counterpoise_linalg::{C64, CMat, csolve};
+use counterpoise_linalg::{C64, CMat, Mat, Schur, schur};
 use counterpoise_lti::{StateSpace, Timebase};
 
 /// A function of the rate over an interval: its tangent in the middle, and what that leaves out.
@@ -130,45 +130,75 @@ impl Mul<f64> for Taylor {
     }
 }
 
-/// Returns the response of a system over an interval of rates, by rows. With the resolvent R = (s I - A)^-1,
-/// R(s + d) = R - d R^2 + d^2 R^3 (I + d R)^-1.
-/// `None` if the middle of the interval is a pole.
-pub fn response_over(system: &StateSpace, over: Interval) -> Option<Vec<Vec<Taylor>>> {
-    let n = system.order();
-    let zero = C64::new(0.0, 0.0);
-    let half = over.half_rad_s;
-    // the point, its derivative with the rate, how far it moves, and how far it leaves its tangent
-    let (point, along, moved, bent) = match system.timebase {
-        Timebase::Continuous => (C64::new(0.0, over.middle_rad_s), C64::new(0.0, 1.0), half, 0.0),
-        Timebase::Discrete { period_s } => {
-            let point = C64::from_polar(1.0, over.middle_rad_s * period_s);
-            let angle = half * period_s;
-            (point, C64::new(0.0, period_s) * point, angle, 0.5 * angle * angle)
-        }
-    };
-    let shifted = CMat::from_fn(n, n, |i, j| if i == j { point } else { zero } - system.A[(i, j)]);
-    let resolvent = csolve(&shifted, &CMat::eye(n)).ok()?;
-    let size = resolvent.norm_fro();
-    let (CR, RB) = (&system.C.to_complex() * &resolvent, &resolvent * &system.B.to_complex());
-    let tail = if moved * size < 1.0 { moved * moved * size / (1.0 - moved * size) } else { f64::INFINITY };
-    let tail = if moved == 0.0 { 0.0 } else { tail };
-    let length = |all: &mut dyn Iterator<Item = C64>| all.map(|x| x.norm_sqr()).sum::<f64>().sqrt();
-    let entry = |i: usize, j: usize| {
-        let sum = |left: &dyn Fn(usize) -> C64| (0..n).map(|k| left(k) * RB[(k, j)]).sum::<C64>();
-        let first = -sum(&|k| CR[(i, k)]);
-        let value = sum(&|k| C64::new(system.C[(i, k)], 0.0)) + system.D[(i, j)];
-        let sizes = length(&mut (0..n).map(|k| CR[(i, k)])) * length(&mut (0..n).map(|k| RB[(k, j)]));
-        let rest = bent * first.norm() + if sizes == 0.0 { 0.0 } else { tail * sizes };
-        Taylor { value, slope: along * first, rest, half_rad_s: half }
-    };
-    Some((0..system.outputs()).map(|i| (0..system.inputs()).map(|j| entry(i, j)).collect()).collect())
+/// A system whose response is asked for over many intervals, in the coordinates of its real Schur form.
+pub struct Evaluated {
+    form: Schur,
+    /// n x m.
+    B: CMat,
+    /// p x n.
+    C: CMat,
+    /// p x m.
+    D: Mat,
+    timebase: Timebase,
+}
+
+impl Evaluated {
+    /// Transforms a system, which should be balanced: rounding is relative to its largest entries.
+    ///
+    /// # Errors
+    /// Those of [`schur`].
+    pub fn of(system: &StateSpace) -> Result<Self, counterpoise_lti::Error> {
+        let what = "response over intervals";
+        let form = schur(&system.A).map_err(|source| counterpoise_lti::Error::Matrix { what, source })?;
+        let (B, C) = (form.U.t() * &system.B, &system.C * &form.U);
+        Ok(Self {
+            B: B.to_complex(),
+            C: C.to_complex(),
+            D: system.D.clone(),
+            form,
+            timebase: system.timebase,
+        })
+    }
+
+    /// Returns the response over an interval of rates, by rows. With the resolvent R = (s I - A)^-1,
+    /// R(s + d) = R - d R^2 + d^2 R^3 (I + d R)^-1.
+    /// `None` if the middle of the interval is a pole.
+    pub fn over(&self, over: Interval) -> Option<Vec<Vec<Taylor>>> {
+        let half = over.half_rad_s;
+        // the point, its derivative with the rate, how far it moves, and how far it leaves its tangent
+        let (point, along, moved, bent) = match self.timebase {
+            Timebase::Continuous => (C64::new(0.0, over.middle_rad_s), C64::new(0.0, 1.0), half, 0.0),
+            Timebase::Discrete { period_s } => {
+                let point = C64::from_polar(1.0, over.middle_rad_s * period_s);
+                let angle = half * period_s;
+                (point, C64::new(0.0, period_s) * point, angle, 0.5 * angle * angle)
+            }
+        };
+        let resolvent = self.form.resolvent(point)?;
+        let size = resolvent.norm_fro();
+        let (CR, RB) = ((&self.C * &resolvent).t(), &resolvent * &self.B);
+        let tail =
+            if moved * size < 1.0 { moved * moved * size / (1.0 - moved * size) } else { f64::INFINITY };
+        let tail = if moved == 0.0 { 0.0 } else { tail };
+        let rows = self.C.t();
+        let sum = |left: &[C64], right: &[C64]| left.iter().zip(right).map(|(x, y)| x * y).sum::<C64>();
+        let length = |all: &[C64]| all.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+        let entry = |i: usize, j: usize| {
+            let first = -sum(CR.column(i), RB.column(j));
+            let value = sum(rows.column(i), RB.column(j)) + self.D[(i, j)];
+            let sizes = length(CR.column(i)) * length(RB.column(j));
+            let rest = bent * first.norm() + if sizes == 0.0 { 0.0 } else { tail * sizes };
+            Taylor { value, slope: along * first, rest, half_rad_s: half }
+        };
+        let (outputs, inputs) = self.D.shape();
+        Some((0..outputs).map(|i| (0..inputs).map(|j| entry(i, j)).collect()).collect())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_linalg::Mat;
     use counterpoise_lti::response_at;
 
     fn inside(found: Taylor, exact: C64, x: f64) -> bool {
@@ -183,12 +213,13 @@ mod tests {
             let system =
                 StateSpace::new(A, Mat::col(&[0.3, 1.0]), Mat::row(&[5.0, 1.0]), Mat::row(&[0.2]), timebase)
                     .unwrap();
+            let evaluated = Evaluated::of(&system).unwrap();
             // Beside the resonance at 20 rad/s, whose half-width is 0.4, the wide interval has no finite bound: it is halved.
             for (middle_rad_s, half_rad_s) in
                 [(2.0, 0.2), (15.0, 0.2), (19.9, 0.2), (19.9, 0.01), (40.0, 0.2)]
             {
                 let over = Interval { middle_rad_s, half_rad_s };
-                let found = response_over(&system, over).unwrap()[0][0];
+                let found = evaluated.over(over).unwrap()[0][0];
                 for x in [-1.0, -0.5, 0.35, 1.0].map(|share| share * half_rad_s) {
                     let exact = response_at(&system, middle_rad_s + x).unwrap()[(0, 0)];
                     assert!(inside(found, exact, x), "{timebase:?} {middle_rad_s} {x}");
