@@ -5,8 +5,8 @@
 //!     |f(w + x) - value - slope x| <= rest,     -half <= x <= half
 //! ```
 //!
-//! (R. Moore, *Interval Analysis*, 1966; K. Makino and M. Berz, Taylor models, 2003.) Rounding errors are not enclosed: they are ten
-//! decades below the margins that are asked for.
+//! (R. Moore, *Interval Analysis*, 1966; K. Makino and M. Berz, Taylor models, 2003.) Rounding errors are not enclosed: a least eigenvalue
+//! of 2e-9 of the largest, the narrowest proof of the examples, comes out alike to 2e-5 when the response is computed another way.
 
 use std::ops::{Add, Mul};
 

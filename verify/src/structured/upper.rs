@@ -33,15 +33,29 @@ pub struct UpperBound {
 impl UpperBound {
     /// Whether the scalings prove the bound for a matrix: the definition, evaluated.
     pub fn proves(&self, M: &CMat) -> bool {
-        Factor::of(&self.D).is_some() && Factor::of(&slack(M, &self.D, &self.G, self.beta.powi(2))).is_some()
+        Factor::of(&self.D).is_some() && Slack::of(M, &self.D, &self.G).factor(self.beta.powi(2)).is_some()
     }
 }
 
-/// gamma D - M* D M - j (G M - M* G).
-fn slack(M: &CMat, D: &CMat, G: &CMat, gamma: f64) -> CMat {
-    let (Mh, j) = (M.h(), C64::new(0.0, 1.0));
-    let scaled = &D.scale(C64::new(gamma, 0.0)) - &(&(&Mh * D) * M);
-    &scaled - &(&(G * M) - &(&Mh * G)).scale(j)
+/// What is positive definite if a pair proves a bound: gamma D - M* D M - j (G M - M* G), for every gamma.
+struct Slack<'a> {
+    D: &'a CMat,
+    /// M* D M.
+    passed: CMat,
+    /// j (G M - M* G).
+    turned: CMat,
+}
+
+impl<'a> Slack<'a> {
+    fn of(M: &CMat, D: &'a CMat, G: &CMat) -> Self {
+        let (Mh, j) = (M.h(), C64::new(0.0, 1.0));
+        Self { D, passed: &(&Mh * D) * M, turned: (&(G * M) - &(&Mh * G)).scale(j) }
+    }
+
+    /// Returns its Cholesky factor at a gamma; `None` if it is not positive definite there.
+    fn factor(&self, gamma: f64) -> Option<Factor> {
+        Factor::of(&(&(&self.D.scale(C64::new(gamma, 0.0)) - &self.passed) - &self.turned))
+    }
 }
 
 /// An upper bound of mu(M) over a structure, within about a percent of the best that scalings D and G prove.
@@ -148,7 +162,7 @@ impl<'a> Search<'a> {
             floor: SCALING_FLOOR * SCALING_FLOOR * size,
         };
         if let Some(Scalings { D, G }) = near {
-            let proved = Factor::of(&D).is_some() && Factor::of(&slack(M, &D, &G, 1.01 * size)).is_some();
+            let proved = Factor::of(&D).is_some() && Slack::of(M, &D, &G).factor(1.01 * size).is_some();
             if proved {
                 (search.D, search.G) = (D, G);
             }
@@ -180,10 +194,11 @@ impl<'a> Search<'a> {
 
     /// The least gamma that the present pair proves, by bisection, to a part in ten thousand.
     fn least(&self) -> f64 {
+        let slack = Slack::of(self.M, &self.D, &self.G);
         let (mut low, mut high) = (self.floor.min(0.5 * self.gamma), self.gamma);
         while high > 1.0001 * low {
             let middle = if high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) };
-            match Factor::of(&slack(self.M, &self.D, &self.G, middle)) {
+            match slack.factor(middle) {
                 Some(_) => high = middle,
                 None => low = middle,
             }
@@ -210,9 +225,9 @@ impl<'a> Search<'a> {
     /// -log det F - log det D - log det (I - D) + |G|^2 / 2 times its weight; none outside the domain.
     fn barrier(&self, D: &CMat, G: &CMat) -> Option<f64> {
         let rest = &CMat::eye(D.nrows()) - D;
-        let parts = [slack(self.M, D, G, self.gamma), D.clone(), rest];
-        let sum: Option<f64> = parts.iter().map(|F| Some(Factor::of(F)?.log_det())).sum();
-        Some(0.5 * SCALING_REGULAR * G.norm_fro().powi(2) - sum?)
+        let of_slack = Slack::of(self.M, D, G).factor(self.gamma)?.log_det();
+        let sum = of_slack + Factor::of(D)?.log_det() + Factor::of(&rest)?.log_det();
+        Some(0.5 * SCALING_REGULAR * G.norm_fro().powi(2) - sum)
     }
 
     fn advance(&mut self, step: &[f64], decrement: f64) -> bool {
@@ -247,7 +262,7 @@ impl<'a> Search<'a> {
     fn newton(&self) -> Option<(Vec<f64>, f64)> {
         let n = self.M.nrows();
         let V = CMat::eye(n).vstack(self.M);
-        let inverse = Factor::of(&slack(self.M, &self.D, &self.G, self.gamma))?.inverse();
+        let inverse = Slack::of(self.M, &self.D, &self.G).factor(self.gamma)?.inverse();
         let P = &(&V * &inverse) * &V.h();
         let PD = Factor::of(&self.D)?.inverse();
         let PR = Factor::of(&(&CMat::eye(n) - &self.D))?.inverse();

@@ -104,20 +104,18 @@ impl<'a> Search<'a> {
         }
         let at = |angle: f64| largest(&S, C64::from_polar(1.0, angle));
         let step = std::f64::consts::TAU / TRIED_PHASES as f64;
-        let first = (0..TRIED_PHASES).map(|k| step * k as f64);
-        let mut best = first.max_by(|a, b| at(*a).norm().total_cmp(&at(*b).norm()))?;
+        let first = (0..TRIED_PHASES).map(|k| (step * k as f64, at(step * k as f64)));
+        let (mut angle, mut best) = first.max_by(|a, b| a.1.radius.total_cmp(&b.1.radius))?;
         let mut span = step;
         while span > nearness {
-            let near =
-                [best - span, best + span].into_iter().find(|angle| at(*angle).norm() > at(best).norm());
-            match near {
-                Some(angle) => best = angle,
+            let mut beside = [angle - span, angle + span].into_iter().map(|angle| (angle, at(angle)));
+            match beside.find(|(_, found)| found.radius > best.radius) {
+                Some(better) => (angle, best) = better,
                 None => span *= 0.5,
             }
         }
-        let value = at(best);
-        let turn = (value / value.norm()).conj();
-        Some((value.norm(), vec![turn, turn * C64::from_polar(1.0, best)]))
+        let turn = (best.eigenvalue / best.radius).conj();
+        Some((best.radius, vec![turn, turn * C64::from_polar(1.0, angle)]))
     }
 
     fn value(&self, q: &[f64], x: f64, nearness: f64) -> f64 {
@@ -166,11 +164,19 @@ impl<'a> Search<'a> {
     }
 }
 
+/// An eigenvalue and its modulus.
+#[derive(Clone, Copy)]
+struct Outermost {
+    eigenvalue: C64,
+    radius: f64,
+}
+
 /// The eigenvalue of largest modulus of S diag(1, turn).
-fn largest(S: &CMat, turn: C64) -> C64 {
+fn largest(S: &CMat, turn: C64) -> Outermost {
     let (a, b, c, d) = (S[(0, 0)], S[(0, 1)] * turn, S[(1, 0)], S[(1, 1)] * turn);
     let (half, product) = (0.5 * (a + d), a * d - b * c);
     let root = (half * half - product).sqrt();
-    let (plus, minus) = (half + root, half - root);
-    if plus.norm() > minus.norm() { plus } else { minus }
+    let [plus, minus] =
+        [half + root, half - root].map(|eigenvalue| Outermost { eigenvalue, radius: eigenvalue.norm() });
+    if plus.radius > minus.radius { plus } else { minus }
 }
