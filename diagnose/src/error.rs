@@ -1,5 +1,7 @@
 //! What can be wrong with a request to this crate.
 
+use counterpoise_models::{ControlledQuantity, QuantityKind};
+
 use crate::recording::remarks::RecordingRemark;
 
 /// Every way in which a diagnosis can be refused.
@@ -22,10 +24,12 @@ pub enum Error {
     },
     /// A channel without which nothing is identified.
     #[error(
-        "recording {recording}: the channel {channel} is missing; identification needs control and hub_rate (or \
-         hub_position in a loop of position)"
+        "recording {recording}: the channel {channel} is missing; identification of this machine needs {}",
+        needed_channels(*controlled)
     )]
     NotIdentifiable {
+        /// What the loop of the machine controls.
+        controlled: ControlledQuantity,
         /// Name of the recording.
         recording: String,
         /// Name of the channel.
@@ -63,4 +67,18 @@ pub enum Error {
     /// The simulator refused.
     #[error(transparent)]
     Simulate(#[from] counterpoise_simulate::Error),
+}
+
+/// Returns the channels that identification needs: those that show the motion, and the control.
+fn needed_channels(controlled: ControlledQuantity) -> String {
+    let name = controlled.name();
+    match controlled.kind {
+        QuantityKind::Rate => format!("control and hub_rate (the {name})"),
+        QuantityKind::Position => {
+            format!("control and hub_rate (the {name}, which may be recorded as hub_position)")
+        }
+        QuantityKind::Effort | QuantityKind::Current => {
+            format!("control, hub_rate (the {name}) and motor_rate, which alone shows the motion")
+        }
+    }
 }

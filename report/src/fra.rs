@@ -3,6 +3,7 @@
 use counterpoise_pipeline::studies::fra::{Map, Point};
 
 use crate::bode::{BodeCurve, Phase, bode_figure};
+use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
@@ -53,6 +54,44 @@ fn headline(maps: &[Map]) -> Headline {
     let detail =
         format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
+}
+
+/// Returns a sentence for each amplitude at which the joint sticks, with the next amplitude of the map that moves it at all of those frequencies.
+pub fn sticking_lines(map: &Map) -> Vec<String> {
+    let unit = &map.signals.input_unit;
+    let all = families(map);
+    let line = |family: &Family<'_>| {
+        let stuck: Vec<f64> = family.points.iter().filter(|p| sticks(p)).map(|p| p.frequency_hz).collect();
+        let (first, last) = (stuck.first()?, stuck.last()?);
+        let moves = |other: &&Family<'_>| {
+            let moving = |p: &&Point| !(sticks(p) && stuck.contains(&p.frequency_hz));
+            other.amplitude > family.amplitude && other.points.iter().all(|p| moving(&p))
+        };
+        let larger = all.iter().filter(moves).map(|other| other.amplitude).min_by(f64::total_cmp);
+        let next = match larger {
+            Some(size) => format!("{} {unit} moves it", short_number(size)),
+            None => "no larger amplitude of this map moves it: measure with larger --amplitudes".to_owned(),
+        };
+        let place = match first == last {
+            true => format!("{} Hz", short_number(*first)),
+            false => format!(
+                "{} of its frequencies from {} to {} Hz",
+                stuck.len(),
+                short_number(*first),
+                short_number(*last)
+            ),
+        };
+        let (size, output) = (short_number(family.amplitude), map.signals.output);
+        Some(format!(
+            "the joint sticks at {size} {unit}, at {place}, and the {output} does not respond; {next}"
+        ))
+    };
+    all.iter().filter_map(line).collect()
+}
+
+/// Returns whether nothing moves at a point: there is no response whose gain could be told in dB.
+pub fn sticks(point: &Point) -> bool {
+    point.gain_db == f64::NEG_INFINITY
 }
 
 /// The points of one amplitude; of a recording the amplitude is NaN.
@@ -124,6 +163,9 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
             let figure = beside_models(map, family, colour);
             Figure { command: command.to_owned(), ..figure }
         }));
+    for line in sticking_lines(map) {
+        beside = beside.saying(format!("{}.", capitalise_first(&line)));
+    }
     for remark in &map.remarks {
         beside = beside.saying(remark);
     }

@@ -10,7 +10,7 @@ use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, fra_report};
+use counterpoise_report::fra::{Pace, fra_report, sticking_lines, sticks};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
@@ -269,12 +269,14 @@ fn print(map: &Map) {
     let db = |h: [f64; 2]| 20.0 * h[0].hypot(h[1]).log10();
     for p in &map.points {
         let described = p.describing.map_or("-".to_owned(), |h| format!("{:.2}", db(h)));
+        let [gain, phase] = match sticks(p) {
+            true => ["sticks".to_owned(), "-".to_owned()],
+            false => [format!("{:.2}", p.gain_db), format!("{:.2}", p.phase_deg)],
+        };
         say!(
-            "{:10.4} {:10.4} {:9.2} {:9.2} {:11.2} {described:>11} {:8.2}% {:11.2e}{}",
+            "{:10.4} {:10.4} {gain:>9} {phase:>9} {:11.2} {described:>11} {:8.2}% {:11.2e}{}",
             p.amplitude,
             p.frequency_hz,
-            p.gain_db,
-            p.phase_deg,
             db(p.linear),
             100.0 * p.distortion,
             p.mean_rad_s,
@@ -286,6 +288,7 @@ fn print(map: &Map) {
         );
     }
     map.remarks.iter().for_each(|remark| say!("note: {remark}"));
+    sticking_lines(map).iter().for_each(|line| say!("note: {line}"));
 }
 
 #[cfg(test)]

@@ -315,7 +315,8 @@ fn noise_variance(series: &[f64]) -> f64 {
 }
 
 fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Error> {
-    let missing = |channel| Error::NotIdentifiable { recording: r.name.clone(), channel };
+    let controlled = p.controlled_quantity();
+    let missing = |channel| Error::NotIdentifiable { controlled, recording: r.name.clone(), channel };
     let control = r.samples(Channel::Control).ok_or_else(|| missing("control"))?;
     let hub = r.samples(Channel::HubRate).ok_or_else(|| missing("hub_rate"))?;
     let n = control.len().min(hub.len());

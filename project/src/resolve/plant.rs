@@ -266,7 +266,12 @@ fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
     let rotor = turning_of_motor(plant);
     let motor = TableField::optional("motor", "friction at the motor shaft, or of the seals of a cylinder");
     one_friction(&mut Words::of(rotor, v), &motor, &mut plant.motor_friction);
-    let pivot = TableField::optional("pivot", "friction at the hub pivot");
+    let place = if plant.axis == Axis::Linear {
+        "friction of the slide on its guide"
+    } else {
+        "friction at the hub pivot"
+    };
+    let pivot = TableField::optional("pivot", place);
     one_friction(&mut Words::of(plant.axis, v), &pivot, &mut plant.pivot_friction);
     v.leave();
 }
