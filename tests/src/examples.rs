@@ -94,10 +94,10 @@ pub fn designed(path: &Path) -> Option<Arc<Designed>> {
     DESIGNS.or_compute(path, || compute(path))
 }
 
-/// Returns the verified controller of an example by its own procedure; it is computed once in a program. Returns `None` where [`designed`] does.
+/// Returns the verified controller of an example by its own procedure; it is computed once in a program. Returns `None` if [`designed`] does.
 ///
 /// # Panics
-/// Where the file has no `[verify]`, or where the verification fails.
+/// If the file has no `[verify]`, or if the verification fails.
 pub fn verified(path: &Path) -> Option<Arc<VerifiedController>> {
     VERIFIED.or_compute(path, || {
         let designed = designed(path)?;

@@ -7,7 +7,7 @@ impl Schur {
     /// Returns `(s I - T)^-1`, quasi-triangular as `T` is; that of the matrix itself is `U (s I - T)^-1 U'`. Cost about n^3 / 3 products of a
     /// real and a complex number.
     ///
-    /// `None` where `s` is an eigenvalue to the last bit, or so near that the inverse overflows.
+    /// Returns `None` if `s` is an eigenvalue to the last bit, or so near that the inverse overflows.
     pub fn resolvent(&self, s: C64) -> Option<CMat> {
         let n = self.T.nrows();
         let blocks = self.inverted_blocks(s)?;
