@@ -1,5 +1,6 @@
 //! What a loop's noise floor is made of: the noise and the step of its reading, and what rounding keeps up.
 
+use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, lft};
 use counterpoise_models::QuantityKind;
 use counterpoise_simulate::replay::reading_step;
@@ -29,7 +30,7 @@ pub(super) fn reading_noise(subject: &Subject<'_>) -> Result<ReadingNoise, Error
 }
 
 /// Returns the RMS of what rounding keeps up in the controlled quantity: the rounding of the control as white noise in the closed loop at
-/// rest (B. Widrow, 1956), over the time of a run, and a share of the step for the arithmetic of the run itsubject. A loop that is
+/// rest (B. Widrow, 1956), over the time of a run, and a share of the step for the arithmetic of the run itself. A loop that is
 /// unstable at rest passes on no noise that could be told from its motion: there the share alone counts.
 fn rounding(subject: &Subject<'_>) -> Result<f64, Error> {
     let arithmetic = ROUNDED_STEP * subject.procedure.step.rate_rad_s.abs();
@@ -47,12 +48,42 @@ fn rounding(subject: &Subject<'_>) -> Result<f64, Error> {
     Ok((impulse_energy(&closed, samples).sqrt() * step_v / 12f64.sqrt()).hypot(arithmetic))
 }
 
-/// Returns the sum of the squares of a discrete impulse response over a number of samples.
+/// Returns the sum of the squares of a discrete impulse response over a number of samples: D^2 + C W C' with W = sum of A^k B B' A'^k, whose
+/// terms are doubled and one is added, by the binary digits of their number.
 fn impulse_energy(system: &StateSpace, samples: usize) -> f64 {
-    let (mut state, mut energy) = (system.B.clone(), system.D[(0, 0)].powi(2));
-    for _ in 0..samples {
-        energy += (&system.C * &state)[(0, 0)].powi(2);
-        state = &system.A * &state;
+    let (A, driven) = (&system.A, &system.B * &system.B.t());
+    let (mut sum, mut power) = (driven.scale(0.0), Mat::eye(system.order()));
+    for digit in (0..usize::BITS - samples.leading_zeros()).rev() {
+        sum = &sum + &(&power * &sum * power.t());
+        power = &power * &power;
+        if (samples >> digit) & 1 == 1 {
+            sum = &driven + &(A * &sum * A.t());
+            power = A * &power;
+        }
     }
-    energy
+    system.D[(0, 0)].powi(2) + (&system.C * &sum * system.C.t())[(0, 0)]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use counterpoise_lti::Timebase;
+
+    #[test]
+    fn the_energy_is_that_of_the_samples_one_by_one() {
+        let A = Mat::from_rows(&[[0.9, 0.3], [-0.2, 0.7]]);
+        let (B, C) = (Mat::col(&[0.4, -1.0]), Mat::row(&[2.0, 0.5]));
+        let timebase = Timebase::Discrete { period_s: 1e-3 };
+        let system = StateSpace::new(A, B, C, Mat::row(&[0.3]), timebase).unwrap();
+        for samples in [0, 1, 2, 7, 100] {
+            let (mut state, mut expected) = (system.B.clone(), 0.3_f64.powi(2));
+            for _ in 0..samples {
+                expected += (&system.C * &state)[(0, 0)].powi(2);
+                state = &system.A * &state;
+            }
+            let found = impulse_energy(&system, samples);
+            assert!((found - expected).abs() < 1e-12 * expected, "{samples}: {found} {expected}");
+        }
+    }
 }
