@@ -8,6 +8,8 @@ mod certificates;
 mod choices;
 mod contributing;
 mod data_sheets;
+#[cfg(feature = "evidence")]
+mod design_table;
 mod designs;
 mod every_example;
 mod exported_recordings;
