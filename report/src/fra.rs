@@ -65,7 +65,7 @@ pub fn sticking_lines(map: &Map) -> Vec<String> {
         let (first, last) = (stuck.first()?, stuck.last()?);
         let moves = |other: &&Family<'_>| {
             let moving = |p: &&Point| !(sticks(p) && stuck.contains(&p.frequency_hz));
-            other.amplitude > family.amplitude && other.points.iter().all(|p| moving(&p))
+            other.amplitude > family.amplitude && other.points.iter().all(moving)
         };
         let larger = all.iter().filter(moves).map(|other| other.amplitude).min_by(f64::total_cmp);
         let next = match larger {
