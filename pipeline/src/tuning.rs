@@ -9,8 +9,8 @@ use std::fmt;
 
 use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
-use counterpoise_models::Sensor;
 use counterpoise_models::plant::Plant;
+use counterpoise_models::{ControlledQuantity, Sensor};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
 use counterpoise_project::resolve::synthesis::Synthesis;
@@ -24,6 +24,7 @@ use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
 use serde::Serialize;
 
+use crate::exchange::InOwnUnit;
 use crate::first_design::{with_angles, with_chosen_weights_on};
 use crate::model::CONVERTER_RANGE_V;
 use crate::studies::adaptation_choice::with_chosen_adaptation;
@@ -444,15 +445,21 @@ pub struct LoopMeasuresResult {
     pub control_peak: f64,
     /// RMS control of the feedback under the disturbance, V.
     pub effort_v: f64,
-    /// RMS rate that the disturbance leaves, rad/s.
-    pub residual_rad_s: f64,
+    /// RMS of what the loop controls that the disturbance leaves.
+    #[serde(flatten)]
+    pub residual: InOwnUnit<f64>,
     /// Slowest decay of a pole of the closed loop, rad/s.
     pub decay_rad_s: f64,
 }
 
-impl From<&BestLoop> for LoopMeasuresResult {
-    /// The bound has no controller: margins, crossover and decay are NaN.
-    fn from(found: &BestLoop) -> Self {
+/// Returns what the disturbance leaves, with the key of a result.
+fn residual(controlled: ControlledQuantity, value: f64) -> InOwnUnit<f64> {
+    InOwnUnit { stem: "residual", controlled, value }
+}
+
+impl LoopMeasuresResult {
+    /// Returns the figures of the best linear feedback. The bound has no controller: margins, crossover and decay are NaN.
+    pub fn of_bound(found: &BestLoop, controlled: ControlledQuantity) -> Self {
         Self {
             max_sensitivity: found.max_sensitivity,
             max_complementary: found.max_complementary,
@@ -463,8 +470,25 @@ impl From<&BestLoop> for LoopMeasuresResult {
             noise_gain: found.noise_gain,
             control_peak: found.control_peak,
             effort_v: found.effort_v,
-            residual_rad_s: found.residual_rad_s,
+            residual: residual(controlled, found.residual_rad_s),
             decay_rad_s: f64::NAN,
+        }
+    }
+
+    /// Returns the figures of a loop that controls a quantity.
+    pub fn of(m: &LoopMeasures, controlled: ControlledQuantity) -> Self {
+        Self {
+            max_sensitivity: m.max_sensitivity,
+            max_complementary: m.max_complementary,
+            gain_margin_db: m.gain_margin_db,
+            phase_margin_deg: m.phase_margin_deg,
+            delay_margin_s: m.delay_margin_s,
+            crossover_rad_s: m.crossover_rad_s,
+            noise_gain: m.noise_gain,
+            control_peak: m.control_peak,
+            effort_v: m.effort_v,
+            residual: residual(controlled, m.residual_rad_s),
+            decay_rad_s: m.decay_rad_s,
         }
     }
 }
@@ -483,8 +507,9 @@ pub struct TuningResult {
     pub plants: usize,
     /// By how much the worst limit is missed, relative to it.
     pub missed: f64,
-    /// Residual that each start reached, rad/s; absent if it found no loop within the limits.
-    pub starts_rad_s: Vec<Option<f64>>,
+    /// Residual that each start reached; absent if it found no loop within the limits.
+    #[serde(flatten)]
+    pub starts: InOwnUnit<Vec<Option<f64>>>,
     /// Loops that were evaluated.
     pub evaluations: usize,
 }
@@ -496,24 +521,6 @@ pub struct BlockResult {
     pub kind: &'static str,
     /// Its parameters by their keys in a project file.
     pub values: Vec<(&'static str, f64)>,
-}
-
-impl From<&LoopMeasures> for LoopMeasuresResult {
-    fn from(m: &LoopMeasures) -> Self {
-        Self {
-            max_sensitivity: m.max_sensitivity,
-            max_complementary: m.max_complementary,
-            gain_margin_db: m.gain_margin_db,
-            phase_margin_deg: m.phase_margin_deg,
-            delay_margin_s: m.delay_margin_s,
-            crossover_rad_s: m.crossover_rad_s,
-            noise_gain: m.noise_gain,
-            control_peak: m.control_peak,
-            effort_v: m.effort_v,
-            residual_rad_s: m.residual_rad_s,
-            decay_rad_s: m.decay_rad_s,
-        }
-    }
 }
 
 impl fmt::Display for BlockResult {
@@ -558,20 +565,18 @@ pub fn weights_result(tuned: &TunedFeedback) -> Option<WeightsResult> {
     })
 }
 
-impl From<&TunedProject> for TuningResult {
-    fn from(found: &TunedProject) -> Self {
+impl TuningResult {
+    /// Returns the tuning of a loop that controls a quantity.
+    pub fn of(found: &TunedProject, controlled: ControlledQuantity) -> Self {
         let tuned = &found.tuned;
+        let reached = tuned.starts_rad_s.iter().map(|residual| Some(*residual).filter(|r| r.is_finite()));
         Self {
             blocks: block_results(&tuned.structure()),
             weights: weights_result(&tuned.feedback),
-            measures: tuned.measures.iter().map(LoopMeasuresResult::from).collect(),
+            measures: tuned.measures.iter().map(|m| LoopMeasuresResult::of(m, controlled)).collect(),
             plants: found.plants,
             missed: tuned.missed,
-            starts_rad_s: tuned
-                .starts_rad_s
-                .iter()
-                .map(|rate| Some(*rate).filter(|r| r.is_finite()))
-                .collect(),
+            starts: InOwnUnit { stem: "starts", controlled, value: reached.collect() },
             evaluations: tuned.evaluations,
         }
     }

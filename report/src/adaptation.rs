@@ -35,7 +35,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
             1e3 * row.told_rad_s
         )
     }));
-    lines.extend(tried.bands.as_ref().map(describe_bands));
+    lines.extend(describe_action(tried));
     lines.extend(tried.refused.iter().map(describe_refusal));
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
     let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
@@ -72,36 +72,63 @@ pub fn trial_section(tried: &Trials) -> Section {
     };
     table.rows = tried.rows.iter().map(row).collect();
     let mut section = Section::new("Trials of the adaptation").listing(table);
-    section.text = tried.bands.iter().map(describe_bands).collect();
+    section.text = describe_action(tried).into_iter().collect();
     section.text.extend(tried.refused.iter().map(describe_refusal));
     section
 }
 
-/// Why an adaptation that the project asks for is not exported, and what to do.
+/// Why an adaptation that the project asks for is not exported, before its trials are shown.
 pub const LEFT_OUT_BY_TRIALS: &str = "the controller is exported without adaptation: on each motion some trial is worse with it than without, or the mechanism has no gravity \
-     and a changed load adds nothing that could be removed; state `dead_band` or `hold_band` in [synth.adaptation] to export it with those";
+     and a changed load adds nothing that could be removed; `counterpoise adapt` shows the trials";
 
-/// Returns where recursive least squares act, or why the exported controller does not adapt.
-pub fn describe_bands(bands: &Bands) -> String {
-    let Bands { dead_band_m_s2, hold_band, is_exported } = *bands;
+/// Returns where recursive least squares act, or why the exported controller does not adapt; `None` for other methods.
+pub fn describe_action(tried: &Trials) -> Option<String> {
+    let Bands { dead_band_m_s2, hold_band, is_exported } = tried.bands?;
     if !is_exported {
-        return LEFT_OUT_BY_TRIALS.to_owned();
+        return Some(describe_left_out(&tried.rows));
     }
-    format!(
+    Some(format!(
         "the estimate is followed where the platform's acceleration exceeds {} m/s^2 RMS and the estimate is off by more than {} % of the design's out-of-balance",
         short_number(dead_band_m_s2),
         short_number(100.0 * hold_band)
+    ))
+}
+
+/// Returns why the exported controller does not adapt, by its trials with the usual bands, and what to do.
+fn describe_left_out(rows: &[TrialRow]) -> String {
+    let ratio = |row: &&TrialRow| row.ratio();
+    let worst = rows.iter().filter(|row| ratio(row) > 1.0).max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    let harms = worst.map_or("no trial with the usual bands is worse with it".to_owned(), |row| {
+        format!(
+            "with the usual bands it makes the hub rate {:.3} times that without, {}: {:.3} against {:.3} mrad/s RMS",
+            row.ratio(),
+            trial(row),
+            1e3 * row.with_rad_s,
+            1e3 * row.without_rad_s
+        )
+    });
+    let added = |row: &&TrialRow| row.without_rad_s / row.told_rad_s - 1.0;
+    let most = rows.iter().max_by(|a, b| added(a).total_cmp(&added(b))).filter(|row| added(row) > 0.0);
+    let gains = most.map_or("no load of the trials adds to the hub rate".to_owned(), |row| {
+        format!("most that an unknown load adds is {} %, {}", short_number(100.0 * added(&row)), trial(row))
+    });
+    format!(
+        "the controller is exported without adaptation: {harms}; {gains}; state `dead_band` or `hold_band` in [synth.adaptation] to export it with those"
     )
+}
+
+/// Returns the motion and the load of a trial.
+fn trial(row: &TrialRow) -> String {
+    format!("on {} ({})", motion(row.motion), load(row.load))
 }
 
 /// Returns the reason why a method is refused.
 pub fn describe_refusal(refused: &Refusal) -> String {
-    let TrialRow { method, motion: moved, load: loaded, without_rad_s, with_rad_s, .. } = refused.worst;
+    let TrialRow { method, without_rad_s, with_rad_s, .. } = refused.worst;
     format!(
-        "REFUSED: {method} makes the hub rate worse than no adaptation does, {:.2} times on {} ({}): {:.3} against {:.3} mrad/s RMS",
+        "REFUSED: {method} makes the hub rate worse than no adaptation does, {:.2} times {}: {:.3} against {:.3} mrad/s RMS",
         refused.ratio,
-        motion(moved),
-        load(loaded),
+        trial(&refused.worst),
         1e3 * with_rad_s,
         1e3 * without_rad_s
     )
@@ -213,4 +240,43 @@ fn section(run: &AdaptRun, command: &str) -> Section {
     let figure = Figure::new(&format!("Run ({})", run.letter), Axis::linear("time", "s"), panels);
     let figure = Figure { command: command.to_owned(), ..figure };
     Section::new(&format!("({}) {}", run.letter, run.says)).showing([figure])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(motion: Motion, load: Load, [without, with, told]: [f64; 3]) -> TrialRow {
+        TrialRow {
+            method: "recursive",
+            motion,
+            load,
+            without_rad_s: 1e-3 * without,
+            with_rad_s: 1e-3 * with,
+            told_rad_s: 1e-3 * told,
+            spread_rad_s: 0.0,
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_says_by_how_much_it_is_worse_and_what_there_was_to_gain() {
+        let rows = [
+            row(Motion::Sines, Load::Nominal, [2.0, 2.1, 2.0]),
+            row(Motion::Road, Load::Sudden, [4.0, 4.04, 3.2]),
+        ];
+        let text = describe_left_out(&rows);
+        assert!(
+            text.contains(
+                "1.050 times that without, on sines (load as designed): 2.100 against 2.000 mrad/s RMS"
+            ),
+            "{text}"
+        );
+        assert!(text.contains("adds is 25 %, on road (30 % more, sudden)"), "{text}");
+        let still = describe_left_out(&[row(Motion::Road, Load::Nominal, [2.0, 2.0, 2.0])]);
+        assert!(
+            still.contains("no trial with the usual bands is worse")
+                && still.contains("no load of the trials adds"),
+            "{still}"
+        );
+    }
 }

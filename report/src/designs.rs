@@ -97,11 +97,11 @@ pub fn design_cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
         linear(|m| m.control_peak),
         linear(|m| m.effort_v),
         number(row.rejection),
-        linear(|m| 1e3 * m.residual_rad_s),
-        run(|r| 1e3 * r.step_rad_s),
-        run(|r| 1e3 * r.sines_rad_s),
-        number(row.nonlinear.as_ref().and_then(|r| r.motion_rad_s).map(|rate| 1e3 * rate)),
-        run(|r| 1e3 * r.rest_rad_s),
+        linear(|m| 1e3 * m.residual.value),
+        run(|r| 1e3 * r.step.value),
+        run(|r| 1e3 * r.sines.value),
+        number(row.nonlinear.as_ref().and_then(|r| r.motion.value).map(|rate| 1e3 * rate)),
+        run(|r| 1e3 * r.rest.value),
         run(|r| r.control_v),
         number(time_s),
     ]
@@ -157,9 +157,9 @@ pub fn design_remarks(row: &DesignRow, controlled: ControlledQuantity) -> Vec<St
     }
     all.extend(row.weights.as_ref().map(|weights| weight_words(weights, controlled)));
     if let (Some(bound), Some(linear)) = (&row.bound, &row.linear) {
-        let gap = 100.0 * (linear.residual_rad_s / bound.lower_bound - 1.0);
+        let gap = 100.0 * (linear.residual.value / bound.lower_bound - 1.0);
         let half = bound.half_basis.map_or("keeps no such limits".to_owned(), |value| {
-            format!("is {} % above it", short_number(100.0 * (value / linear.residual_rad_s - 1.0)))
+            format!("is {} % above it", short_number(100.0 * (value / linear.residual.value - 1.0)))
         });
         all.push(format!(
             "a bound, not a controller: {} functions, limits of S, T, KS, noise gain and effort verified at {} frequencies; its value is {} % above the dual bound of the basis, and half the basis {half}",
@@ -246,7 +246,7 @@ fn figure(table: &DesignTable) -> Option<Figure> {
         let (Some(linear), Some(run)) = (&row.linear, &row.nonlinear) else { continue };
         marks.push(Mark::Point {
             x: linear.noise_gain,
-            y: 1e3 * run.motion_rad_s.unwrap_or(run.sines_rad_s),
+            y: 1e3 * run.motion.value.unwrap_or(run.sines.value),
             text: format!("{} {}", k + 1, row.name),
             colour: COLOURS[k % COLOURS.len()],
         });
@@ -278,7 +278,7 @@ fn figure(table: &DesignTable) -> Option<Figure> {
 /// Returns the row of the least controlled quantity under the motion.
 fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     let moved =
-        |row: &DesignRow| row.nonlinear.as_ref().map(|run| run.motion_rad_s.unwrap_or(run.sines_rad_s));
+        |row: &DesignRow| row.nonlinear.as_ref().map(|run| run.motion.value.unwrap_or(run.sines.value));
     let rows = table.rows.iter().filter_map(|row| Some((moved(row)?, row)));
     rows.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
@@ -286,7 +286,7 @@ fn best_row(table: &DesignTable) -> Option<&DesignRow> {
 fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<Tile> {
     let mut all = Vec::new();
     if let Some(run) = &row.nonlinear {
-        let moved = run.motion_rad_s.unwrap_or(run.sines_rad_s);
+        let moved = run.motion.value.unwrap_or(run.sines.value);
         let (name, unit) =
             (format!("{} under the motion", controlled.name()), format!("{} RMS", controlled.milli_unit()));
         all.push(Tile::plain(&name, short_number(1e3 * moved), &unit));

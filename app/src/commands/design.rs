@@ -16,7 +16,7 @@ use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_
 use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, design};
 use counterpoise_project::Purpose;
-use counterpoise_report::adaptation::{describe_bands, describe_refusal};
+use counterpoise_report::adaptation::{describe_action, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::{Origin, html_page, of_design, two_axes};
@@ -107,7 +107,7 @@ pub fn run(options: &DesignOptions) -> Done {
     }
     compiled.said.iter().for_each(|line| print_message(line));
     let made = &designed.stages;
-    print_bands(&designed);
+    print_adaptation(&designed);
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
     refused.clone().for_each(|why| print_message(&describe_refusal(why)));
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
@@ -121,9 +121,9 @@ fn print_two_axes(designed: &counterpoise_pipeline::Designed) {
     both.for_each(|line| say!("two axes: {line}"));
 }
 
-fn print_bands(designed: &counterpoise_pipeline::Designed) {
-    let bands = designed.adaptation.iter().flat_map(|tried| &tried.bands);
-    bands.for_each(|bands| print_message(&format!("adaptation: {}", describe_bands(bands))));
+fn print_adaptation(designed: &counterpoise_pipeline::Designed) {
+    let action = designed.adaptation.iter().filter_map(describe_action);
+    action.for_each(|action| print_message(&format!("adaptation: {action}")));
 }
 
 /// What compilers and the compiled code said.

@@ -71,7 +71,8 @@ pub fn run(options: &SynthOptions) -> Done {
         save(&loaded, &loaded.project, path)?;
     }
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
-    let tuning = loaded.tuned.as_ref().map(TuningResult::from);
+    let controlled = loaded.project.plant.controlled_quantity();
+    let tuning = loaded.tuned.as_ref().map(|tuned| TuningResult::of(tuned, controlled));
     let whole = Whole { synth: &result, beside: &study.comparison, first_design, tuning };
     if !output::write_json(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);

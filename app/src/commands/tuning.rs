@@ -10,8 +10,8 @@ use crate::output::say;
 /// Prints the tuned blocks or weights with their figures; nothing if the project has nothing to tune.
 pub fn print_tuning(loaded: &Loaded) {
     let Some(found) = &loaded.tuned else { return };
-    let result = TuningResult::from(found);
     let controlled = loaded.project.plant.controlled_quantity();
+    let result = TuningResult::of(found, controlled);
     match &result.weights {
         Some(weights) => {
             say!("the weights of the H2 feedback were tuned: {}", weight_words(weights, controlled))
@@ -19,11 +19,11 @@ pub fn print_tuning(loaded: &Loaded) {
         None => say!("the feedback has a fixed structure, and its open parameters were tuned:"),
     }
     result.blocks.iter().for_each(|block| say!("  {}", block_words(block)));
-    let reached = result.starts_rad_s.iter().flatten().count();
+    let reached = result.starts.value.iter().flatten().count();
     say!(
         "{} loops were evaluated from {} starts, of which {reached} reached a loop within the limits; checked on {} plant{}",
         result.evaluations,
-        result.starts_rad_s.len(),
+        result.starts.value.len(),
         result.plants,
         if result.plants == 1 { "" } else { "s" }
     );
@@ -31,7 +31,7 @@ pub fn print_tuning(loaded: &Loaded) {
         let plant = if k == 0 { "nominal plant".to_owned() } else { format!("plant {}", k + 1) };
         say!(
             "  {plant}: residual {} {}; Ms {}, Mt {}; margins {} dB, {} deg, {} ms; noise gain {}, largest KS {} {}; effort {} V",
-            short_number(1e3 * m.residual_rad_s),
+            short_number(1e3 * m.residual.value),
             controlled.milli_unit(),
             short_number(m.max_sensitivity),
             short_number(m.max_complementary),

@@ -12,7 +12,7 @@ use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::{self as pipeline, DesignedAxis, ProjectIdentity, TwoAxisStudy, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::adaptation::{describe_bands, describe_refusal, trial_section};
+use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::{
     Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
@@ -143,8 +143,8 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
         let robust = stability.into_iter().flat_map(robust::robustness_lines);
         robust.for_each(|line| say!("{heading}: {line}"));
         certificate::robustness_lines(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
-        let bands = study.adaptation.iter().flat_map(|tried| &tried.bands);
-        bands.for_each(|bands| say!("adaptation: {}", describe_bands(bands)));
+        let action = study.adaptation.iter().filter_map(describe_action);
+        action.for_each(|action| say!("adaptation: {action}"));
         let refused = study.adaptation.iter().flat_map(|tried| &tried.refused);
         refused.for_each(|why| say!("adaptation: {}", describe_refusal(why)));
     }

@@ -15,6 +15,7 @@ use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
 use serde::Serialize;
 
+use crate::exchange::InOwnUnit;
 use crate::tuning::{
     BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
     tune_feedback, tuning_ground, weights_result,
@@ -38,10 +39,12 @@ pub struct DesignTable {
     pub objective: String,
     /// Motion that the last nonlinear run has, in words.
     pub motion: &'static str,
-    /// What acts on the linear loop: frequency in rad/s and power in (rad/s)^2 of each line at the output without feedback.
+    /// What acts on the linear loop: frequency in rad/s and power of each line at the output without feedback, in the square of the
+    /// unit of what the loop controls.
     pub disturbance: Vec<[f64; 2]>,
-    /// RMS of the white noise of a reading, rad/s.
-    pub reading_noise_rad_s: f64,
+    /// RMS of the white noise of a reading.
+    #[serde(flatten)]
+    pub reading_noise: InOwnUnit<f64>,
     /// The designs, the project's own first.
     pub rows: Vec<DesignRow>,
 }
@@ -77,7 +80,7 @@ pub struct DesignRow {
 /// How good the bound of the best linear feedback is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundResult {
-    /// No feedback in the basis leaves less on the program's grid, rad/s, or as a share of 1 over a band.
+    /// No feedback in the basis leaves less on the program's grid: in the unit of what the loop controls, or as a share of 1 over a band.
     pub lower_bound: f64,
     /// Value with half of the basis.
     pub half_basis: Option<f64>,
@@ -111,14 +114,18 @@ pub struct LimitsResult {
 /// Figures of the nonlinear closed loop: RMS values after the procedure's settling time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RunFigures {
-    /// True hub rate less the demand after a step of it, rad/s.
-    pub step_rad_s: f64,
-    /// True hub rate under the sines of heave and pitch together, rad/s.
-    pub sines_rad_s: f64,
-    /// True hub rate under the project's own motion; absent without one, rad/s.
-    pub motion_rad_s: Option<f64>,
-    /// True hub rate at rest, rad/s.
-    pub rest_rad_s: f64,
+    /// What the loop controls less the demand after a step of it.
+    #[serde(flatten)]
+    pub step: InOwnUnit<f64>,
+    /// What the loop controls, under the sines of heave and pitch together.
+    #[serde(flatten)]
+    pub sines: InOwnUnit<f64>,
+    /// The same under the project's own motion; absent without one.
+    #[serde(flatten)]
+    pub motion: InOwnUnit<Option<f64>>,
+    /// The same at rest.
+    #[serde(flatten)]
+    pub rest: InOwnUnit<f64>,
     /// Control about its mean under the own motion, or under the sines, V.
     pub control_v: f64,
 }
@@ -200,8 +207,9 @@ pub fn design_table(
         }
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
+    let reading_noise = InOwnUnit { stem: "reading_noise", controlled, value: reading_noise_rad_s };
     let (name, hash) = (identity.name, identity.hash);
-    Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise_rad_s, rows })
+    Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, rows })
 }
 
 /// Name of the H2 feedback whose weights were tuned.
@@ -332,7 +340,8 @@ impl Bench<'_> {
                     basis: found.basis,
                     frequencies: found.frequencies,
                 };
-                let linear = Some(LoopMeasuresResult::from(&found));
+                let linear =
+                    Some(LoopMeasuresResult::of_bound(&found, self.project.plant.controlled_quantity()));
                 let rejection = is_band.then_some(found.residual_rad_s);
                 DesignRow { linear, rejection, bound: Some(bound), ..blank_row(name, None) }
             }
@@ -356,7 +365,7 @@ impl Bench<'_> {
         };
         Ok(DesignRow {
             order,
-            linear: Some(LoopMeasuresResult::from(&linear)),
+            linear: Some(LoopMeasuresResult::of(&linear, self.project.plant.controlled_quantity())),
             rejection: Some(rejection),
             nonlinear: Some(nonlinear),
             ..blank_row(name, None)
@@ -383,11 +392,13 @@ impl Bench<'_> {
             Some(_) => Some(run(under(Source::Road))?),
             None => None,
         };
+        let controlled = self.project.plant.controlled_quantity();
+        let of = |stem: &'static str, value: f64| InOwnUnit { stem, controlled, value };
         Ok(RunFigures {
-            step_rad_s: run(Experiment::Step)?[0],
-            sines_rad_s: sines[0],
-            motion_rad_s: motion.map(|found| found[0]),
-            rest_rad_s: run(Experiment::Rest)?[0],
+            step: of("step", run(Experiment::Step)?[0]),
+            sines: of("sines", sines[0]),
+            motion: InOwnUnit { stem: "motion", controlled, value: motion.map(|found| found[0]) },
+            rest: of("rest", run(Experiment::Rest)?[0]),
             control_v: motion.unwrap_or(sines)[1],
         })
     }

@@ -75,7 +75,7 @@ def holding(result):
     cos, sin = b["tilt"]
     held = b["gravity_m_s2"] * (result["out_of_balance_kg_m"] * cos - b["vertical_offset_kg_m"] * sin) - b["spring_nm"]
     current = ((held - b["mesh_ripple_nm"]) * b["motor_share"] - b["cogging_nm"]) / b["torque_constant_nm_a"]
-    drive = abs(current * b["drive_v_per_a"])
+    drive = abs(drive_for(current, b))
     points = [(0.0, 0.0)] + [tuple(point) for point in b["curve_v"]]
     beyond = points[-1][0] + (drive - points[-1][1])
     for (x0, y0), (x1, y1) in zip(points, points[1:]):
@@ -85,6 +85,17 @@ def holding(result):
     limit = math.inf if b["input_limit_v"] is None else b["input_limit_v"]
     size = min(beyond + b["dead_zone_v"], limit) if drive > 0.0 else 0.0
     return math.copysign(size, current), SUMS
+
+
+def drive_for(current, b):
+    """The drive for a current, V; with a cylinder for a load pressure, MPa: the valve passes what leaks."""
+    valve = b.get("valve")
+    if valve is None:
+        return current * b["drive_v_per_a"]
+    share = 1.0 - abs(current) / valve["supply_mpa"]
+    root = share / math.sqrt(max(abs(share), valve["laminar_share"]))
+    opening = valve["leakage_l_s_mpa"] * abs(current) / root + valve["overlap_l_s"] if current else 0.0
+    return math.copysign(opening / valve["gain_l_s_v"], current)
 
 
 def largest_singular_value(before, after):
@@ -294,7 +305,8 @@ def total_cost(cost, weights, motions):
     step = 1e-3
     at_gain = lambda g: assembled.of_feedback(g) + sum(sum(assembled.quadratic(c, g)) for c in channels)
     slope = (at_gain(1.0 + step) - at_gain(1.0 - step)) / (2.0 * step * total)
-    yield f"slope of {names[0]}", rows[names[0]]["slope"], slope, 1e-2
+    # where the gain is the best, the slope is the difference of equal parts of the total, each integrated on another grid
+    yield f"slope of {names[0]}", rows[names[0]]["slope"], slope, max(1e-2, 0.1 * INTEGRALS / abs(slope))
     for name, (constant, linear, square) in zip(names[1:], quadratics):
         row, best = rows[name], -0.5 * linear / square
         lowered = constant + best * (linear + best * square)
