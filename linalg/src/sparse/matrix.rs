@@ -15,6 +15,13 @@ pub struct Entry {
     pub value: f64,
 }
 
+/// An entry of one column.
+#[derive(Debug, Clone, Copy)]
+struct ColumnEntry {
+    row: u32,
+    value: f64,
+}
+
 /// A sparse real matrix: the rows and values of each column, rows rising.
 ///
 /// Places are stored in 32 bits, which halves what a large matrix takes; a matrix may have 2^32 - 1 rows and columns.
@@ -40,9 +47,9 @@ impl Sparse {
             starts[j + 1] += starts[j];
         }
         let mut next: Vec<usize> = starts.iter().map(|&s| s as usize).collect();
-        let mut placed = vec![(0_u32, 0.0_f64); entries.len()];
+        let mut placed = vec![ColumnEntry { row: 0, value: 0.0 }; entries.len()];
         for e in entries {
-            placed[next[e.col]] = (e.row as u32, e.value);
+            placed[next[e.col]] = ColumnEntry { row: e.row as u32, value: e.value };
             next[e.col] += 1;
         }
         let mut out = Self {
@@ -54,16 +61,16 @@ impl Sparse {
         };
         for j in 0..cols {
             let column = &mut placed[starts[j] as usize..starts[j + 1] as usize];
-            column.sort_by_key(|(row, _)| *row);
+            column.sort_by_key(|entry| entry.row);
             out.push_column(column);
         }
         Ok(out)
     }
 
     /// Appends a column whose rows rise and may repeat.
-    fn push_column(&mut self, column: &[(u32, f64)]) {
+    fn push_column(&mut self, column: &[ColumnEntry]) {
         let first = self.indices.len();
-        for &(row, value) in column {
+        for &ColumnEntry { row, value } in column {
             match self.indices.len() > first && self.indices.last() == Some(&row) {
                 true => self.values.last_mut().into_iter().for_each(|last| *last += value),
                 false => {
@@ -80,12 +87,12 @@ impl Sparse {
         let mut out =
             Self { rows: A.nrows(), cols: A.ncols(), starts: vec![0], indices: vec![], values: vec![] };
         for j in 0..A.ncols() {
-            let column: Vec<(u32, f64)> = A
+            let column: Vec<ColumnEntry> = A
                 .column(j)
                 .iter()
                 .enumerate()
                 .filter(|(_, v)| **v != 0.0)
-                .map(|(i, &v)| (i as u32, v))
+                .map(|(i, &value)| ColumnEntry { row: i as u32, value })
                 .collect();
             out.push_column(&column);
         }
