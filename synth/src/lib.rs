@@ -114,7 +114,7 @@ pub use first_design::{
     first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
-pub use generalised::{Generalised, Ports};
+pub use generalised::{Generalised, NamedBlock, Ports, StateOrigin};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
@@ -135,7 +135,7 @@ pub use search::{Ended, Found, SearchTask, Trial, search, trade_off};
 pub use specification::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
 };
-pub use table::{Fit, fit_table};
+pub use table::{Fit, TablePoint, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
 pub use tuning::{
     Disturbance, LoopLimits, LoopMeasures, Tuned, TunedFeedback, TuningSubject, TuningTask,

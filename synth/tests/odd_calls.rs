@@ -82,7 +82,7 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
     let square = |S: &Mat| S * &S.t();
     let (Q, R) = (square(&g.A), square(&h.D));
     let w = weight(&mut state);
-    let table = [(x, y), (1.0, x), (2.0, 3.0), (5.0, 1.0)];
+    let table = [[x, y], [1.0, x], [2.0, 3.0], [5.0, 1.0]].map(TablePoint::from);
     let calls: Vec<Call> = vec![
         ("h2syn", Box::new(|| judge(generalised.as_ref().map(h2syn)))),
         ("hinfsyn", Box::new(|| judge(generalised.as_ref().map(|plant| hinfsyn(plant, 1e-3))))),
@@ -97,7 +97,13 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
         ("of no table", Box::new(|| judge(fit_table(&[], measurements)))),
         (
             "of_blocks",
-            Box::new(|| judge(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)])))),
+            Box::new(|| {
+                judge(
+                    generalised
+                        .clone()
+                        .map(|plant| plant.of_blocks(vec![StateOrigin::new("plant", controls)])),
+                )
+            }),
         ),
     ];
     panicking(&calls)
