@@ -90,8 +90,8 @@ pub fn alternative(
 /// [`Error`] for a plant or weights that are not ones.
 pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Generalised, Error> {
     let seen = plant.measured()?;
-    let mut inputs: Vec<usize> = weights.disturbances.iter().map(|(input, _)| *input).collect();
-    let mut densities: Vec<f64> = weights.disturbances.iter().map(|(_, density)| density.sqrt()).collect();
+    let mut inputs: Vec<usize> = weights.disturbances.iter().map(|entry| entry.index).collect();
+    let mut densities: Vec<f64> = weights.disturbances.iter().map(|entry| entry.value.sqrt()).collect();
     inputs.extend([plant.control, plant.control]);
     densities.extend([weights.loop_recovery.sqrt(), 1.0]);
     let count = inputs.len();

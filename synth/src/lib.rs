@@ -24,7 +24,7 @@
 //! A servo of one inertia with viscous drag, held without steady error:
 //!
 //! ```
-//! use counterpoise_linalg::Mat;
+//! use counterpoise_linalg::{Mat, sparse::VectorEntry};
 //! use counterpoise_lti::{StateSpace, Timebase};
 //! use counterpoise_synth::*;
 //! let (A, B) = (Mat::from_rows(&[&[-0.5]]), Mat::from_rows(&[&[2.0, 1.0]]));
@@ -35,7 +35,7 @@
 //!     control: Weight::Lead { gain: 1.0, time_s: 0.01 },
 //!     combination: vec![],
 //!     measurement_noise: 1e-4,
-//!     disturbances: vec![(1, 1.0)],
+//!     disturbances: vec![VectorEntry::new(1, 1.0)],
 //!     loop_recovery: 0.0,
 //! };
 //! let part = feedback(&plant, &weights, Reference::Error)?;

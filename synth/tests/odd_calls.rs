@@ -4,6 +4,7 @@
 
 use crate::common;
 use crate::odd::{Call, assert_none_panics, judge, odd, odd_number, panicking, size, uniform};
+use counterpoise_linalg::sparse::VectorEntry;
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
@@ -63,10 +64,10 @@ fn specification(state: &mut u64) -> Specification {
         1 => made.feedback.control = weight(state),
         2 => made.feedback.measurement_noise = number,
         3 => made.feedback.loop_recovery = number,
-        4 => made.feedback.combination = vec![(size(state, 9.0), number)],
+        4 => made.feedback.combination = vec![VectorEntry::new(size(state, 9.0), number)],
         5 => made.heave.as_mut().unwrap().generator = weight(state),
         6 => made.pitch.as_mut().unwrap().error = weight(state),
-        _ => made.feedback.disturbances = vec![(size(state, 9.0), number)],
+        _ => made.feedback.disturbances = vec![VectorEntry::new(size(state, 9.0), number)],
     }
     made.assembly = [Assembly::SimpleAdd, Assembly::Grimble, Assembly::Joint][size(state, 3.0)];
     made
