@@ -40,7 +40,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
     let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
     let good = |name: &&str| tried_once(name) && !refused(name);
-    let good: Vec<&str> = METHODS.iter().map(|(_, name)| *name).filter(good).collect();
+    let good: Vec<&str> = METHODS.iter().map(|one| one.key).filter(good).collect();
     lines.push(if good.is_empty() {
         "no method is fit for this project: leave [synth.adaptation] out".to_owned()
     } else {

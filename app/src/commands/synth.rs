@@ -351,8 +351,8 @@ fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
 }
 
 fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult {
-    let point = |(limit, found): &(f64, counterpoise_synth::Found)| CurvePoint {
-        max_sensitivity_limit: *limit,
+    let point = |TradeOffPoint { ms_limit, found }: &TradeOffPoint| CurvePoint {
+        max_sensitivity_limit: *ms_limit,
         max_sensitivity: found.best.figures.ms,
         rejection: found.best.figures.rejection,
         noise_gain: found.best.figures.noise_gain,
