@@ -6,7 +6,7 @@ use counterpoise_pipeline::studies::adaptation_trials::{
     Bands, Load, METHODS, Motion, Refusal, TrialRow, Trials,
 };
 
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
@@ -150,8 +150,8 @@ pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Rep
         glance: Vec::new(),
         sections: runs.iter().map(|run| section(run, command)).collect(),
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
-use counterpoise_pipeline::studies::search::{Judged, Searched, search, verify_found};
+use counterpoise_pipeline::studies::search::{Judged, Searched, TradeOffPoint, search, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
