@@ -11,7 +11,7 @@ use super::drawing::{
 };
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, Stages};
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// K1 / a1 of the integrating design, and the corner of the error weight without integral action, s: where the integrating design's own
 /// weight levels off.
@@ -144,7 +144,7 @@ fn integral_action_figures(integral: &Stages, family: &[Lagging], high: Option<&
     }
     let steps: Vec<Curve> =
         steps.into_iter().map(|curve| Curve { points: first_second(curve.points), ..curve }).collect();
-    let over = |k: usize| family.iter().map(|one| (one.figures[0], one.figures[k])).collect();
+    let over = |k: usize| family.iter().map(|one| Point::new(one.figures[0], one.figures[k])).collect();
     let own = figures(integral);
     let overshoot =
         panel(Axis::linear("overshoot", "%"), vec![Curve::points("without integral action", over(1))])
@@ -166,8 +166,8 @@ fn integral_action_figures(integral: &Stages, family: &[Lagging], high: Option<&
     all
 }
 
-fn first_second(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    points.into_iter().filter(|point| point.0 <= 1.0).collect()
+fn first_second(points: Vec<Point>) -> Vec<Point> {
+    points.into_iter().filter(|point| point.x <= 1.0).collect()
 }
 
 /// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
