@@ -226,7 +226,8 @@ pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 let (text, judged) = judged_loop(name, &broken)?;
                 criteria.extend(judged);
                 words.push(format!("{name}: {text}"));
-                loops.push((name, part.controller.select(&[0], &[0]), broken));
+                let controller = part.controller.select(&[0], &[0]);
+                loops.push(MethodLoop { name, controller, broken });
             }
             Err(_) => {
                 words.push(format!("{name}: no solution"));
@@ -252,8 +253,13 @@ pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// A method's name, controller and loop.
-type Named = (&'static str, StateSpace, StateSpace);
+/// The controller of a method, and its loop.
+struct MethodLoop {
+    name: &'static str,
+    controller: StateSpace,
+    /// The loop, broken at the plant's input.
+    broken: StateSpace,
+}
 
 /// Returns the loop of a continuous design on the design plant.
 fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
@@ -290,10 +296,10 @@ fn judged_loop(name: &str, broken: &StateSpace) -> Result<(String, [Criterion; 3
     Ok((text, criteria))
 }
 
-fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError> {
+fn three_methods_figures(loops: &[MethodLoop]) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rate_grid([0.05, 100.0]);
     let (mut controllers, mut gains, mut steps) = (Vec::new(), Vec::new(), Vec::new());
-    for (name, controller, broken) in loops {
+    for MethodLoop { name, controller, broken } in loops {
         controllers.push(Curve::line(*name, gain_db(controller, 0, &drawn)?));
         gains.push(Curve::line(*name, gain_db(broken, 0, &drawn)?));
         let unity = StateSpace::gain(Mat::eye(1), broken.timebase)?;
