@@ -13,7 +13,7 @@ use super::drawing::{Curve, drawing, panel, time_axis};
 use super::identified::with_amplifier;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing, Panel};
+use counterpoise_plot::{Axis, Figure as Drawing, Panel, Point};
 
 /// Shares of the out-of-balance, one after the other, and how long each lasts, s: whole cycles of heave, pitch and window.
 const SHARES: [f64; 5] = [1.0, 0.75, 0.37, 1.48, 1.0];
@@ -209,7 +209,8 @@ fn adaptation_criteria(name: &str, adapted: f64, truth: f64, unadapted: f64) -> 
 
 /// Returns the four ways to tell the controller, interval by interval.
 fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Panel {
-    let over = |values: &[f64]| values.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
+    let over =
+        |values: &[f64]| values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
     let curves = vec![
         Curve::points("not updated", over(nobody)),
         Curve::points("mean of the control", over(mean)),
@@ -250,7 +251,7 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         let history = adaptive.history_kg_m();
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);
-        let points = (0..history.len()).step_by(every).map(|k| (time(k), history[k])).collect();
+        let points = (0..history.len()).step_by(every).map(|k| Point::new(time(k), history[k])).collect();
         curves.push(Curve::line(format!("true {:.1} kg m", share * moment), points));
         let last = &history[history.len() / 2..];
         let estimate = last.iter().sum::<f64>() / last.len().max(1) as f64;

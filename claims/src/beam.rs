@@ -6,7 +6,7 @@ use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Me
 use super::drawing::{Curve, Style, drawing, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Elements of the thesis' reference model.
 const FINE: usize = 129;
@@ -124,7 +124,8 @@ fn picture(
     columns: &[Printed],
     integration: Integration,
 ) -> Result<Drawing, PipelineError> {
-    let modes = |values: Vec<f64>| values.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
+    let modes =
+        |values: Vec<f64>| values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
     let mut curves = Vec::new();
     for column in columns {
         let own = deviations(beam, Mesh::Equal(column.0), integration)?;

@@ -14,7 +14,7 @@ use counterpoise_verify::{
 use super::drawing::{Curve, drawing, factor_axis, hub_from, hub_panel, hub_rates, panel, time_axis};
 use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
 use counterpoise_pipeline::{PipelineError, Stages, World, run_stages, synthesise};
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::Project;
 
 /// A design that is put to the test.
@@ -63,21 +63,32 @@ pub struct Member<'a> {
 /// How much of a step is drawn, s.
 const DRAWN_S: f64 = 0.8;
 
+/// A level that is drawn across a panel, with its name.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedLevel<'a> {
+    /// Where it stands, in the unit of the panel.
+    pub y: f64,
+    /// Its name in the legend.
+    pub text: &'a str,
+}
+
 /// Overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
 pub fn over_factor(
     what: &str,
     factors: &[f64],
     found: &[Behaviour],
-    says: &[(f64, &str)],
+    says: &[NamedLevel<'_>],
     others: [Vec<Curve>; 2],
 ) -> Drawing {
-    let over = |of: &dyn Fn(&Behaviour) -> f64| factors.iter().zip(found).map(|(x, b)| (*x, of(b))).collect();
+    let over = |of: &dyn Fn(&Behaviour) -> f64| {
+        factors.iter().zip(found).map(|(x, b)| Point::new(*x, of(b))).collect()
+    };
     let overshoot = Curve::points("with the observer", over(&|b| b.overshoot_percent));
     let residual = Curve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
     let [others_over, others_left] = others;
     let with = |own: Curve, others: Vec<Curve>| std::iter::once(own).chain(others).collect();
     let first = panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
-    let first = says.iter().fold(first, |panel, (level, text)| panel.with_level(*level, *text));
+    let first = says.iter().fold(first, |panel, level| panel.with_level(level.y, level.text));
     let panels = vec![first, panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
     drawing(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
 }
@@ -192,7 +203,7 @@ impl<'a> Bench<'a> {
             let step = hub_rates(&run(Experiment::Step)?);
             steps.push(Curve::line(
                 member.name.clone(),
-                step.into_iter().filter(|at| at.0 <= DRAWN_S).collect(),
+                step.into_iter().filter(|at| at.x <= DRAWN_S).collect(),
             ));
             motions.push(Curve::line(member.name.clone(), hub_from(&run(moving)?, self.procedure.settle_s)));
         }

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::{Readings, Runner, SampledController};
 use counterpoise_models::plant::Plant;
-use counterpoise_plot::Axis;
+use counterpoise_plot::{Axis, Point};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
@@ -167,5 +167,5 @@ fn curve(bench: &Bench<'_>, name: &str, hub: &[f64]) -> Curve {
     let (from, count) = (first(bench), (2.0 / period_s).round() as usize);
     let points =
         hub.iter().enumerate().skip(from).take(count).map(|(k, rate)| (k as f64 * period_s, 1e3 * rate));
-    Curve::line(name, points.collect())
+    Curve::line(name, points.map(Point::from).collect())
 }

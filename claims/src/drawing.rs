@@ -1,7 +1,7 @@
 //! Figures of a row from its curves: the colour of each curve follows from its place, few points are marked one by one.
 
 use counterpoise_lti::{Response, StateSpace};
-use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Point, Series};
 use counterpoise_report::wording::capitalise_first;
 use counterpoise_verify::History;
 
@@ -12,8 +12,8 @@ use counterpoise_pipeline::PipelineError;
 pub struct Curve {
     /// Its name in the legend.
     pub name: String,
-    /// (x, y) in the order in which they are joined.
-    pub points: Vec<(f64, f64)>,
+    /// In the order in which they are joined.
+    pub points: Vec<Point>,
     /// How it is drawn.
     pub style: Style,
 }
@@ -48,8 +48,7 @@ pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
     for curve in curves {
         let (colour, dash) = dress(curve.style, &mut at);
         if curve.style == Style::Points {
-            let ring =
-                |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
+            let ring = |point: &Point| Mark::Point { x: point.x, y: point.y, text: String::new(), colour };
             marks.extend(curve.points.iter().map(ring));
         }
         series.push(Series::new(&capitalise_first(&curve.name), colour, dash, curve.points));
@@ -87,43 +86,43 @@ pub fn factor_axis(quantity: &str) -> Axis {
 
 impl Curve {
     /// Returns a curve of a style.
-    pub fn new(name: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
+    pub fn new(name: impl Into<String>, style: Style, points: Vec<Point>) -> Self {
         Self { name: name.into(), points, style }
     }
 
     /// Returns an unbroken line.
-    pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+    pub fn line(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::new(name, Style::Line, points)
     }
 
     /// Returns a dashed line.
-    pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+    pub fn reference(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::new(name, Style::Reference, points)
     }
 
     /// Returns marked points.
-    pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+    pub fn points(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::new(name, Style::Points, points)
     }
 
     /// Returns a line in the background.
-    pub fn faint(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+    pub fn faint(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::new(name, Style::Faint, points)
     }
 }
 
 /// Returns two columns as points, the second times `scale`.
-pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
-    x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
+pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<Point> {
+    x.iter().zip(y).map(|(x, y)| Point::new(*x, scale * y)).collect()
 }
 
 /// Returns the hub rate in mrad/s over time.
-pub fn hub_rates(history: &History) -> Vec<(f64, f64)> {
+pub fn hub_rates(history: &History) -> Vec<Point> {
     points_of(&history.time_s, &history.hub_rate_rad_s, 1e3)
 }
 
 /// Returns the hub rate in mrad/s over time, from a time on.
-pub fn hub_from(history: &History, time_s: f64) -> Vec<(f64, f64)> {
+pub fn hub_from(history: &History, time_s: f64) -> Vec<Point> {
     hub_rates(history).split_off(history.index_at(time_s))
 }
 
@@ -132,21 +131,21 @@ pub fn hub_panel(curves: Vec<Curve>) -> Panel {
     panel(Axis::linear("hub rate", "mrad/s"), curves)
 }
 
-/// (Hz, dB) of the frequency response of a system's first output over one input.
+/// The gain in dB over Hz of the frequency response of a system's first output over one input.
 ///
 /// # Errors
 /// A response that does not exist.
-pub fn gain_db(
-    system: &StateSpace,
-    input: usize,
-    rates_rad_s: &[f64],
-) -> Result<Vec<(f64, f64)>, PipelineError> {
+pub fn gain_db(system: &StateSpace, input: usize, rates_rad_s: &[f64]) -> Result<Vec<Point>, PipelineError> {
     let values = Response::of(system)?.at_all(rates_rad_s)?;
     let db = |k: usize| 20.0 * values[k][(0, input)].norm().log10();
-    Ok(rates_rad_s.iter().enumerate().map(|(k, rate)| (rate / std::f64::consts::TAU, db(k))).collect())
+    Ok(rates_rad_s
+        .iter()
+        .enumerate()
+        .map(|(k, rate)| Point::new(rate / std::f64::consts::TAU, db(k)))
+        .collect())
 }
 
-/// (Hz, degrees) of the same, without jumps of a whole turn.
+/// The phase in degrees over Hz of the same, without jumps of a whole turn.
 ///
 /// # Errors
 /// A response that does not exist.
@@ -154,7 +153,7 @@ pub fn phase_deg(
     system: &StateSpace,
     input: usize,
     rates_rad_s: &[f64],
-) -> Result<Vec<(f64, f64)>, PipelineError> {
+) -> Result<Vec<Point>, PipelineError> {
     let values = Response::of(system)?.at_all(rates_rad_s)?;
     let mut before: Option<f64> = None;
     let mut unwrapped = |raw: f64| {
@@ -164,5 +163,5 @@ pub fn phase_deg(
     };
     let degrees = |k: usize| values[k][(0, input)].arg().to_degrees();
     let both = rates_rad_s.iter().enumerate();
-    Ok(both.map(|(k, rate)| (rate / std::f64::consts::TAU, unwrapped(degrees(k)))).collect())
+    Ok(both.map(|(k, rate)| Point::new(rate / std::f64::consts::TAU, unwrapped(degrees(k)))).collect())
 }

@@ -9,7 +9,7 @@ use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::export::run_targets;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// The closed loop is the same where smaller numbers cost no more of its error than this, dB.
 const SAME_DB: f64 = 0.1;
@@ -106,8 +106,8 @@ fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
     };
     let mut all = figures.iter().filter_map(|one| record(one).map(|record| (name(one.numbers), record)));
     let Some((first, double)) = all.next() else { return Vec::new() };
-    let points = |record: &Record, of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-        (0..record.controls_v.len()).map(|k| (k as f64, of(k))).collect()
+    let points = |record: &Record, of: &dyn Fn(usize) -> f64| -> Vec<Point> {
+        (0..record.controls_v.len()).map(|k| Point::new(k as f64, of(k))).collect()
     };
     let mut controls = vec![Curve::line(first, points(&double, &|k| double.controls_v[k]))];
     let mut apart = Vec::new();

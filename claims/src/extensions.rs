@@ -9,7 +9,7 @@ use counterpoise_verify::{Arrangement, Source};
 use super::drawing::{Curve, drawing, factor_axis, panel, points_of, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Returns the tip's rate predicted from the hub's: the beam on its spring,
 ///
@@ -127,7 +127,7 @@ fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: 
 /// Those of the verification.
 pub fn inertia_and_imbalance_apart(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let mut lines = Vec::new();
-    let mut residual = Vec::new();
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
     for moment in [0.5, 1.0, 1.5] {
         let mut row = Vec::new();
         for inertia in [0.5, 1.0, 2.0] {
@@ -135,16 +135,21 @@ pub fn inertia_and_imbalance_apart(bench: &Bench<'_>) -> Result<Claim, PipelineE
             Varied::OutOfBalance.scale(&mut parameters, moment)?;
             Varied::HubInertia.scale(&mut parameters, inertia)?;
             let found = bench.behaviour(&parameters, &bench.observed)?;
-            row.push((found.overshoot_percent, 1e3 * found.residual_rad_s));
+            row.push(Cell {
+                overshoot_percent: found.overshoot_percent,
+                residual_mrad_s: 1e3 * found.residual_rad_s,
+            });
         }
-        let cells: Vec<String> = row.iter().map(|(o, r)| format!("{o:.1} %, {r:.2} mrad/s")).collect();
+        let words =
+            |cell: &Cell| format!("{:.1} %, {:.2} mrad/s", cell.overshoot_percent, cell.residual_mrad_s);
+        let cells: Vec<String> = row.iter().map(words).collect();
         lines.push(format!("out-of-balance x{moment}: {}", cells.join(" | ")));
-        residual.push(row);
+        rows.push(row);
     }
-    let step_by_inertia = spread((0..3).map(|k| residual[1][k].0));
-    let step_by_moment = spread((0..3).map(|k| residual[k][1].0));
-    let rate_by_moment = spread((0..3).map(|k| residual[k][1].1));
-    let rate_by_inertia = spread((0..3).map(|k| residual[1][k].1));
+    let step_by_inertia = spread((0..3).map(|k| rows[1][k].overshoot_percent));
+    let step_by_moment = spread((0..3).map(|k| rows[k][1].overshoot_percent));
+    let rate_by_moment = spread((0..3).map(|k| rows[k][1].residual_mrad_s));
+    let rate_by_inertia = spread((0..3).map(|k| rows[1][k].residual_mrad_s));
     Ok(Claim {
         id: "F4",
         title: "inertia and out-of-balance apart",
@@ -171,20 +176,30 @@ pub fn inertia_and_imbalance_apart(bench: &Bench<'_>) -> Result<Claim, PipelineE
             ),
         ],
         why: String::new(),
-        drawings: vec![inertia_and_imbalance_apart_figure(&residual)],
+        drawings: vec![inertia_and_imbalance_apart_figure(&rows)],
     })
 }
 
+/// What a mechanism with another inertia and out-of-balance does.
+struct Cell {
+    overshoot_percent: f64,
+    /// RMS hub rate, mrad/s.
+    residual_mrad_s: f64,
+}
+
 /// Overshoot and residual over inertia, a curve an out-of-balance.
-fn inertia_and_imbalance_apart_figure(rows: &[Vec<(f64, f64)>]) -> Drawing {
-    let of = |value: &dyn Fn(&(f64, f64)) -> f64| -> Vec<Curve> {
-        let points = |row: &Vec<(f64, f64)>| [0.5, 1.0, 2.0].into_iter().zip(row.iter().map(value)).collect();
+fn inertia_and_imbalance_apart_figure(rows: &[Vec<Cell>]) -> Drawing {
+    let of = |value: &dyn Fn(&Cell) -> f64| -> Vec<Curve> {
+        let points = |row: &Vec<Cell>| {
+            let inertia = [0.5, 1.0, 2.0].into_iter();
+            inertia.zip(row).map(|(factor, cell)| Point::new(factor, value(cell))).collect()
+        };
         let named = ["out-of-balance x0.5", "out-of-balance x1", "out-of-balance x1.5"].into_iter().zip(rows);
         named.map(|(name, row)| Curve::points(name, points(row))).collect()
     };
     let panels = vec![
-        panel(Axis::linear("overshoot", "%"), of(&|cell| cell.0)),
-        panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.1)),
+        panel(Axis::linear("overshoot", "%"), of(&|cell| cell.overshoot_percent)),
+        panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.residual_mrad_s)),
     ];
     drawing("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
 }

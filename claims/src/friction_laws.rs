@@ -10,7 +10,7 @@ use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::explicit_solver::Sliding;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Full amplitude of the platform's pitch rate, rad/s, the thesis' shares of it, and the frequencies of the map, Hz.
 const PITCH_RAD_S: f64 = 0.2;
@@ -163,11 +163,11 @@ pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, Pipeline
     let free = free(bench)?;
     let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let maps = friction_laws_over_amplitude_maps(&free, shared)?;
-    let truth = &maps[0].1;
-    let rows: Vec<(&'static str, Vec<f64>)> =
-        maps[1..].iter().map(|(name, map)| (*name, distances(map, truth))).collect();
-    let large = rows.iter().map(|row| row.1[0]).fold(0.0, f64::max);
-    let table: Vec<String> = rows.iter().map(|(name, row)| format!("{name} {}", words(row))).collect();
+    let truth = &maps[0].map;
+    let row = |one: &LawMap| LawDistances { law: one.law, db: distances(&one.map, truth) };
+    let rows: Vec<LawDistances> = maps[1..].iter().map(row).collect();
+    let large = rows.iter().map(|row| row.db[0]).fold(0.0, f64::max);
+    let table: Vec<String> = rows.iter().map(|row| format!("{} {}", row.law, words(&row.db))).collect();
     let measured = format!(
         "balanced, motor disconnected, 0.5 to 4 Hz; distance of each law, of the same level and presliding stiffness, from a machine with a brush of {} bristles, in dB at pitch rates of 1 / 0.667 / 0.333 / 0.167 / 0.083 of {PITCH_RAD_S} rad/s: {}",
         BRUSH.0,
@@ -186,14 +186,14 @@ pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, Pipeline
 }
 
 /// Returns what is asked of the laws' distances from the machine, the largest one at the largest amplitude given.
-fn friction_laws_over_amplitude_criteria(rows: &[(&'static str, Vec<f64>)], large: f64) -> Vec<Criterion> {
+fn friction_laws_over_amplitude_criteria(rows: &[LawDistances], large: f64) -> Vec<Criterion> {
     let (fixed, moving) = rows.split_at(STATIC.len());
     let smallest = SHARES.len() - 1;
-    let least_static = fixed.iter().map(|row| row.1[smallest]).fold(f64::MAX, f64::min);
-    let most_dynamic = moving.iter().map(|row| row.1[smallest]).fold(0.0, f64::max);
-    let overall = |name: &str| rows.iter().find(|row| row.0 == name).map_or(f64::NAN, |row| whole(&row.1));
+    let least_static = fixed.iter().map(|row| row.db[smallest]).fold(f64::MAX, f64::min);
+    let most_dynamic = moving.iter().map(|row| row.db[smallest]).fold(0.0, f64::max);
+    let overall = |name: &str| rows.iter().find(|row| row.law == name).map_or(f64::NAN, |row| whole(&row.db));
     let others =
-        rows.iter().filter(|row| row.0 != "Dahl").map(|row| whole(&row.1)).fold(f64::INFINITY, f64::min);
+        rows.iter().filter(|row| row.law != "Dahl").map(|row| whole(&row.db)).fold(f64::INFINITY, f64::min);
     vec![
         Criterion::at_most(
             "largest amplitude: farthest law from the machine, dB",
@@ -220,24 +220,35 @@ fn friction_laws_over_amplitude_criteria(rows: &[(&'static str, Vec<f64>)], larg
     ]
 }
 
-/// A law and its map.
-type Mapped = (&'static str, Map);
+/// A law with its frequency map.
+struct LawMap {
+    law: &'static str,
+    map: Map,
+}
+
+/// How far the map of a law is from that of the machine.
+struct LawDistances {
+    law: &'static str,
+    /// At each amplitude, dB.
+    db: Vec<f64>,
+}
 
 /// Returns the rig's map and every law's.
 fn friction_laws_over_amplitude_maps(
     free: &Parameters,
     shared: Shared,
-) -> Result<Vec<Mapped>, PipelineError> {
-    let mut all = vec![("a brush of bristles (the machine)", map(&with_law(free, brush(shared)))?)];
+) -> Result<Vec<LawMap>, PipelineError> {
+    let mut all =
+        vec![LawMap { law: "a brush of bristles (the machine)", map: map(&with_law(free, brush(shared)))? }];
     for (name, make) in STATIC.iter().chain(&DYNAMIC) {
-        all.push((*name, map(&with_law(free, make(shared)))?));
+        all.push(LawMap { law: name, map: map(&with_law(free, make(shared)))? });
     }
     Ok(all)
 }
 
-fn friction_laws_over_amplitude_figures(rows: &[(&'static str, Vec<f64>)], maps: &[Mapped]) -> Vec<Drawing> {
-    let over = |values: &[f64]| SHARES.iter().copied().zip(values.iter().copied()).collect();
-    let distance = rows.iter().map(|(name, row)| Curve::points(*name, over(row))).collect();
+fn friction_laws_over_amplitude_figures(rows: &[LawDistances], maps: &[LawMap]) -> Vec<Drawing> {
+    let over = |values: &[f64]| SHARES.iter().copied().zip(values.iter().copied()).map(Point::from).collect();
+    let distance = rows.iter().map(|row| Curve::points(row.law, over(&row.db))).collect();
     let distances = panel(Axis::linear("distance from the rig's map", "dB"), distance)
         .with_level(AGREES_DB, "agree below this");
     let x = Axis::logarithmic("pitch rate over the largest", "");
@@ -245,8 +256,10 @@ fn friction_laws_over_amplitude_figures(rows: &[(&'static str, Vec<f64>)], maps:
         vec![drawing("Distance of each friction law from the rig's, over amplitude", x, vec![distances])];
     for (k, share) in SHARES.iter().enumerate().filter(|(k, _)| [0, SHARES.len() - 1].contains(k)) {
         let of = |what: &dyn Fn(&C64) -> f64| -> Vec<Curve> {
-            let points = |map: &Map| FREQUENCIES_HZ.iter().copied().zip(map[k].iter().map(what)).collect();
-            maps.iter().map(|(name, map)| Curve::points(*name, points(map))).collect()
+            let points = |map: &Map| {
+                FREQUENCIES_HZ.iter().copied().zip(map[k].iter().map(what)).map(Point::from).collect()
+            };
+            maps.iter().map(|one| Curve::points(one.law, points(&one.map))).collect()
         };
         let panels = vec![
             panel(Axis::linear("hub over platform", "dB"), of(&|h| 20.0 * h.norm().log10())),
@@ -355,10 +368,10 @@ const WORKED_S: f64 = 10.0;
 fn cost_of_friction_laws_figure(counts: [[usize; 3]; 2]) -> Drawing {
     let names = ["studio's integrator, closed loop", "explicit, order 5, one inertia"];
     let curve = |(name, count): (&str, [usize; 3])| {
-        let points = (0..3).map(|k| ((k + 1) as f64, count[k] as f64 / count[0] as f64)).collect();
+        let points = (0..3).map(|k| Point::new((k + 1) as f64, count[k] as f64 / count[0] as f64)).collect();
         Curve::points(name, points)
     };
-    let thesis = Curve::reference("thesis", vec![(1.0, 1.0), (2.0, 1.5), (3.0, 3.0)]);
+    let thesis = Curve::reference("thesis", [(1.0, 1.0), (2.0, 1.5), (3.0, 3.0)].map(Point::from).to_vec());
     let curves = names.into_iter().zip(counts).map(curve).chain([thesis]).collect();
     let panel = panel(Axis::linear("work over that with Dahl", ""), curves);
     drawing("What a friction law costs", Axis::linear("1 Dahl, 2 reset integrator, 3 LuGre", ""), vec![panel])
@@ -412,10 +425,10 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         drawings: vec![fitted_friction_laws_figure(
             &truth,
             [
-                ("LuGre as matched", map(&with_law(&free, lugre([1.0; 2])))?),
-                ("LuGre fitted", map(&with_law(&free, lugre(a.at)))?),
-                ("reset integrator as matched", map(&with_law(&free, reset([1.0; 2])))?),
-                ("reset integrator fitted", map(&with_law(&free, reset(b.at)))?),
+                LawMap { law: "LuGre as matched", map: map(&with_law(&free, lugre([1.0; 2])))? },
+                LawMap { law: "LuGre fitted", map: map(&with_law(&free, lugre(a.at)))? },
+                LawMap { law: "reset integrator as matched", map: map(&with_law(&free, reset([1.0; 2])))? },
+                LawMap { law: "reset integrator fitted", map: map(&with_law(&free, reset(b.at)))? },
             ],
         )],
         ..Claim::of(named)
@@ -457,10 +470,10 @@ fn fitted_criteria(a: &Fitted, b: &Fitted, dahl: f64) -> Vec<Criterion> {
 }
 
 /// Returns the distance from the rig's map over amplitude, before and after the fit.
-fn fitted_friction_laws_figure(truth: &Map, maps: [Mapped; 4]) -> Drawing {
-    let one = |(k, (name, map)): (usize, Mapped)| {
-        let points = SHARES.iter().copied().zip(distances(&map, truth)).collect();
-        if k % 2 == 0 { Curve::reference(name, points) } else { Curve::points(name, points) }
+fn fitted_friction_laws_figure(truth: &Map, maps: [LawMap; 4]) -> Drawing {
+    let one = |(k, LawMap { law, map }): (usize, LawMap)| {
+        let points = SHARES.iter().copied().zip(distances(&map, truth)).map(Point::from).collect();
+        if k % 2 == 0 { Curve::reference(law, points) } else { Curve::points(law, points) }
     };
     let curves = maps.into_iter().enumerate().map(one).collect();
     let panel = panel(Axis::linear("distance from the rig's map", "dB"), curves);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use counterpoise_controller::{Readings, Runner, SampledController};
 use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
-use counterpoise_plot::Axis;
+use counterpoise_plot::{Axis, Point};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
 use super::drawing::{Curve, drawing, panel, time_axis};
@@ -99,7 +99,7 @@ pub fn misaligned_gyroscopes(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
     let curve = |name: &str, rates: &[f64]| {
         let first = (DURATION_S.1 / period_s).round() as usize;
         let points = rates.iter().enumerate().skip(first).take((2.0 / period_s) as usize);
-        Curve::line(name, points.map(|(k, rate)| (k as f64 * period_s, 1e3 * rate)).collect())
+        Curve::line(name, points.map(|(k, rate)| Point::new(k as f64 * period_s, 1e3 * rate)).collect())
     };
     let curves = vec![
         curve("aligned", &aligned),

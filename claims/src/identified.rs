@@ -11,7 +11,7 @@ use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 use super::drawing::{Curve, Style, drawing, panel};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// By how much the recorded machine differs from the project: out-of-balance, inertias, Coulomb level and viscous friction at the
 /// pivot.
@@ -137,7 +137,8 @@ pub fn triangle_identification(bench: &Bench<'_>) -> Result<Claim, PipelineError
 fn lobes(found: &Identified) -> Drawing {
     let points: &[[f64; 3]] = found.loops.first().map_or(&[], |one| &one.points);
     let every = points.len().div_ceil(DRAWN).max(1);
-    let of = |column: usize| points.iter().step_by(every).map(|p| (1e3 * p[0], p[column])).collect();
+    let of =
+        |column: usize| points.iter().step_by(every).map(|p| Point::new(1e3 * p[0], p[column])).collect();
     let panel = panel(
         Axis::linear("control", "V"),
         vec![Curve::new("recorded", Style::Faint, of(1)), Curve::line("identified", of(2))],
@@ -216,12 +217,13 @@ pub fn amplifier_curve(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn curve(points: &[GainPoint], truth: &dyn Fn(f64) -> f64) -> Drawing {
     let end = points.last().map_or(1.0, |q| q.input_v);
     let inputs: Vec<f64> = (0..200).map(|k| end * f64::from(k) / 199.0).collect();
-    let map = inputs.iter().map(|v| (*v, truth(*v))).collect();
-    let linear = points.iter().map(|q| (q.input_v, q.linear_a)).collect();
-    let recovered = points.iter().map(|q| (q.input_v, q.current_a)).collect();
+    let map = inputs.iter().map(|v| Point::new(*v, truth(*v))).collect();
+    let linear = points.iter().map(|q| Point::new(q.input_v, q.linear_a)).collect();
+    let recovered = points.iter().map(|q| Point::new(q.input_v, q.current_a)).collect();
     let off = |a: f64, v: f64| 100.0 * (a / truth(v) - 1.0);
-    let limits = |side: usize| points.iter().map(|q| (q.input_v, off(q.ci95_a[side], q.input_v))).collect();
-    let errors = points.iter().map(|q| (q.input_v, off(q.current_a, q.input_v))).collect();
+    let limits =
+        |side: usize| points.iter().map(|q| Point::new(q.input_v, off(q.ci95_a[side], q.input_v))).collect();
+    let errors = points.iter().map(|q| Point::new(q.input_v, off(q.current_a, q.input_v))).collect();
     let panels = vec![
         panel(
             Axis::linear("stalled current", "A"),

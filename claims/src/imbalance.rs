@@ -10,7 +10,7 @@ use super::bench::{Member, largest_db, rate_grid};
 use super::drawing::{Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, panel, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, run_stages};
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Band in which controllers are compared, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 10.0];
@@ -176,8 +176,8 @@ pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineErro
         all.push(redesigned(bench, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
-    let mut designs = vec![(1.0, bench.observed.clone())];
-    designs.extend(all.iter().map(|one| (one.factor, one.controller.clone())));
+    let mut designs = vec![DesignAt { factor: 1.0, controller: bench.observed.clone() }];
+    designs.extend(all.iter().map(|one| DesignAt { factor: one.factor, controller: one.controller.clone() }));
     Ok(Claim {
         id: "C14",
         title: "redesign for each",
@@ -248,13 +248,20 @@ fn redesigned(
     Ok(Redesigned { words, factor, controller: controller.clone(), criteria })
 }
 
+/// The controller that was designed for an out-of-balance.
+struct DesignAt {
+    /// The out-of-balance over its normal value.
+    factor: f64,
+    controller: Controller,
+}
+
 /// Returns the three paths of each design over frequency.
-fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> {
+fn controllers(designs: &[DesignAt]) -> Result<Drawing, PipelineError> {
     let drawn = rate_grid([0.1, 50.0]);
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
         let mut curves = Vec::new();
-        for (factor, controller) in designs {
+        for DesignAt { factor, controller } in designs {
             let points = gain_db(&linear(controller)?, input, &drawn)?;
             curves.push(Curve::line(format!("out-of-balance x{factor}"), points));
         }
@@ -299,10 +306,10 @@ pub fn gravity_over_elevation(bench: &Bench<'_>) -> Result<Claim, PipelineError>
     let words: Vec<String> =
         ELEVATIONS_DEG.iter().map(|deg| format!("{deg} deg {:.3} V", at(*deg))).collect();
     let curves = vec![
-        Curve::points("plant", ELEVATIONS_DEG.iter().map(|deg| (*deg, at(*deg))).collect()),
+        Curve::points("plant", ELEVATIONS_DEG.iter().map(|deg| Point::new(*deg, at(*deg))).collect()),
         Curve::reference(
             "cosine law",
-            (0..=60).map(|deg| (f64::from(deg), level * law(f64::from(deg)))).collect(),
+            (0..=60).map(|deg| Point::new(f64::from(deg), level * law(f64::from(deg)))).collect(),
         ),
     ];
     Ok(Claim {

@@ -9,7 +9,7 @@ use counterpoise_verify::{
 use super::drawing::{Curve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// By how much the thesis' feedback reduces the peak under pitch.
 const PITCH_FACTOR: f64 = 13.0;
@@ -94,11 +94,11 @@ fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     all
 }
 
-fn decibels(hz: &[f64], curve: &Response) -> Vec<(f64, f64)> {
-    hz.iter().zip(&curve.response).map(|(hz, h)| (*hz, 20.0 * h.norm().log10())).collect()
+fn decibels(hz: &[f64], curve: &Response) -> Vec<Point> {
+    hz.iter().zip(&curve.response).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10())).collect()
 }
 
-fn degrees(hz: &[f64], curve: &Response) -> Vec<(f64, f64)> {
+fn degrees(hz: &[f64], curve: &Response) -> Vec<Point> {
     let mut before: Option<f64> = None;
     let mut unwrapped = |raw: f64| {
         let start = if raw > 90.0 { raw - 360.0 } else { raw };
@@ -106,7 +106,7 @@ fn degrees(hz: &[f64], curve: &Response) -> Vec<(f64, f64)> {
         before = Some(phase);
         phase
     };
-    hz.iter().zip(&curve.response).map(|(hz, h)| (*hz, unwrapped(h.arg().to_degrees()))).collect()
+    hz.iter().zip(&curve.response).map(|(hz, h)| Point::new(*hz, unwrapped(h.arg().to_degrees()))).collect()
 }
 
 fn peak(bench: &Bench<'_>, source: Source, arrangement: Arrangement) -> f64 {
@@ -228,7 +228,8 @@ fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
 }
 
 fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
-    let within = factors(bench).into_iter().filter(|point| (0.1..=20.0).contains(&point.0)).collect();
+    let within =
+        factors(bench).into_iter().filter(|point| (0.1..=20.0).contains(&point.0)).map(Point::from).collect();
     let factor = panel(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
         .with_level(PITCH_FACTOR, "13 times, as the thesis says")
         .with_instant(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
@@ -272,8 +273,8 @@ fn heave_over_frequency(bench: &Bench<'_>) -> Drawing {
     let hz = &found(bench).evidence.curves.frequency_hz;
     let curve = |(arrangement, name): &(Arrangement, &str)| {
         let values = rejection(bench, Source::Heave, *arrangement)?;
-        let points = hz.iter().zip(values).map(|(hz, h)| (*hz, 20.0 * h.norm().log10()));
-        Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.0)).collect()))
+        let points = hz.iter().zip(values).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10()));
+        Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
     };
     let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
         .with_instant(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");

@@ -6,7 +6,7 @@ use std::f64::consts::{LN_10, TAU};
 
 use counterpoise_linalg::C64;
 use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
@@ -391,13 +391,15 @@ fn criteria(found: &Measured) -> Vec<Criterion> {
 }
 
 fn figures(found: &Measured) -> Vec<Drawing> {
-    let over = |values: &[f64]| RATES_RAD_S.iter().copied().zip(values.iter().copied()).collect();
+    let over =
+        |values: &[f64]| RATES_RAD_S.iter().copied().zip(values.iter().copied()).map(Point::from).collect();
     let distances = vec![
         Curve::points("Bliman and Sorine", over(&found.bliman_sorine)),
         Curve::points("seven parameters", over(&found.seven_parameters)),
     ];
-    let numbered =
-        |values: &[f64]| values.iter().enumerate().map(|(k, v)| ((k + 1) as f64, 100.0 * v)).collect();
+    let numbered = |values: &[f64]| {
+        values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, 100.0 * v)).collect()
+    };
     let uncertain = vec![
         Curve::points("seven parameters", numbered(&found.of_seven)),
         Curve::points("Dahl's three", numbered(&found.of_dahl)),

@@ -3,7 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_verify::linear::Curve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
@@ -75,12 +75,14 @@ pub fn nyquist_and_nichols(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 }
 
 fn charts(loop_gain: &Response) -> Vec<Drawing> {
-    let near = loop_gain.response.iter().filter(|h| h.norm() < NYQUIST).map(|h| (h.re, h.im)).collect();
+    let near =
+        loop_gain.response.iter().filter(|h| h.norm() < NYQUIST).map(|h| Point::new(h.re, h.im)).collect();
     let circle = (0..=120).map(|k| {
         let angle = f64::from(k) * std::f64::consts::TAU / 120.0;
         (-1.0 + 0.5 * angle.cos(), 0.5 * angle.sin())
     });
-    let nyquist = vec![Curve::line("loop", near), Curve::reference("Ms = 2", circle.collect())];
+    let nyquist =
+        vec![Curve::line("loop", near), Curve::reference("Ms = 2", circle.map(Point::from).collect())];
     let db = |h: &C64| 20.0 * h.norm().log10();
     let mut before: Option<f64> = None;
     // without jumps of a whole turn, from between -360 and 0 degrees on
@@ -92,7 +94,7 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
         unwrapped
     };
     let within = loop_gain.response.iter().filter(|h| db(h).abs() < NICHOLS_DB);
-    let nichols = vec![Curve::line("loop", within.map(|h| (phase(h), db(h))).collect())];
+    let nichols = vec![Curve::line("loop", within.map(|h| Point::new(phase(h), db(h))).collect())];
     vec![
         drawing(
             "Nyquist chart of the loop",
@@ -135,11 +137,12 @@ pub fn open_loop_analyser(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         .zip(&measured)
         .map(|(hz, h)| format!("{hz} Hz {:.1} dB {:.0} deg", 20.0 * h.norm().log10(), h.arg().to_degrees()))
         .collect();
-    let points =
-        |of: &dyn Fn(&C64) -> f64| MEASURED_HZ.iter().copied().zip(measured.iter().map(of)).collect();
+    let points = |of: &dyn Fn(&C64) -> f64| {
+        MEASURED_HZ.iter().copied().zip(measured.iter().map(of)).map(Point::from).collect()
+    };
     let line = |of: &dyn Fn(&C64) -> f64| {
         let both = curves.frequency_hz.iter().copied().zip(curves.broken.response.iter().map(of));
-        both.filter(|point| (0.5..=20.0).contains(&point.0)).collect()
+        both.filter(|point| (0.5..=20.0).contains(&point.0)).map(Point::from).collect()
     };
     let gain = |h: &C64| 20.0 * h.norm().log10();
     let panels = vec![panel(

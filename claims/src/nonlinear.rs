@@ -5,11 +5,11 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
-use super::bench::{Behaviour, Member, over_factor};
+use super::bench::{Behaviour, Member, NamedLevel, over_factor};
 use super::drawing::{Curve, drawing, hub_from, hub_panel, hub_rates, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::Figure as Drawing;
+use counterpoise_plot::{Figure as Drawing, Point};
 
 /// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn changed(bench: &Bench<'_>, varied: Varied, factor: f64) -> Result<Parameters, PipelineError> {
@@ -110,7 +110,7 @@ fn friction_observer_figures(bench: &Bench<'_>) -> Result<Vec<Drawing>, Pipeline
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
     let run = |controller, experiment| bench.history(bench.parameters(), controller, experiment);
     let from = bench.procedure.settle_s;
-    let short = |points: Vec<(f64, f64)>| points.into_iter().filter(|point| point.0 <= 0.8).collect();
+    let short = |points: Vec<Point>| points.into_iter().filter(|point| point.x <= 0.8).collect();
     let mut steps = vec![
         Curve::line("nonlinear, with observer", short(hub_rates(&run(&bench.observed, Experiment::Step)?))),
         Curve::line(
@@ -175,7 +175,10 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 "hub inertia",
                 &[0.5, 1.0, 2.0],
                 &found,
-                &[(20.5, "thesis, doubled"), (13.0, "thesis, halved")],
+                &[
+                    NamedLevel { y: 20.5, text: "thesis, doubled" },
+                    NamedLevel { y: 13.0, text: "thesis, halved" },
+                ],
                 Default::default(),
             ),
             &[0.5, 1.0, 2.0],
@@ -317,7 +320,9 @@ fn other_friction_figures(
     controllers: &[Controller],
     updated: &[Behaviour],
 ) -> Result<Vec<Drawing>, PipelineError> {
-    let after = |of: &dyn Fn(&Behaviour) -> f64| [0.5, 2.0].into_iter().zip(updated.iter().map(of)).collect();
+    let after = |of: &dyn Fn(&Behaviour) -> f64| {
+        [0.5, 2.0].into_iter().zip(updated.iter().map(of)).map(Point::from).collect()
+    };
     let name = "observer identified anew";
     let others = [
         vec![Curve::points(name, after(&|b| b.overshoot_percent))],

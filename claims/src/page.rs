@@ -151,10 +151,10 @@ fn criterion(one: &Criterion) -> Vec<Cell> {
 mod tests {
     use super::*;
     use crate::drawing::{Curve, drawing, factor_axis, panel};
-    use counterpoise_plot::{Axis, Mark};
+    use counterpoise_plot::{Axis, Mark, Point};
 
     fn claim(criterion: Criterion, why: &str) -> Claim {
-        let points = vec![(0.5, 1.0), (1.0, 2.0)];
+        let points = vec![Point::new(0.5, 1.0), Point::new(1.0, 2.0)];
         let panel = panel(Axis::linear("overshoot", "%"), vec![Curve::points("measured", points)]);
         let figure = drawing("Overshoot", factor_axis("inertia"), vec![panel.with_level(13.0, "thesis")]);
         Claim {

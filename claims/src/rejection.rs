@@ -13,7 +13,7 @@ use super::imbalance::configured;
 use super::nonlinear::changed;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Samples of a segment of the spectra, their confidence, and the band over which a ratio is averaged, Hz.
 const SEGMENT: usize = 4096;
@@ -141,7 +141,7 @@ fn balanced_against_compensated_figures(runs: &[Run]) -> Vec<Drawing> {
         );
         let slow = |history: &History| {
             let points = super::drawing::hub_rates(history);
-            points.into_iter().filter(|point| (5.0..10.0).contains(&point.0)).collect()
+            points.into_iter().filter(|point| (5.0..10.0).contains(&point.x)).collect()
         };
         let rates = those.iter().map(|run| Curve::line(run.control, slow(&run.history))).collect();
         all.push(drawing(
@@ -157,7 +157,8 @@ fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<Curve> {
     let one = |run: &&Run| {
         let spectra = run.spectra.as_ref()?;
         let both = spectra.frequency_hz.iter().copied().zip(of(spectra));
-        let points = both.filter(|point| (DRAWN_HZ.0..=DRAWN_HZ.1).contains(&point.0)).collect();
+        let points =
+            both.filter(|point| (DRAWN_HZ.0..=DRAWN_HZ.1).contains(&point.0)).map(Point::from).collect();
         Some(Curve::line(run.control, points))
     };
     runs.iter().filter_map(one).collect()
@@ -256,7 +257,7 @@ fn band_criteria(hz: f64, [backlash, inertia, friction]: [&[f64]; 3]) -> [Criter
 }
 
 fn drawn(what: &str, x: Axis, factors: &[f64], db: &[f64]) -> Drawing {
-    let points = factors.iter().copied().zip(db.iter().copied()).collect();
+    let points = factors.iter().copied().zip(db.iter().copied()).map(Point::from).collect();
     let panel = panel(
         Axis::linear("DRR in pitch", "dB"),
         vec![Curve::points("with observer, a third of the pitch", points)],

@@ -11,7 +11,7 @@ use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
 use super::{Bench, Claim, Criterion};
 use crate::tolerance::UNSEEN_STATE;
 use counterpoise_pipeline::{PipelineError, model};
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// The band in which the reduction is judged, Hz.
@@ -102,15 +102,16 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let full = beam_plant(bench, MODES)?.system;
     let rate = cut(&full)?;
     let seen = minimal(&full, UNSEEN_STATE)?;
+    let by = |method, system| NamedReduction { method, system };
     let all = [
-        ("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
-        ("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
-        ("balanced truncation", balred(&full, Order::States(ORDER), Method::MatchDc)?.system),
-        ("Guyan and truncation", condensed(bench)?),
+        by("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
+        by("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
+        by("balanced truncation", balred(&full, Order::States(ORDER), Method::MatchDc)?.system),
+        by("Guyan and truncation", condensed(bench)?),
     ];
     let mut words = Vec::new();
     let mut best = f64::INFINITY;
-    for (name, system) in &all {
+    for NamedReduction { method: name, system } in &all {
         let mut errors = [0.0; 3];
         for (input, error) in errors.iter_mut().enumerate() {
             *error = 100.0 * relative_error(&full, system, input)?;
@@ -148,14 +149,20 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
+/// A reduced plant with the name of its method.
+struct NamedReduction {
+    method: &'static str,
+    system: StateSpace,
+}
+
 /// Returns each input's response by every reduction, beside the whole plant's.
-fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Drawing>, PipelineError> {
+fn reductions(full: &StateSpace, all: &[NamedReduction]) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut curves =
             vec![Curve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
-        for (method, system) in all {
+        for NamedReduction { method, system } in all {
             curves.push(Curve::new(*method, super::drawing::Style::Line, gain_db(system, input, &drawn)?));
         }
         let panel =
@@ -337,7 +344,7 @@ pub fn condensed_beam(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let count = condensed.len().min(full.len()).min(8);
     let off: Vec<f64> = (0..count).map(|k| 100.0 * (condensed[k] / full[k] - 1.0)).collect();
     let words: Vec<String> = off.iter().map(|v| format!("{v:+.3}")).collect();
-    let points = off.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
+    let points = off.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
     let panel = panel(Axis::linear("frequency off by", "%"), vec![Curve::points("condensed", points)])
         .with_level(0.0, "");
     Ok(Claim {

@@ -12,7 +12,7 @@ use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
 use super::imbalance::configured;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Frequency of the amplitude tests, Hz, and full amplitudes of demand (rad/s) and control (V).
 const TONE_HZ: f64 = 1.0;
@@ -32,8 +32,8 @@ fn text(values: &[f64]) -> String {
 /// Frequencies of the maps, Hz.
 const MAPPED_HZ: [f64; 7] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0];
 
-/// (Hz, dB) at each of the amplitudes.
-type Map = Vec<Vec<(f64, f64)>>;
+/// dB over Hz at each of the amplitudes.
+type Map = Vec<Vec<Point>>;
 
 /// Returns the frequency response analyser at every amplitude and frequency; `of` makes a figure in dB of a
 /// response.
@@ -46,10 +46,10 @@ fn map(
 ) -> Result<Map, PipelineError> {
     let plant = &bench.designed.modelled.plant;
     let settings = Settings { least_duration_s: 1.0, ..Settings::default() };
-    let one = |share: f64, hz: f64| -> Result<(f64, f64), PipelineError> {
+    let one = |share: f64, hz: f64| -> Result<Point, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * amplitude };
         let found = measure(plant, &mut controller.runner(), test, at, &settings)?;
-        Ok((hz, of(found.response.value)))
+        Ok(Point::new(hz, of(found.response.value)))
     };
     AMPLITUDES.iter().map(|&share| MAPPED_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()
 }
@@ -57,14 +57,14 @@ fn map(
 /// Returns the largest spread over the amplitudes at any frequency, dB.
 fn largest_spread(map: &Map) -> f64 {
     (0..MAPPED_HZ.len())
-        .map(|k| spread(&map.iter().map(|row| row[k].1).collect::<Vec<_>>()))
+        .map(|k| spread(&map.iter().map(|row| row[k].y).collect::<Vec<_>>()))
         .fold(0.0, f64::max)
 }
 
 /// Returns the values at the frequency of the tone.
 fn at_tone(map: &Map) -> Vec<f64> {
     let near =
-        |row: &Vec<(f64, f64)>| row.iter().find(|point| point.0 == TONE_HZ).map_or(f64::NAN, |point| point.1);
+        |row: &Vec<Point>| row.iter().find(|point| point.x == TONE_HZ).map_or(f64::NAN, |point| point.y);
     map.iter().map(near).collect()
 }
 
@@ -169,7 +169,7 @@ const BADLY: f64 = 0.1;
 /// The splits beside a rig: the part of friction's own control by which each is off, and the loops.
 struct Compared {
     off: Vec<f64>,
-    loops: Vec<(String, Triangle)>,
+    loops: Vec<NamedTriangle>,
 }
 
 /// Returns row C17: where friction shows in the triangle test. On the rig as it is, and on one whose friction is half and half as the
@@ -264,46 +264,53 @@ fn compared(
         run.control_v.iter().zip(&rig.control_v).map(|(a, b)| a - b).collect()
     };
     let friction = rms(&off(&triangle(bench, &split(mechanism, 0.0, 0.0))?));
-    let mut found = Compared { off: Vec::new(), loops: vec![(name.to_owned(), rig.clone())] };
+    let mut found =
+        Compared { off: Vec::new(), loops: vec![NamedTriangle { name: name.to_owned(), run: rig.clone() }] };
     for share in SPLITS {
         let run = triangle(bench, &split(mechanism, share * total, (1.0 - share) * total))?;
         found.off.push(rms(&off(&run)) / friction);
-        found.loops.push((format!("motor:load {}", ratio(share)), run));
+        found.loops.push(NamedTriangle { name: format!("motor:load {}", ratio(share)), run });
     }
     Ok(found)
 }
 
 /// Control against hub rate over the last period.
-fn lobes(loops: &[(String, Triangle)]) -> Drawing {
-    let one = |(name, run): &(String, Triangle)| {
+fn lobes(loops: &[NamedTriangle]) -> Drawing {
+    let one = |NamedTriangle { name, run }: &NamedTriangle| {
         let last = run.control_v.len() - run.control_v.len() / 2;
         let points = (last..run.control_v.len())
             .step_by(EVERY)
             .map(|k| (1e3 * run.hub_rate_rad_s[k], run.control_v[k]));
-        Curve::line(name.clone(), points.collect())
+        Curve::line(name.clone(), points.map(Point::from).collect())
     };
     let panel = panel(Axis::linear("control", "V"), loops.iter().map(one).collect());
     drawing("Triangle: control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
 }
 
 /// Returns how far each split's control is from the rig's.
-fn apart(loops: &[(String, Triangle)]) -> Drawing {
-    let Some((_, rig)) = loops.first() else { return lobes(loops) };
-    let one = |(name, run): &(String, Triangle)| {
+fn apart(loops: &[NamedTriangle]) -> Drawing {
+    let Some(NamedTriangle { run: rig, .. }) = loops.first() else { return lobes(loops) };
+    let one = |NamedTriangle { name, run }: &NamedTriangle| {
         let off = |k: usize| 1e3 * (run.control_v[k] - rig.control_v[k]);
         let half = run.control_v.len() / 2;
         Curve::line(
             name.clone(),
-            (half..run.control_v.len()).map(|k| (k as f64 * rig.period_s, off(k))).collect(),
+            (half..run.control_v.len()).map(|k| Point::new(k as f64 * rig.period_s, off(k))).collect(),
         )
     };
     let panel = panel(Axis::linear("change of the control", "mV"), loops[1..].iter().map(one).collect());
-    let title = format!("Triangle: what another split changes, against {}", loops[0].0);
+    let title = format!("Triangle: what another split changes, against {}", loops[0].name);
     drawing(title, time_axis(), vec![panel])
 }
 
 /// Every so many samples of a loop are drawn.
 const EVERY: usize = 4;
+
+/// A triangle in closed loop with its name in the legend.
+struct NamedTriangle {
+    name: String,
+    run: Triangle,
+}
 
 /// A triangle in closed loop.
 #[derive(Clone)]

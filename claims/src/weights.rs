@@ -11,7 +11,7 @@ use super::drawing::{
 };
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::{PipelineError, Stages};
-use counterpoise_plot::{Axis, Figure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// K1 / a1 of the integrating design, and the corner of the error weight without integral action, s: where the integrating design's own
 /// weight levels off.
@@ -144,7 +144,7 @@ fn integral_action_figures(integral: &Stages, family: &[Lagging], high: Option<&
     }
     let steps: Vec<Curve> =
         steps.into_iter().map(|curve| Curve { points: first_second(curve.points), ..curve }).collect();
-    let over = |k: usize| family.iter().map(|one| (one.figures[0], one.figures[k])).collect();
+    let over = |k: usize| family.iter().map(|one| Point::new(one.figures[0], one.figures[k])).collect();
     let own = figures(integral);
     let overshoot =
         panel(Axis::linear("overshoot", "%"), vec![Curve::points("without integral action", over(1))])
@@ -166,8 +166,8 @@ fn integral_action_figures(integral: &Stages, family: &[Lagging], high: Option<&
     all
 }
 
-fn first_second(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    points.into_iter().filter(|point| point.0 <= 1.0).collect()
+fn first_second(points: Vec<Point>) -> Vec<Point> {
+    points.into_iter().filter(|point| point.x <= 1.0).collect()
 }
 
 /// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
@@ -226,7 +226,8 @@ pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 let (text, judged) = judged_loop(name, &broken)?;
                 criteria.extend(judged);
                 words.push(format!("{name}: {text}"));
-                loops.push((name, part.controller.select(&[0], &[0]), broken));
+                let controller = part.controller.select(&[0], &[0]);
+                loops.push(MethodLoop { name, controller, broken });
             }
             Err(_) => {
                 words.push(format!("{name}: no solution"));
@@ -252,8 +253,13 @@ pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     })
 }
 
-/// A method's name, controller and loop.
-type Named = (&'static str, StateSpace, StateSpace);
+/// The controller of a method, and its loop.
+struct MethodLoop {
+    name: &'static str,
+    controller: StateSpace,
+    /// The loop, broken at the plant's input.
+    broken: StateSpace,
+}
 
 /// Returns the loop of a continuous design on the design plant.
 fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
@@ -290,10 +296,10 @@ fn judged_loop(name: &str, broken: &StateSpace) -> Result<(String, [Criterion; 3
     Ok((text, criteria))
 }
 
-fn three_methods_figures(loops: &[Named]) -> Result<Vec<Drawing>, PipelineError> {
+fn three_methods_figures(loops: &[MethodLoop]) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rate_grid([0.05, 100.0]);
     let (mut controllers, mut gains, mut steps) = (Vec::new(), Vec::new(), Vec::new());
-    for (name, controller, broken) in loops {
+    for MethodLoop { name, controller, broken } in loops {
         controllers.push(Curve::line(*name, gain_db(controller, 0, &drawn)?));
         gains.push(Curve::line(*name, gain_db(broken, 0, &drawn)?));
         let unity = StateSpace::gain(Mat::eye(1), broken.timebase)?;

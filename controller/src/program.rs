@@ -20,6 +20,15 @@ pub struct Term {
     pub of: Slot,
 }
 
+/// `coefficient * slot` is the term of a sum.
+impl std::ops::Mul<Slot> for f64 {
+    type Output = Term;
+
+    fn mul(self, of: Slot) -> Term {
+        Term { coefficient: self, of }
+    }
+}
+
 /// One operation. Every product, sum and quotient is rounded by itself; nothing is contracted or reordered.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Operation {

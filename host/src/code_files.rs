@@ -9,11 +9,17 @@ use counterpoise_export::fmi::pack_unit;
 use counterpoise_pipeline::exchange::ControllerResult;
 
 use crate::compilers::unit_library;
-use crate::files;
+use crate::files::{self, FileToWrite};
 use crate::json::json_text;
 
 /// Makes the library of an FMI unit from its sources below a folder, by the unit's name; `None` if this machine cannot.
 pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
+
+/// A packed FMI unit.
+struct PackedUnit {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
 
 /// Writes generated files and packed FMI units as a set: no old file is replaced before all new ones are on the disk. Returns `None`
 /// and writes nothing if `go_on` returns `false`.
@@ -28,7 +34,7 @@ pub fn write_code(
 ) -> Result<Option<Vec<PathBuf>>, String> {
     // The library of a unit is compiled from a copy of its sources, so that the set is complete before any old file is replaced.
     let scratch = files::scratch_folder().map_err(|error| format!("no temporary folder: {error}"))?;
-    let mut packed: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    let mut packed: Vec<PackedUnit> = Vec::new();
     for name in units(code) {
         if !go_on() {
             return Ok(None);
@@ -40,16 +46,17 @@ pub fn write_code(
                 .map_err(|error| format!("{} cannot be written: {error}", file.name))?;
         }
         let unit = pack_unit(&own, &name, library(scratch.path(), &name).as_deref());
-        packed.push((folder.join(format!("{name}.fmu")), unit));
+        packed.push(PackedUnit { path: folder.join(format!("{name}.fmu")), bytes: unit });
     }
     if !go_on() {
         return Ok(None);
     }
-    let texts = code.iter().map(|file| (folder.join(&file.name), file.text.as_bytes()));
-    let set: Vec<(PathBuf, &[u8])> =
-        texts.chain(packed.iter().map(|(path, bytes)| (path.clone(), bytes.as_slice()))).collect();
+    let texts =
+        code.iter().map(|file| FileToWrite { path: folder.join(&file.name), bytes: file.text.as_bytes() });
+    let units = packed.iter().map(|unit| FileToWrite { path: unit.path.clone(), bytes: &unit.bytes });
+    let set: Vec<FileToWrite<'_>> = texts.chain(units).collect();
     files::write_set(&set)?;
-    Ok(Some(set.into_iter().map(|(path, _)| path).collect()))
+    Ok(Some(set.into_iter().map(|file| file.path).collect()))
 }
 
 /// Writes generated files, the controller as plain data and further files as one set; FMI units have a library inside if this machine has

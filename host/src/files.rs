@@ -272,15 +272,24 @@ fn new_partial(folder: &Path, path: &Path) -> io::Result<tempfile::NamedTempFile
     builder.tempfile_in(folder)
 }
 
+/// A file that is to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileToWrite<'a> {
+    /// Where it goes.
+    pub path: PathBuf,
+    /// Its content.
+    pub bytes: &'a [u8],
+}
+
 /// Writes several files as a set: all of them beside their places first, then each in its place. Whatever fails before that leaves
 /// every old file as it was.
 ///
 /// # Errors
 /// The file that cannot be written, and why.
-pub fn write_set(files: &[(PathBuf, &[u8])]) -> Result<(), String> {
+pub fn write_set(files: &[FileToWrite<'_>]) -> Result<(), String> {
     let cannot = |path: &Path, error: io::Error| format!("{} cannot be written: {error}", path.display());
     let mut partials = Vec::new();
-    for (path, content) in files {
+    for FileToWrite { path, bytes } in files {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let write = || {
             if place(path)? == Place::Device {
@@ -288,14 +297,14 @@ pub fn write_set(files: &[(PathBuf, &[u8])]) -> Result<(), String> {
             }
             fs::create_dir_all(folder)?;
             let mut partial = new_partial(folder, path)?;
-            partial.write_all(content)?;
+            partial.write_all(bytes)?;
             partial.as_file().sync_all()?;
             Ok(partial)
         };
         partials.push(write().map_err(|error| cannot(path, error))?);
     }
-    let _held = files.first().and_then(|(path, _)| held(path));
-    for ((path, _), partial) in files.iter().zip(partials) {
+    let _held = files.first().and_then(|file| held(&file.path));
+    for (FileToWrite { path, .. }, partial) in files.iter().zip(partials) {
         partial.persist(path).map_err(|error| cannot(path, error.error))?;
     }
     Ok(())

@@ -29,13 +29,20 @@ impl RecentList {
     }
 }
 
+/// A path that was used, for the head of a list.
+#[derive(Debug)]
+struct Addition {
+    list: RecentList,
+    path: PathBuf,
+}
+
 type SharedLists = Arc<Mutex<[Vec<PathBuf>; 2]>>;
 
 /// The lists, with the thread that keeps them on disk.
 #[derive(Debug)]
 pub struct RecentFiles {
     lists: SharedLists,
-    inbox: Option<Sender<(RecentList, PathBuf)>>,
+    inbox: Option<Sender<Addition>>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
@@ -57,7 +64,7 @@ impl RecentFiles {
     /// Puts a path at the head of a list. An error of the disk is ignored: the list is a convenience.
     pub fn add(&self, list: RecentList, path: &Path) {
         if let Some(inbox) = &self.inbox {
-            let _ = inbox.send((list, path.to_owned()));
+            let _ = inbox.send(Addition { list, path: path.to_owned() });
         }
     }
 }
@@ -71,12 +78,7 @@ impl Drop for RecentFiles {
     }
 }
 
-fn keep_lists(
-    state: &Path,
-    disk: &dyn Disk,
-    lists: &SharedLists,
-    additions: &Receiver<(RecentList, PathBuf)>,
-) {
+fn keep_lists(state: &Path, disk: &dyn Disk, lists: &SharedLists, additions: &Receiver<Addition>) {
     let read = |list: RecentList| -> Vec<PathBuf> {
         let bytes = disk.read(&list.file(state)).ok();
         bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
@@ -87,7 +89,7 @@ fn keep_lists(
         }
     };
     RecentList::ALL.into_iter().for_each(|list| publish(list, &read(list)));
-    for (list, path) in additions {
+    for Addition { list, path } in additions {
         let whole = path.canonicalize().unwrap_or(path);
         let mut all = read(list);
         all.retain(|path| *path != whole);

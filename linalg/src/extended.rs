@@ -229,18 +229,20 @@ vectorised! {
             let columns = (parts.first.column_mut(j).iter_mut().zip(parts.second.column_mut(j)))
                 .zip(parts.third.column_mut(j).iter_mut().zip(parts.rest.column_mut(j)));
             match side {
-                Side::Left => columns.zip(anchor).for_each(|(entry, &s)| shave(entry, s, s * step)),
-                Side::Right => columns.for_each(|entry| shave(entry, anchor[j], anchor[j] * step)),
+                Side::Left => columns.zip(anchor).for_each(|(((first, second), (third, rest)), &s)| {
+                    shave([first, second, third, rest], s, s * step);
+                }),
+                Side::Right => columns.for_each(|((first, second), (third, rest))| {
+                    shave([first, second, third, rest], anchor[j], anchor[j] * step);
+                }),
             }
         }
     }
 }
 
-/// The slices of one entry.
-type Entry<'a> = ((&'a mut f64, &'a mut f64), (&'a mut f64, &'a mut f64));
-
+/// Cuts one entry, which stands in the place of its first slice.
 #[inline(always)]
-fn shave(((first, second), (third, rest)): Entry, anchor: f64, finer: f64) {
+fn shave([first, second, third, rest]: [&mut f64; 4], anchor: f64, finer: f64) {
     let whole = *first;
     *first = (whole + anchor) - anchor;
     *rest = whole - *first;

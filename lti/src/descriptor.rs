@@ -2,7 +2,7 @@
 
 use crate::error::During;
 use crate::tolerance::{DESCRIPTOR_SWEEPS, IMPROPER};
-use crate::tracked::{Tracked, eliminate, solve_pivots};
+use crate::tracked::{Pivot, Tracked, eliminate, solve_pivots};
 use crate::{Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
 
@@ -134,7 +134,7 @@ impl Pencil {
 
     /// Returns which variable each constraint determines: those without E first, a derivative only where it
     /// must be.
-    fn solve_constraints(&mut self, free: &[usize]) -> Result<Vec<(usize, usize)>, Error> {
+    fn solve_constraints(&mut self, free: &[usize]) -> Result<Vec<Pivot>, Error> {
         let (mut static_, mut dynamic): (Vec<usize>, Vec<usize>) =
             (0..self.A.value.ncols()).partition(|&j| self.E.column_is_zero(j));
         let mut rows = free.to_vec();
@@ -145,9 +145,9 @@ impl Pencil {
     }
 
     /// Expresses the pivots' variables by the others, x_p = -X x - Y\[0\] u - Y\[1\] u' ..., wherever they stand.
-    fn substitute(&mut self, free: &[usize], pivots: &[(usize, usize)]) -> Result<(), Error> {
+    fn substitute(&mut self, free: &[usize], pivots: &[Pivot]) -> Result<(), Error> {
         let n = self.A.value.nrows();
-        let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+        let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.column).collect();
         let rest: Vec<usize> = (0..n).filter(|j| !gone.contains(j)).collect();
         let rows: Vec<usize> = (0..n).filter(|i| free.binary_search(i).is_err()).collect();
         let all = |M: &Tracked| (0..M.value.nrows()).collect::<Vec<_>>();

@@ -7,7 +7,7 @@ use crate::components::components;
 use crate::error::During;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;
-use crate::tracked::{Tracked, eliminate, solve_pivots};
+use crate::tracked::{Pivot, Tracked, eliminate, solve_pivots};
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
 
@@ -57,10 +57,10 @@ impl TrackedSystem {
         }
     }
 
-    /// Returns the outputs `direct` and the states that the pivots (output, state) do not determine, x_p = -X x. The
+    /// Returns the outputs `direct` and the states that the pivots, in rows of outputs and columns of states, do not determine, x_p = -X x. The
     /// equations of the states that are gone become outputs.
-    fn without(self, direct: &[usize], pivots: &[(usize, usize)]) -> Result<Self, Error> {
-        let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+    fn without(self, direct: &[usize], pivots: &[Pivot]) -> Result<Self, Error> {
+        let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.column).collect();
         let kept: Vec<usize> = (0..self.A.value.nrows()).filter(|j| !gone.contains(j)).collect();
         let inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
         let outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
@@ -82,7 +82,7 @@ impl TrackedSystem {
         let mut inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
         let pivots = eliminate(&mut self.D, &mut [&mut self.C], &mut outputs, &mut inputs);
         let K = solve_pivots(&self.D.value, &pivots, &self.C.value).during("zeros")?;
-        let driving: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+        let driving: Vec<usize> = pivots.iter().map(|pivot| pivot.column).collect();
         let states: Vec<usize> = (0..self.A.value.nrows()).collect();
         let A = self.A.minus_product(&self.B.select(&states, &driving), &K).value;
         let n = A.nrows();

@@ -78,7 +78,7 @@ pub use margins::{
     candidate_sensitivity, margins,
 };
 pub use multiloop::{MultiloopMargins, multiloop_margins};
-pub use named::{Named, connect};
+pub use named::{Named, SignalTerm, connect};
 pub use norms::{NormBounds, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use peak::Peak;
 pub use placement::{Placement, place};

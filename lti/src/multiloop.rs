@@ -94,16 +94,17 @@ fn structured(g: &StateSpace) -> Result<Structured, Error> {
     for H in response.at_all(&rates)? {
         values.push(smallest_norm(&H)?);
     }
-    let value = |k: usize| values[k].0;
+    let value = |k: usize| values[k].norm;
     let best = (0..rates.len()).max_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(0);
     let direct = smallest_norm(&g.D.to_complex())?;
-    let mut out = Structured { peak: Peak { value: direct.0, rate_rad_s: f64::INFINITY }, scales: direct.1 };
+    let mut out =
+        Structured { peak: Peak { value: direct.norm, rate_rad_s: f64::INFINITY }, scales: direct.scales };
     let near = |k: &usize| value(*k) >= 0.9 * value(best) && is_summit(&values, *k);
     for k in (0..rates.len()).filter(near) {
         let ends = [rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]];
         let top = Structured {
-            peak: Peak { value: values[k].0, rate_rad_s: rates[k] },
-            scales: values[k].1.clone(),
+            peak: Peak { value: values[k].norm, rate_rad_s: rates[k] },
+            scales: values[k].scales.clone(),
         };
         let top = climb(&response, ends, top)?;
         if top.peak.value > out.peak.value {
@@ -113,9 +114,9 @@ fn structured(g: &StateSpace) -> Result<Structured, Error> {
     Ok(out)
 }
 
-fn is_summit(values: &[(f64, Vec<f64>)], k: usize) -> bool {
-    let next = values.get(k + 1).map_or(0.0, |v| v.0);
-    values[k].0 >= values[k.saturating_sub(1)].0 && values[k].0 >= next
+fn is_summit(values: &[ScaledNorm], k: usize) -> bool {
+    let next = values.get(k + 1).map_or(0.0, |value| value.norm);
+    values[k].norm >= values[k.saturating_sub(1)].norm && values[k].norm >= next
 }
 
 /// Returns the top of the hill between two frequencies.
@@ -127,7 +128,7 @@ fn climb(
     for _ in 0..MULTILOOP_ROUNDS {
         let rates: Vec<f64> = (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
         for (H, &rate_rad_s) in response.at_all(&rates)?.iter().zip(&rates) {
-            let (value, scales) = smallest_norm(H)?;
+            let ScaledNorm { norm: value, scales } = smallest_norm(H)?;
             if value > top.peak.value {
                 top = Structured { peak: Peak { value, rate_rad_s }, scales };
             }
@@ -167,9 +168,15 @@ fn grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
     Ok(rates)
 }
 
+/// A largest singular value of D H D^-1, and the diagonal of D.
+struct ScaledNorm {
+    norm: f64,
+    scales: Vec<f64>,
+}
+
 /// Returns the smallest largest singular value of D H D^-1 over positive diagonal D, and D. The norm is convex in the
 /// logarithms of D (Sezginer and Overton 1990), which are searched one after the other.
-fn smallest_norm(H: &CMat) -> Result<(f64, Vec<f64>), Error> {
+fn smallest_norm(H: &CMat) -> Result<ScaledNorm, Error> {
     let m = H.nrows();
     let mut logs = osborne(H);
     let norm = |logs: &[f64]| -> Result<f64, Error> {
@@ -179,7 +186,7 @@ fn smallest_norm(H: &CMat) -> Result<(f64, Vec<f64>), Error> {
     };
     let mut best = norm(&logs)?;
     if m == 1 || best == 0.0 {
-        return Ok((best, vec![1.0; m]));
+        return Ok(ScaledNorm { norm: best, scales: vec![1.0; m] });
     }
     let mut width = 1.0;
     for _ in 0..MULTILOOP_SWEEPS {
@@ -192,7 +199,7 @@ fn smallest_norm(H: &CMat) -> Result<(f64, Vec<f64>), Error> {
         }
         width *= 0.5;
     }
-    Ok((norm(&logs)?, logs.iter().map(|log| log.exp()).collect()))
+    Ok(ScaledNorm { norm: norm(&logs)?, scales: logs.iter().map(|log| log.exp()).collect() })
 }
 
 /// Searches the logarithm of one scale within a width of where it is; returns the norm there.
@@ -283,7 +290,7 @@ mod tests {
     #[test]
     fn the_scaled_norm_of_a_triangular_matrix_is_its_spectral_radius() {
         let H = CMat::from_fn(2, 2, |i, j| C64::new([[0.5, 1e3], [0.0, -0.7]][i][j], 0.0));
-        let (value, _) = smallest_norm(&H).unwrap();
+        let value = smallest_norm(&H).unwrap().norm;
         assert!((0.7..1e3).contains(&value));
     }
 }

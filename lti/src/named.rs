@@ -16,6 +16,22 @@ pub struct Named {
     pub outputs: Vec<String>,
 }
 
+/// A summand of a sum of named signals: `factor * signal`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignalTerm<'a> {
+    /// What the signal is multiplied by.
+    pub factor: f64,
+    /// The name of the signal.
+    pub signal: &'a str,
+}
+
+impl<'a> SignalTerm<'a> {
+    /// Returns the summand `factor * signal`.
+    pub const fn new(factor: f64, signal: &'a str) -> Self {
+        Self { factor, signal }
+    }
+}
+
 impl Named {
     /// Returns names the signals of a system.
     ///
@@ -30,14 +46,14 @@ impl Named {
         Ok(Self { system, inputs: own(inputs), outputs: own(outputs) })
     }
 
-    /// Returns the sum `output = sum of factor * signal`, as a static block: `Named::sum("e", &[(1.0, "r"), (-1.0,
-    /// "y")], ...)`.
+    /// Returns the sum `output = sum of factor * signal`, as a static block: `Named::sum("e", &[SignalTerm::new(1.0, "r"),
+    /// SignalTerm::new(-1.0, "y")], ...)`.
     ///
     /// # Errors
     /// As [`StateSpace::gain`].
-    pub fn sum(output: &str, terms: &[(f64, &str)], timebase: crate::Timebase) -> Result<Self, Error> {
-        let factors: Vec<f64> = terms.iter().map(|term| term.0).collect();
-        let names: Vec<&str> = terms.iter().map(|term| term.1).collect();
+    pub fn sum(output: &str, terms: &[SignalTerm<'_>], timebase: crate::Timebase) -> Result<Self, Error> {
+        let factors: Vec<f64> = terms.iter().map(|term| term.factor).collect();
+        let names: Vec<&str> = terms.iter().map(|term| term.signal).collect();
         Self::new(StateSpace::gain(Mat::row(&factors), timebase)?, &names, &[output])
     }
 }
@@ -142,7 +158,8 @@ mod tests {
         vec![
             Named::new(lag(2.0), &["u"], &["y"]).unwrap(),
             Named::new(lag(9.0), &["e"], &["u"]).unwrap(),
-            Named::sum("e", &[(1.0, "r"), (-1.0, "y")], Timebase::Continuous).unwrap(),
+            Named::sum("e", &[SignalTerm::new(1.0, "r"), SignalTerm::new(-1.0, "y")], Timebase::Continuous)
+                .unwrap(),
         ]
     }
 

@@ -77,14 +77,23 @@ impl Tracked {
     }
 }
 
+/// An entry by which an elimination divides.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pivot {
+    /// Its row, from 0.
+    pub row: usize,
+    /// Its column, from 0.
+    pub column: usize,
+}
+
 /// Gauss' elimination of `rows` of M with complete pivoting among `cols`; the same row operations are applied to
-/// `others`. Pivots leave both lists: rows that remain are zero in these columns. Returns the pivots (row, column).
+/// `others`. Pivots leave both lists: rows that remain are zero in these columns. Returns the pivots.
 pub(crate) fn eliminate(
     M: &mut Tracked,
     others: &mut [&mut Tracked],
     rows: &mut Vec<usize>,
     cols: &mut Vec<usize>,
-) -> Vec<(usize, usize)> {
+) -> Vec<Pivot> {
     let mut pivots = Vec::new();
     while let Some((i, j)) = largest(&M.value, rows, cols) {
         let (p, q) = (rows.swap_remove(i), cols.swap_remove(j));
@@ -95,7 +104,7 @@ pub(crate) fn eliminate(
         M.reduce_rows(p, &factors);
         others.iter_mut().for_each(|other| other.reduce_rows(p, &factors));
         rows.iter().for_each(|&row| M.value[(row, q)] = 0.0);
-        pivots.push((p, q));
+        pivots.push(Pivot { row: p, column: q });
     }
     pivots
 }
@@ -115,9 +124,9 @@ fn largest(M: &Mat, rows: &[usize], cols: &[usize]) -> Option<(usize, usize)> {
 }
 
 /// Returns the solution of `M[rows, cols] X = right[rows]`, the columns being those of pivots in these rows.
-pub(crate) fn solve_pivots(M: &Mat, pivots: &[(usize, usize)], right: &Mat) -> Result<Mat, linalg::Error> {
-    let rows: Vec<usize> = pivots.iter().map(|pivot| pivot.0).collect();
-    let cols: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+pub(crate) fn solve_pivots(M: &Mat, pivots: &[Pivot], right: &Mat) -> Result<Mat, linalg::Error> {
+    let rows: Vec<usize> = pivots.iter().map(|pivot| pivot.row).collect();
+    let cols: Vec<usize> = pivots.iter().map(|pivot| pivot.column).collect();
     let every: Vec<usize> = (0..right.ncols()).collect();
     if rows.is_empty() {
         return Ok(Mat::zeros(0, right.ncols()));

@@ -139,18 +139,27 @@ fn response(
 
 /// Returns the responses of the weights of a specification.
 pub fn weight_responses(asked: &Specification) -> Vec<WeightResponses> {
-    let feedback = [("error", &asked.feedback.error), ("control", &asked.feedback.control)];
+    let named = |name, weight| NamedWeight { name, weight };
+    let feedback = [named("error", &asked.feedback.error), named("control", &asked.feedback.control)];
     let mut all = vec![weights_of("Feedback", &feedback)];
     for (part, weights) in [("Heave feedforward", &asked.heave), ("Pitch feedforward", &asked.pitch)] {
         all.extend(weights.as_ref().map(|w| {
-            weights_of(part, &[("error", &w.error), ("control", &w.control), ("disturbance", &w.generator)])
+            let weights =
+                [named("error", &w.error), named("control", &w.control), named("disturbance", &w.generator)];
+            weights_of(part, &weights)
         }));
     }
     all
 }
 
-fn weights_of(part: &'static str, weights: &[(&str, &Weight)]) -> WeightResponses {
-    let one = |(name, weight): &(&str, &Weight)| {
+/// A weight with its part in the design problem.
+struct NamedWeight<'a> {
+    name: &'a str,
+    weight: &'a Weight,
+}
+
+fn weights_of(part: &'static str, weights: &[NamedWeight<'_>]) -> WeightResponses {
+    let one = |NamedWeight { name, weight }: &NamedWeight<'_>| {
         let value = |f: f64| {
             let h = weight.response(std::f64::consts::TAU * f);
             [f, h.re, h.im]

@@ -12,7 +12,9 @@ use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_verify::linear::closed::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
+use counterpoise_verify::linear::{
+    self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arranged,
+};
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
 use crate::first_design::leaves_weights_open;
@@ -276,12 +278,14 @@ fn close_loops(
     sampled: &SampledViews,
     synthesised: &Synthesised,
     modelled: &Modelled,
-) -> Result<Vec<(Arrangement, Closed)>, PipelineError> {
+) -> Result<Vec<ArrangedLoop>, PipelineError> {
     let (controller, moment) = (&synthesised.sampled.controller, modelled.plant.body().out_of_balance_kg_m);
-    let mut loops = vec![(Arrangement::Uncontrolled, sampled.uncontrolled.clone())];
+    let uncontrolled = sampled.uncontrolled.clone();
+    let mut loops = vec![ArrangedLoop { arrangement: Arrangement::Uncontrolled, closed: uncontrolled }];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
         let acting = arranged(controller, arrangement)?;
-        loops.push((arrangement, Closed::new(&sampled.plant, acting.as_ref(), moment)?));
+        let closed = Closed::new(&sampled.plant, acting.as_ref(), moment)?;
+        loops.push(ArrangedLoop { arrangement, closed });
     }
     Ok(loops)
 }
@@ -290,7 +294,7 @@ fn close_loops(
 struct Responses<'a> {
     project: &'a Project,
     sampled: &'a SampledViews,
-    loops: &'a [(Arrangement, Closed)],
+    loops: &'a [ArrangedLoop],
 }
 
 /// The linear consequences of a design.
@@ -332,7 +336,7 @@ impl Responses<'_> {
         let procedure = self.procedure();
         let mut motions = Vec::new();
         for source in [Source::Heave, Source::Pitch] {
-            for (arrangement, closed) in self.loops {
+            for ArrangedLoop { arrangement, closed } in self.loops {
                 let motion = |time_s: f64| procedure.motion(source, time_s);
                 let plant = &self.sampled.plant;
                 motions.push(linear::disturbance(plant, closed, source, *arrangement, MOTION_S, motion)?);
@@ -343,7 +347,7 @@ impl Responses<'_> {
 
     /// Returns the loop of the feedback alone, closed and broken at the plant's input.
     fn feedback(&self) -> Result<(&Closed, &StateSpace), PipelineError> {
-        let [.., (_, feedback), _] = self.loops else { return Err(missing_loop()) };
+        let [.., ArrangedLoop { closed: feedback, .. }, _] = self.loops else { return Err(missing_loop()) };
         Ok((feedback, feedback.broken.as_ref().ok_or_else(missing_loop)?))
     }
 
@@ -351,7 +355,7 @@ impl Responses<'_> {
     /// loop's return path, so the margins and the step are those of the feedback alone.
     fn loop_responses(&self) -> Result<Half, PipelineError> {
         let (feedback, broken) = self.feedback()?;
-        let [.., (_, whole)] = self.loops else { return Err(missing_loop()) };
+        let [.., ArrangedLoop { closed: whole, .. }] = self.loops else { return Err(missing_loop()) };
         let mut margins = margins(broken)?;
         margins.closed_loop_stable &= whole.pole_radius() < 1.0;
         let plant = &self.sampled.plant;

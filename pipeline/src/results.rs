@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
-use crate::exchange::systems::{controllers_of_design, stored_frequencies_hz};
+use crate::exchange::systems::{StoredController, controllers_of_design, stored_frequencies_hz};
 use crate::exchange::verified::{history_results, response_results, verified_loop};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
@@ -433,7 +433,7 @@ impl From<&Synthesised> for SynthResult {
             paths: paths.iter().map(|path| PathResult::of(path).of_loop(controlled)).collect(),
             sampled_loop: SystemResult::new("sampled loop", broken, &["control_v"], &["returned_control_v"]),
             responses: controller_responses(&controllers, broken),
-            controllers: controllers.into_iter().map(|(result, _)| result).collect(),
+            controllers: controllers.into_iter().map(|controller| controller.result).collect(),
             plant_order: made.design.plant.measured().map_or(0, |p| p.order()),
             path_orders: paths.iter().map(|p| (p.name.clone(), p.system.order())).collect(),
             closed_loop_poles: pairs(&made.sampled.closed_loop),
@@ -614,13 +614,10 @@ fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
     all
 }
 
-fn controller_responses(
-    controllers: &[(SystemResult, StateSpace)],
-    broken: &StateSpace,
-) -> Vec<ResponseResult> {
+fn controller_responses(controllers: &[StoredController], broken: &StateSpace) -> Vec<ResponseResult> {
     let hz = stored_frequencies_hz();
     let mut all = Vec::new();
-    for (result, system) in controllers {
+    for StoredController { result, system } in controllers {
         for (input, signal) in result.inputs.iter().enumerate() {
             let name = format!("{} over {}", result.name, signal.name);
             all.extend(ResponseResult::of_system(&name, system, 0, input, &hz));

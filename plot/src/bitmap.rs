@@ -11,7 +11,7 @@ use plotters_backend::{
 };
 
 use crate::dashes::dashed;
-use crate::draw::{Setting, draw, size};
+use crate::draw::{Setting, Size, draw, size};
 use crate::error::PlotError;
 use crate::figure::{Dash, Figure};
 use crate::font::{self, Placement, TextLayout};
@@ -44,7 +44,7 @@ pub struct Bitmap {
 /// Returns [`PlotError::Drawing`] if plotters refuses the drawing.
 pub fn bitmap(figure: &Figure, theme: Theme, scale: f64) -> Result<Bitmap, PlotError> {
     let scale = if scale.is_finite() { scale.clamp(SCALES.0, SCALES.1) } else { 1.0 };
-    let (width, height) = size(figure, Setting::Alone);
+    let Size { width, height } = size(figure, Setting::Alone);
     let (width, height) = ((scale * width).ceil() as usize, (scale * height).ceil() as usize);
     let (wide, high) = (width * OVERSAMPLING, height * OVERSAMPLING);
     let mut points = vec![0; 3 * wide * high];

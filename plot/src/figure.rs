@@ -99,6 +99,45 @@ pub struct Series {
     pub dash: Dash,
 }
 
+/// A point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Where along x, in the unit of that axis.
+    pub x: f64,
+    /// Where along y, in the unit of that axis.
+    pub y: f64,
+}
+
+impl Point {
+    /// Returns the point at x and y.
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self { x, y }
+    }
+}
+
+impl From<(f64, f64)> for Point {
+    fn from((x, y): (f64, f64)) -> Self {
+        Self { x, y }
+    }
+}
+
+/// The two edges of a band at a place along x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BandPoint {
+    /// Where along x, in the unit of that axis.
+    pub x: f64,
+    /// Lower edge, in the unit of the y axis.
+    pub lower: f64,
+    /// Upper edge, in the unit of the y axis.
+    pub upper: f64,
+}
+
+impl From<(f64, f64, f64)> for BandPoint {
+    fn from((x, lower, upper): (f64, f64, f64)) -> Self {
+        Self { x, lower, upper }
+    }
+}
+
 /// A shaded region between two curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
@@ -215,24 +254,29 @@ impl Axis {
 }
 
 impl Series {
-    /// Returns a curve through points (x, y).
-    pub fn new(name: &str, colour: Colour, dash: Dash, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        let points = rows(points.into_iter().map(|(x, y)| [x, y]));
+    /// Returns a curve through points.
+    pub fn new(
+        name: &str,
+        colour: Colour,
+        dash: Dash,
+        points: impl IntoIterator<Item = impl Into<Point>>,
+    ) -> Self {
+        let points = rows(points.into_iter().map(Into::into).map(|point: Point| [point.x, point.y]));
         Self { name: name.to_owned(), points, colour, dash }
     }
 
-    /// Returns an unbroken curve through points (x, y).
-    pub fn solid(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    /// Returns an unbroken curve through points.
+    pub fn solid(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<Point>>) -> Self {
         Self::new(name, colour, Dash::Solid, points)
     }
 
-    /// Returns a dashed curve through points (x, y).
-    pub fn dashed(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    /// Returns a dashed curve through points.
+    pub fn dashed(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<Point>>) -> Self {
         Self::new(name, colour, Dash::Dashed, points)
     }
 
-    /// Returns a dotted curve through points (x, y).
-    pub fn dotted(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    /// Returns a dotted curve through points.
+    pub fn dotted(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<Point>>) -> Self {
         Self::new(name, colour, Dash::Dotted, points)
     }
 
@@ -243,9 +287,10 @@ impl Series {
 }
 
 impl Band {
-    /// Returns a band from points (x, lower edge, upper edge).
-    pub fn new(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
-        let points = rows(points.into_iter().map(|(x, lower, upper)| [x, lower, upper]));
+    /// Returns a band from its edges.
+    pub fn new(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<BandPoint>>) -> Self {
+        let edges = points.into_iter().map(Into::into);
+        let points = rows(edges.map(|point: BandPoint| [point.x, point.lower, point.upper]));
         Self { name: name.to_owned(), points, colour }
     }
 }

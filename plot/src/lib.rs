@@ -44,6 +44,8 @@ mod tolerance;
 
 pub use bitmap::{Bitmap, bitmap, png};
 pub use error::PlotError;
-pub use figure::{Aspect, Axis, Band, Colour, Content, Dash, Figure, Mark, Panel, Panels, Scale, Series};
+pub use figure::{
+    Aspect, Axis, Band, BandPoint, Colour, Content, Dash, Figure, Mark, Panel, Panels, Point, Scale, Series,
+};
 pub use heat_map::{HeatMap, HeatRow};
 pub use theme::Theme;

@@ -11,7 +11,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-use crate::draw::{Setting, draw, size};
+use crate::draw::{Setting, Size, draw, size};
 use crate::figure::Figure;
 use crate::font::{self, TextLayout};
 use crate::ink::{FONT_PX, Ink};
@@ -38,7 +38,7 @@ pub fn escape_xml(text: &str) -> String {
 }
 
 fn written(figure: &Figure, setting: Setting, paint: Paint) -> String {
-    let (width, height) = size(figure, setting);
+    let Size { width, height } = size(figure, setting);
     let size = ((UNIT * width).round() as u32, (UNIT * height).round() as u32);
     let backend = Rc::new(RefCell::new(Svg { text: String::new(), size, paint, path: None }));
     let result = draw(&DrawingArea::from(&backend), UNIT, figure, setting);

@@ -1,6 +1,7 @@
 //! Project files: what good ones mean, that writing and reading are inverse, and that edits leave the rest alone.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use counterpoise_linalg::sparse::VectorEntry;
 use std::path::PathBuf;
 
 use counterpoise_models::{
@@ -75,7 +76,7 @@ fn design_sections_mean_what_they_say() {
     };
     assert_eq!((zeros[0].re, poles[0].re, *gain), (-18.0, 0.0, 25.0));
     assert_eq!(synth.feedback.control, Weight::Lead { gain: 1.0, time_s: 0.005 });
-    assert_eq!(synth.feedback.disturbances, [(1, 3.6e-4)]);
+    assert_eq!(synth.feedback.disturbances, [VectorEntry::new(1, 3.6e-4)]);
     let generator = synth.heave.unwrap().generator;
     assert!((generator.magnitude(0.0) - 1.0).abs() < 1e-14);
     assert!((generator.magnitude(20.0) - 1.0 / 1.4).abs() < 1e-12, "{}", generator.magnitude(20.0));

@@ -60,17 +60,26 @@ pub(crate) fn on_clock(
     own_s: ArrayView1<'_, f64>,
     clock_s: ArrayView1<'_, f64>,
 ) -> Array1<f64> {
-    let pairs = own_s.iter().copied().zip(values.iter().copied());
-    let known: Vec<(f64, f64)> = pairs.filter(|(t, v)| t.is_finite() && v.is_finite()).collect();
+    let samples = own_s.iter().zip(values).map(|(&at_s, &value)| Sample { at_s, value });
+    let known: Vec<Sample> = samples.filter(|one| one.at_s.is_finite() && one.value.is_finite()).collect();
     clock_s.mapv(|t| between(&known, t))
 }
 
-/// Interpolates linearly in points that are sorted by time; NaN outside.
-fn between(known: &[(f64, f64)], t: f64) -> f64 {
-    let after = known.partition_point(|(at, _)| *at < t);
+/// A value of a column that has a clock of its own.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    at_s: f64,
+    value: f64,
+}
+
+/// Interpolates linearly in samples that are sorted by time; NaN outside.
+fn between(known: &[Sample], t: f64) -> f64 {
+    let after = known.partition_point(|sample| sample.at_s < t);
     match (after.checked_sub(1).map(|before| known[before]), known.get(after)) {
-        (_, Some((at, value))) if *at == t => *value,
-        (Some((t0, v0)), Some((t1, v1))) => v0 + (v1 - v0) * (t - t0) / (t1 - t0),
+        (_, Some(next)) if next.at_s == t => next.value,
+        (Some(before), Some(next)) => {
+            before.value + (next.value - before.value) * (t - before.at_s) / (next.at_s - before.at_s)
+        }
         _ => f64::NAN,
     }
 }

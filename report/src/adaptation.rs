@@ -6,7 +6,7 @@ use counterpoise_pipeline::studies::adaptation_trials::{
     Bands, Load, METHODS, Motion, Refusal, TrialRow, Trials,
 };
 
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
@@ -40,7 +40,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
     let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
     let good = |name: &&str| tried_once(name) && !refused(name);
-    let good: Vec<&str> = METHODS.iter().map(|(_, name)| *name).filter(good).collect();
+    let good: Vec<&str> = METHODS.iter().map(|one| one.key).filter(good).collect();
     lines.push(if good.is_empty() {
         "no method is fit for this project: leave [synth.adaptation] out".to_owned()
     } else {
@@ -177,8 +177,8 @@ pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Rep
         glance: Vec::new(),
         sections: runs.iter().map(|run| section(run, command)).collect(),
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

@@ -1,7 +1,25 @@
 //! Bode diagrams: magnitude and phase over frequency.
 
 use counterpoise_pipeline::design_views::FrequencyResponse;
-use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Point, Series};
+
+/// A frequency response at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResponsePoint {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Real part of the response, in the unit of the diagram.
+    pub re: f64,
+    /// Its imaginary part.
+    pub im: f64,
+}
+
+impl ResponsePoint {
+    /// Returns the response re + j im at a frequency in Hz.
+    pub const fn new(frequency_hz: f64, re: f64, im: f64) -> Self {
+        Self { frequency_hz, re, im }
+    }
+}
 
 /// A frequency response for a Bode diagram.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,8 +30,8 @@ pub struct BodeCurve {
     pub colour: Colour,
     /// Its dash.
     pub dash: Dash,
-    /// (frequency in Hz, real part, imaginary part), by increasing frequency.
-    pub points: Vec<(f64, f64, f64)>,
+    /// Its points, by increasing frequency.
+    pub points: Vec<ResponsePoint>,
 }
 
 /// Whether the phase is drawn.
@@ -27,7 +45,8 @@ pub enum Phase {
 
 /// Returns the points of a response as a curve of a Bode diagram.
 pub fn response_curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
-    let points = response.points.rows().into_iter().map(|row| (row[0], row[1], row[2])).collect();
+    let points =
+        response.points.rows().into_iter().map(|row| ResponsePoint::new(row[0], row[1], row[2])).collect();
     BodeCurve::new(&response.name, colour, points)
 }
 
@@ -38,7 +57,7 @@ const BELOW_MARK_DB: f64 = 20.0;
 
 impl BodeCurve {
     /// Returns an unbroken curve.
-    pub fn new(name: &str, colour: Colour, points: Vec<(f64, f64, f64)>) -> Self {
+    pub fn new(name: &str, colour: Colour, points: Vec<ResponsePoint>) -> Self {
         Self { name: name.to_owned(), colour, dash: Dash::Solid, points }
     }
 
@@ -47,13 +66,14 @@ impl BodeCurve {
         Self { dash: Dash::Dashed, ..self }
     }
 
-    /// Returns the magnitude: (Hz, dB).
-    pub fn magnitude_db(&self) -> Vec<(f64, f64)> {
-        self.points.iter().map(|(f, re, im)| (*f, 20.0 * re.hypot(*im).log10())).collect()
+    /// Returns the magnitude in dB over Hz.
+    pub fn magnitude_db(&self) -> Vec<Point> {
+        let db = |at: &ResponsePoint| Point::new(at.frequency_hz, 20.0 * at.re.hypot(at.im).log10());
+        self.points.iter().map(db).collect()
     }
 
-    /// Returns the phase, (Hz, degrees), without jumps of a whole turn; it starts between -270 and 90 degrees.
-    pub fn phase_deg(&self) -> Vec<(f64, f64)> {
+    /// Returns the phase in degrees over Hz, without jumps of a whole turn; it starts between -270 and 90 degrees.
+    pub fn phase_deg(&self) -> Vec<Point> {
         let mut before: Option<f64> = None;
         let mut unwrapped = |re: f64, im: f64| {
             let raw = im.atan2(re).to_degrees();
@@ -62,10 +82,10 @@ impl BodeCurve {
             before = Some(phase);
             phase
         };
-        self.points.iter().map(|(f, re, im)| (*f, unwrapped(*re, *im))).collect()
+        self.points.iter().map(|at| Point::new(at.frequency_hz, unwrapped(at.re, at.im))).collect()
     }
 
-    fn series(&self, points: Vec<(f64, f64)>) -> Series {
+    fn series(&self, points: Vec<Point>) -> Series {
         Series::new(&self.name, self.colour, self.dash, points)
     }
 }
@@ -115,13 +135,13 @@ mod tests {
             // 1 / (1 + jf)^3
             let angle = -3.0 * f.atan();
             let size = (1.0 + f * f).powf(-1.5);
-            (f, size * angle.cos(), size * angle.sin())
+            ResponsePoint::new(f, size * angle.cos(), size * angle.sin())
         };
         let points = (0..200).map(|k| lag(10f64.powf(-2.0 + 0.025 * f64::from(k)))).collect();
         let curve = BodeCurve::new("lag", Colour::First, points);
         let phase = curve.phase_deg();
-        assert!(phase.windows(2).all(|pair| (pair[1].1 - pair[0].1).abs() < 20.0));
-        assert!((phase[199].1 + 270.0).abs() < 2.0, "{:?}", phase[199]);
-        assert!(curve.magnitude_db()[0].1.abs() < 0.01);
+        assert!(phase.windows(2).all(|pair| (pair[1].y - pair[0].y).abs() < 20.0));
+        assert!((phase[199].y + 270.0).abs() < 2.0, "{:?}", phase[199]);
+        assert!(curve.magnitude_db()[0].y.abs() < 0.01);
     }
 }

@@ -14,7 +14,9 @@ use counterpoise_pipeline::Consequence;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
 use counterpoise_pipeline::recordings::tracks::Track;
 
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, difference, residual};
+use crate::{
+    Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone, difference, residual,
+};
 
 /// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
 pub fn diagnosis_report(
@@ -39,8 +41,8 @@ pub fn diagnosis_report(
         glance: worst_track(tracks).map(|t| comparison(t, command)).into_iter().collect(),
         sections,
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

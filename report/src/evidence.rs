@@ -4,7 +4,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
-use crate::bode::{BodeCurve, Phase, bode_figure};
+use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::triangle;
 use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
@@ -39,8 +39,8 @@ pub fn evidence_sections(found: &Verification) -> Vec<Section> {
     first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
-fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<(f64, f64, f64)> {
-    frequency_hz.iter().zip(&curve.response).map(|(f, h)| (*f, h.re, h.im)).collect()
+fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<ResponsePoint> {
+    frequency_hz.iter().zip(&curve.response).map(|(f, h)| ResponsePoint::new(*f, h.re, h.im)).collect()
 }
 
 fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
@@ -267,7 +267,8 @@ fn rejection_curve(
     let matches = |r: &&Rejection| (r.source, r.arrangement) == (source, arrangement);
     let rejection = found.evidence.curves.rejection.iter().find(matches)?;
     let frequency = &found.evidence.curves.frequency_hz;
-    let points = frequency.iter().zip(&rejection.response).map(|(f, h)| (*f, h.re, h.im)).collect();
+    let points =
+        frequency.iter().zip(&rejection.response).map(|(f, h)| ResponsePoint::new(*f, h.re, h.im)).collect();
     Some(BodeCurve::new(name, colour, points))
 }
 

@@ -2,9 +2,9 @@
 
 use counterpoise_pipeline::studies::fra::{Map, Point};
 
-use crate::bode::{BodeCurve, Phase, bode_figure};
+use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
@@ -37,8 +37,8 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
         glance: first.map(|map| overview(map, command)).into_iter().collect(),
         sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(maps, speed)).collect(),
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }
@@ -124,7 +124,7 @@ fn label(map: &Map, amplitude: f64) -> String {
 }
 
 fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
-    let at = |p: &&Point| of(p).map(|h| (p.frequency_hz, h[0], h[1]));
+    let at = |p: &&Point| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::style::PAGE_CSS;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::svg::{self, escape_xml};
 use counterpoise_plot::{Figure, Theme, css};
 
@@ -170,9 +170,9 @@ impl Page {
         self.put("</tr>\n");
     }
 
-    fn provenance(&mut self, pairs: &[(String, String)]) {
+    fn provenance(&mut self, all: &[ProvenanceEntry]) {
         self.put("<footer><dl>");
-        for (name, value) in pairs {
+        for ProvenanceEntry { name, value } in all {
             self.form(format_args!("<dt>{}</dt><dd>{}</dd>", escape_xml(name), escape_xml(value)));
         }
         self.put("</dl></footer>\n");
@@ -243,7 +243,7 @@ mod tests {
             verdicts,
             glance: vec![figure.clone()],
             sections: vec![Section::new("Step response").saying("as & when").showing([figure])],
-            provenance: vec![("version".to_owned(), "1".to_owned())],
+            provenance: vec![ProvenanceEntry::new("version", "1")],
         }
     }
 

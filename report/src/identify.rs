@@ -4,7 +4,7 @@ use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, GainPoint, Loop};
 use counterpoise_pipeline::recordings::AxisUnits;
 
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
@@ -37,8 +37,8 @@ pub fn identification_report(
         glance: first.iter().map(|figure| explained(figure, found, units)).collect(),
         sections,
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

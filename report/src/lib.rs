@@ -52,5 +52,5 @@ pub mod wording;
 
 pub use design::{of_design, of_synthesis};
 pub use html::html_page;
-pub use page::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
+pub use page::{Cell, Column, Headline, Origin, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 pub use verification::{Context, of_verification};

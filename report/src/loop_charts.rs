@@ -10,7 +10,7 @@ use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::Section;
-use crate::bode::{BodeCurve, Phase, bode_figure};
+use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 
 /// Ends of the Nichols chart's modulus, dB: beyond them nothing is near the critical point.
 const NICHOLS_DB: [f64; 2] = [-40.0, 40.0];
@@ -136,8 +136,11 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
         let all = curves.loop_responses.iter().filter(|response| wanted(response)).zip(Colour::CYCLE);
         let drawn: Vec<BodeCurve> = all
             .map(|(response, colour)| {
-                let points =
-                    curves.frequency_hz.iter().zip(&response.response).map(|(f, h)| (*f, h.re, h.im));
+                let points = curves
+                    .frequency_hz
+                    .iter()
+                    .zip(&response.response)
+                    .map(|(f, h)| ResponsePoint::new(*f, h.re, h.im));
                 BodeCurve::new(&cause_name(response.cause, found.controlled()), colour, points.collect())
             })
             .collect();

@@ -6,7 +6,7 @@ use counterpoise_pipeline::studies::accuracy::Accuracy;
 
 use crate::check::assumptions_section;
 use crate::learned::elements_section;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
@@ -48,8 +48,8 @@ pub fn model_report(
         glance: glance.into_iter().collect(),
         sections,
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

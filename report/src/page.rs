@@ -20,8 +20,24 @@ pub struct Report {
     pub glance: Vec<Figure>,
     /// The evidence.
     pub sections: Vec<Section>,
-    /// Where the report comes from, as pairs of name and value: version, project, command.
-    pub provenance: Vec<(String, String)>,
+    /// Where the report comes from: version, project, command.
+    pub provenance: Vec<ProvenanceEntry>,
+}
+
+/// One thing that a report says about where it comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProvenanceEntry {
+    /// What is told.
+    pub name: String,
+    /// What it is.
+    pub value: String,
+}
+
+impl ProvenanceEntry {
+    /// Returns an entry.
+    pub fn new(name: &str, value: impl Into<String>) -> Self {
+        Self { name: name.to_owned(), value: value.into() }
+    }
 }
 
 /// Where a report comes from.
@@ -116,11 +132,13 @@ pub enum Cell {
 
 impl Origin {
     /// Returns version, project file, project hash and command as pairs of name and value.
-    pub fn provenance(&self, identity: &ProjectIdentity) -> Vec<(String, String)> {
-        let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
-        let mut all = vec![pair("version", env!("CARGO_PKG_VERSION"))];
-        all.extend((!self.project.is_empty()).then(|| pair("project", &self.project)));
-        all.extend([pair("project hash", &identity.hash), pair("command", &self.command)]);
+    pub fn provenance(&self, identity: &ProjectIdentity) -> Vec<ProvenanceEntry> {
+        let mut all = vec![ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION"))];
+        all.extend((!self.project.is_empty()).then(|| ProvenanceEntry::new("project", &self.project)));
+        all.extend([
+            ProvenanceEntry::new("project hash", &identity.hash),
+            ProvenanceEntry::new("command", &self.command),
+        ]);
         all
     }
 }

@@ -9,7 +9,7 @@ use counterpoise_pipeline::recordings::tracks::Track;
 
 use crate::diagnosis::{comparison, worst_track};
 use crate::wording::recordings::describe_replay_mode;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 
 /// Error over floor up to which a model fits.
 const FITS: f64 = 1.5;
@@ -31,8 +31,8 @@ pub fn replay_report(
         glance: worst_track(&all).map(|track| comparison(track, command)).into_iter().collect(),
         sections: result.recordings.iter().zip(replayed).map(|(r, one)| section(r, &one.tracks)).collect(),
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

@@ -150,9 +150,12 @@ fn tests(all: &[TestedResidual]) -> Section {
         Table::new("Is anything left in the residuals? 5 % and below 1 are what noise gives", &columns);
     let mut figures = Vec::new();
     for tested in all {
-        let found = [("as it was", &tested.before), ("improved", &tested.after)];
-        for (name, test) in &found {
-            table.rows.extend(test.as_ref().map(|test| row(tested, name, test)));
+        let found = [
+            TestOfModel { name: "as it was", test: tested.before.as_ref() },
+            TestOfModel { name: "improved", test: tested.after.as_ref() },
+        ];
+        for TestOfModel { name, test } in &found {
+            table.rows.extend(test.map(|test| row(tested, name, test)));
         }
         if tested.channel == "control" || tested.channel == "hub_rate" {
             figures.extend(autocorrelation(tested, &found));
@@ -184,14 +187,20 @@ fn row(tested: &TestedResidual, model: &str, test: &ResidualTest) -> Vec<Cell> {
     ]
 }
 
-fn autocorrelation(tested: &TestedResidual, found: &[(&str, &Option<ResidualTest>); 2]) -> Option<Figure> {
+/// The test of a residual with the name of the model that it was computed with; none if the residual could not be tested.
+struct TestOfModel<'a> {
+    name: &'a str,
+    test: Option<&'a ResidualTest>,
+}
+
+fn autocorrelation(tested: &TestedResidual, found: &[TestOfModel<'_>; 2]) -> Option<Figure> {
     let colours = [Colour::Second, Colour::First];
-    let line = |((name, test), colour): (&(&str, &Option<ResidualTest>), Colour)| {
-        let values = test.as_ref()?.autocorrelation.iter().enumerate();
-        Some(Series::solid(name, colour, values.map(|(k, r)| (1e3 * k as f64 * tested.period_s, *r))))
+    let line = |(one, colour): (&TestOfModel<'_>, Colour)| {
+        let values = one.test?.autocorrelation.iter().enumerate();
+        Some(Series::solid(one.name, colour, values.map(|(k, r)| (1e3 * k as f64 * tested.period_s, *r))))
     };
     let series: Vec<Series> = found.iter().zip(colours).filter_map(line).collect();
-    let band = found.iter().find_map(|(_, test)| test.as_ref())?.band;
+    let band = found.iter().find_map(|one| one.test)?.band;
     let marks = [band, -band].map(|y| Mark::Level { y, text: "95 % band of white noise".to_owned() });
     let panel = Panel::new(Axis::linear("autocorrelation", "").over(-1.0, 1.0), series)
         .with_height(150.0)

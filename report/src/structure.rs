@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, StructureVerdict};
 
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// Hypotheses whose errors are drawn.
@@ -23,8 +23,8 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         glance: vec![errors(answer, command)],
         sections: vec![Section::new("What was tried").saying(EXPLAINED).listing(tried(answer))],
         provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("command".to_owned(), command.to_owned()),
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
         ],
     }
 }

@@ -1,8 +1,8 @@
 //! The answer of a search for weights: rejection against sensitivity and effort, point by point.
 
 use counterpoise_pipeline::ProjectIdentity;
-use counterpoise_pipeline::studies::search::Searched;
-use counterpoise_synth::{Figures, Found};
+use counterpoise_pipeline::studies::search::{Searched, TradeOffPoint};
+use counterpoise_synth::Figures;
 
 use crate::design::weight_section;
 use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
@@ -96,10 +96,10 @@ fn tiles(f: &Figures) -> Vec<Tile> {
     ]
 }
 
-fn figure(best: &counterpoise_synth::Trial, curve: &[(f64, Found)]) -> Figure {
+fn figure(best: &counterpoise_synth::Trial, curve: &[TradeOffPoint]) -> Figure {
     let over = |of: &dyn Fn(&Figures) -> f64| {
         let mut points: Vec<(f64, f64)> =
-            curve.iter().map(|(_, found)| (found.best.figures.ms, of(&found.best.figures))).collect();
+            curve.iter().map(|point| &point.found.best.figures).map(|found| (found.ms, of(found))).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points
     };
@@ -123,7 +123,7 @@ fn figure(best: &counterpoise_synth::Trial, curve: &[(f64, Found)]) -> Figure {
     .with_caption("Less |S| is more rejection. Where the curve is flat another requirement than Ms stops it.")
 }
 
-fn points_table(curve: &[(f64, Found)]) -> Table {
+fn points_table(curve: &[TradeOffPoint]) -> Table {
     let columns = [
         Column::Number("limit of Ms"),
         Column::Number("Ms"),
@@ -135,10 +135,10 @@ fn points_table(curve: &[(f64, Found)]) -> Table {
         Column::Text("requirements"),
     ];
     let mut table = Table::new("", &columns);
-    for (limit, found) in curve {
+    for TradeOffPoint { ms_limit, found } in curve {
         let f = &found.best.figures;
         let mut cells: Vec<Cell> = [
-            *limit,
+            *ms_limit,
             f.ms,
             f.rejection,
             f.noise_gain,

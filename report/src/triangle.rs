@@ -5,7 +5,7 @@ use counterpoise_verify::{Experiment, History, Model, Verification};
 
 use crate::Section;
 use counterpoise_plot::thin::MOST_POINTS;
-use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Point, Series};
 
 const MODELS: [(Model, &str, Colour, Dash); 2] = [
     (Model::Linear, "linear plant", Colour::Muted, Dash::Dashed),
@@ -39,15 +39,15 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn series(&self, points: Vec<(f64, f64)>) -> Series {
+    fn series(&self, points: Vec<Point>) -> Series {
         Series::new(self.name, self.colour, self.dash, points)
     }
 }
 
 fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) -> Figure {
     let of = |column: &dyn Fn(&History, usize) -> f64| -> Vec<Series> {
-        let points = |history: &History| -> Vec<(f64, f64)> {
-            (0..history.time_s.len()).map(|k| (history.time_s[k], column(history, k))).collect()
+        let points = |history: &History| -> Vec<Point> {
+            (0..history.time_s.len()).map(|k| Point::new(history.time_s[k], column(history, k))).collect()
         };
         runs.iter().map(|run| run.series(points(run.history))).collect()
     };
@@ -70,7 +70,8 @@ fn loops(runs: &[Run<'_>], controlled: ControlledQuantity) -> Figure {
         let half = history.time_s.len() / 2;
         let every = (history.time_s.len() - half).div_ceil(MOST_POINTS).max(1);
         let samples = (half..history.time_s.len()).step_by(every);
-        run.series(samples.map(|k| (1e3 * history.hub_rate_rad_s[k], history.control_v[k])).collect())
+        let point = |k: usize| Point::new(1e3 * history.hub_rate_rad_s[k], history.control_v[k]);
+        run.series(samples.map(point).collect())
     };
     let panel = Panel::new(Axis::linear("control", "V"), runs.iter().map(one).collect()).with_height(300.0);
     let title = format!("Control against {}", controlled.name());

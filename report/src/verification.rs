@@ -4,7 +4,7 @@ use counterpoise_pipeline::loop_view::LoopView;
 use counterpoise_verify::Verification;
 use counterpoise_verify::spectral::Spectral;
 
-use crate::{Report, Section, error_budget, evidence, loop_charts, spectra, summary};
+use crate::{ProvenanceEntry, Report, Section, error_budget, evidence, loop_charts, spectra, summary};
 
 /// What a verification does not know about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -18,7 +18,7 @@ pub struct Context {
     /// Sections that come after the verification's own: reduction, weights, certificates, times.
     pub more: Vec<Section>,
     /// Pairs of name and value: version, project, command.
-    pub provenance: Vec<(String, String)>,
+    pub provenance: Vec<ProvenanceEntry>,
 }
 
 /// Returns the report: the verdicts on the first screen, then the evidence, then what `context` adds. `on_road` are the rejection ratios

@@ -50,7 +50,7 @@ fn found(text: &str) -> f64 {
     let document = Document::parse(text, "project.toml");
     let project = Project::resolve(&document, &Attachments::none()).expect("the project is whole").project;
     let weight = &project.synth.expect("weights").specification.feedback.error;
-    counterpoise_studio::editing::weight_handles::weight_numbers(weight)[0].1
+    counterpoise_studio::editing::weight_handles::weight_numbers(weight)[0].value
 }
 
 fn folder() -> PathBuf {

@@ -9,7 +9,8 @@ use counterpoise_lti::{StateSpace, Timebase, append, series};
 use crate::error_feedback::from_demand_and_reading;
 use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
-    DesignPlant, Error, FeedbackWeights, Generalised, Reference, Weight, feedback, h2syn, hinfsyn, lqg_ltr,
+    DesignPlant, Error, FeedbackWeights, Generalised, Reference, StateOrigin, Weight, feedback, h2syn,
+    hinfsyn, lqg_ltr,
 };
 
 /// Which method made a controller.
@@ -89,8 +90,8 @@ pub fn alternative(
 /// [`Error`] for a plant or weights that are not ones.
 pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Generalised, Error> {
     let seen = plant.measured()?;
-    let mut inputs: Vec<usize> = weights.disturbances.iter().map(|(input, _)| *input).collect();
-    let mut densities: Vec<f64> = weights.disturbances.iter().map(|(_, density)| density.sqrt()).collect();
+    let mut inputs: Vec<usize> = weights.disturbances.iter().map(|entry| entry.index).collect();
+    let mut densities: Vec<f64> = weights.disturbances.iter().map(|entry| entry.value.sqrt()).collect();
     inputs.extend([plant.control, plant.control]);
     densities.extend([weights.loop_recovery.sqrt(), 1.0]);
     let count = inputs.len();
@@ -112,10 +113,10 @@ pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Gen
     let summed = series(&passed, &StateSpace::gain(sum, Timebase::Continuous)?)?;
     let weighted = series(&summed, &append(&textbook(&weights.error).realise()?, &wires(2)?)?)?;
     let of_error = weighted.order() - inverse.order() - seen.order();
-    Generalised::new(weighted, 1, 1)?.of_blocks(&[
-        ("the control weight", inverse.order()),
-        ("the plant", seen.order()),
-        ("the error weight", of_error),
+    Generalised::new(weighted, 1, 1)?.of_blocks(vec![
+        StateOrigin::new("the control weight", inverse.order()),
+        StateOrigin::new("the plant", seen.order()),
+        StateOrigin::new("the error weight", of_error),
     ])
 }
 

@@ -11,6 +11,7 @@
 //! the controller: they carry no estimation error, so an integrating error weight needs no far pole, no epsilon, and the
 //! filter's Riccati equation is that of the plant alone.
 
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat, Riccati, care, eigenvalues};
 use counterpoise_lti::{StateSpace, Timebase};
 
@@ -114,7 +115,7 @@ fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Er
     }
     let column = |index: usize| system.B.block(0, index, n, 1);
     let mut Gw = column(plant.control).scale(weights.loop_recovery.sqrt());
-    for &(index, density) in &weights.disturbances {
+    for &VectorEntry { index, value: density } in &weights.disturbances {
         if index >= inputs {
             return Err(Error::Index { what: "disturbance input", index, count: inputs });
         }

@@ -24,8 +24,33 @@ pub struct Generalised {
     pub controls: usize,
     /// Number of measurements y, the last outputs.
     pub measurements: usize,
-    /// Names of the blocks whose states these are, each with its number of states, in order; may be empty.
-    pub origins: Vec<(String, usize)>,
+    /// The blocks whose states these are, in order; may be empty.
+    pub origins: Vec<StateOrigin>,
+}
+
+/// A block that some successive states of a generalised plant belong to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StateOrigin {
+    /// Name of the block.
+    pub block: String,
+    /// How many states it has.
+    pub states: usize,
+}
+
+impl StateOrigin {
+    /// Returns a named block with its number of states.
+    pub fn new(block: impl Into<String>, states: usize) -> Self {
+        Self { block: block.into(), states }
+    }
+}
+
+/// A system with named signals that has a name itself, by which refusals speak of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedBlock<'a> {
+    /// Name of the block.
+    pub name: &'a str,
+    /// The system and the names of its inputs and outputs.
+    pub system: Named,
 }
 
 /// Named inputs or outputs of a generalised plant.
@@ -51,7 +76,7 @@ pub(crate) struct Blocks {
     /// Physical state = scale x scaled state, powers of two.
     pub scale: Vec<f64>,
     /// As [`Generalised::origins`].
-    pub origins: Vec<(String, usize)>,
+    pub origins: Vec<StateOrigin>,
 }
 
 impl Blocks {
@@ -60,10 +85,10 @@ impl Blocks {
     pub fn block_of(&self, moduli: &[f64]) -> String {
         let mut shares: Vec<(f64, String)> = Vec::new();
         let mut from = 0;
-        for (name, count) in &self.origins {
-            let share: f64 = moduli.iter().skip(from).take(*count).map(|x| x * x).sum();
-            shares.push((share, name.clone()));
-            from += count;
+        for origin in &self.origins {
+            let share: f64 = moduli.iter().skip(from).take(origin.states).map(|x| x * x).sum();
+            shares.push((share, origin.block.clone()));
+            from += origin.states;
         }
         let unnamed = moduli.iter().enumerate().skip(from);
         shares.extend(unnamed.map(|(k, x)| (x * x, format!("state {}", k + 1))));
@@ -103,16 +128,16 @@ impl Generalised {
         Ok(Self { system, controls, measurements, origins: Vec::new() })
     }
 
-    /// With the blocks named that the states belong to, each with its number of states, in order: refusals name them.
+    /// With the blocks named that the states belong to, in order: refusals name them.
     ///
     /// # Errors
     /// [`Error::Index`] where the blocks have more states than the plant.
-    pub fn of_blocks(self, blocks: &[(&str, usize)]) -> Result<Self, Error> {
-        let (index, count) = (blocks.iter().map(|block| block.1).sum(), self.system.order());
+    pub fn of_blocks(self, origins: Vec<StateOrigin>) -> Result<Self, Error> {
+        let (index, count) = (origins.iter().map(|origin| origin.states).sum(), self.system.order());
         if index > count {
             return Err(Error::Index { what: "last state of the named blocks", index, count });
         }
-        Ok(Self { origins: blocks.iter().map(|(name, n)| ((*name).to_owned(), *n)).collect(), ..self })
+        Ok(Self { origins, ..self })
     }
 
     /// Returns the plant of named blocks wired by name ([`counterpoise_lti::connect`]): the ports of `inputs` that belong
@@ -120,11 +145,12 @@ impl Generalised {
     ///
     /// # Errors
     /// As [`counterpoise_lti::connect`] and [`Generalised::new`].
-    pub fn by_name(blocks: &[(&str, Named)], inputs: Ports<'_>, outputs: Ports<'_>) -> Result<Self, Error> {
-        let systems: Vec<Named> = blocks.iter().map(|block| block.1.clone()).collect();
-        let names: Vec<(&str, usize)> = blocks.iter().map(|(name, b)| (*name, b.system.order())).collect();
+    pub fn by_name(blocks: &[NamedBlock<'_>], inputs: Ports<'_>, outputs: Ports<'_>) -> Result<Self, Error> {
+        let systems: Vec<Named> = blocks.iter().map(|block| block.system.clone()).collect();
+        let origin = |block: &NamedBlock<'_>| StateOrigin::new(block.name, block.system.system.order());
         let connected = connect(&systems, inputs.names, outputs.names)?;
-        Self::new(connected, inputs.of_controller, outputs.of_controller)?.of_blocks(&names)
+        Self::new(connected, inputs.of_controller, outputs.of_controller)?
+            .of_blocks(blocks.iter().map(origin).collect())
     }
 
     /// The closed loop from w to z with the controller u = K y.

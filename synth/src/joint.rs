@@ -11,6 +11,7 @@
 //! that of the feedback; the disturbances' share follows from a Sylvester equation; one filter estimates plant and
 //! disturbances from all sensors together, so each of them informs every part.
 
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat, care, eigenvalues, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
@@ -116,7 +117,7 @@ impl Problem {
         let (n, outputs) = (system.order(), system.outputs());
         let column = |index: usize| system.B.block(0, index, n, 1);
         let mut G = column(plant.control).scale(weights.loop_recovery.sqrt());
-        for &(index, density) in &weights.disturbances {
+        for &VectorEntry { index, value: density } in &weights.disturbances {
             G = G.hstack(&column(index).scale(density.sqrt()));
         }
         let further = &weights.combination_row(outputs - 1) * &system.C.block(1, 0, outputs - 1, n);

@@ -24,7 +24,7 @@
 //! A servo of one inertia with viscous drag, held without steady error:
 //!
 //! ```
-//! use counterpoise_linalg::Mat;
+//! use counterpoise_linalg::{Mat, sparse::VectorEntry};
 //! use counterpoise_lti::{StateSpace, Timebase};
 //! use counterpoise_synth::*;
 //! let (A, B) = (Mat::from_rows(&[&[-0.5]]), Mat::from_rows(&[&[2.0, 1.0]]));
@@ -35,7 +35,7 @@
 //!     control: Weight::Lead { gain: 1.0, time_s: 0.01 },
 //!     combination: vec![],
 //!     measurement_noise: 1e-4,
-//!     disturbances: vec![(1, 1.0)],
+//!     disturbances: vec![VectorEntry::new(1, 1.0)],
 //!     loop_recovery: 0.0,
 //! };
 //! let part = feedback(&plant, &weights, Reference::Error)?;
@@ -114,7 +114,7 @@ pub use first_design::{
     first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
-pub use generalised::{Generalised, Ports};
+pub use generalised::{Generalised, NamedBlock, Ports, StateOrigin};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
@@ -135,7 +135,7 @@ pub use search::{Ended, Found, SearchTask, Trial, search, trade_off};
 pub use specification::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
 };
-pub use table::{Fit, fit_table};
+pub use table::{Fit, TablePoint, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
 pub use tuning::{
     Disturbance, LoopLimits, LoopMeasures, Tuned, TunedFeedback, TuningSubject, TuningTask,

@@ -128,7 +128,7 @@ fn entry(
 ) -> Result<Entry, Error> {
     let factor = here.out_of_balance_kg_m / nominal.out_of_balance_kg_m;
     let noises: Vec<usize> =
-        design.specification.feedback.disturbances.iter().map(|(input, _)| *input).collect();
+        design.specification.feedback.disturbances.iter().map(|entry| entry.index).collect();
     let conditions = conditions(&nominal.plant, &here.plant, factor, &noises)?;
     let law = law(conditions, base, &design, factor)?;
     let error = |with: &Design, gain: f64| match with.heave {

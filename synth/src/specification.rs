@@ -1,6 +1,7 @@
 //! What the designer asks for: the weights of the three parts and how the parts are put together.
 
 use counterpoise_linalg::Mat;
+use counterpoise_linalg::sparse::VectorEntry;
 
 use crate::{Channel, Weight};
 
@@ -53,13 +54,13 @@ pub struct FeedbackWeights {
     pub error: Weight,
     /// Weight on the control.
     pub control: Weight,
-    /// Further outputs with a constant weight, as (output, weight): the tip's rate, for instance. All are summed into
-    /// one signal first, so (tip, k) and (hub, -k) weigh the twist rate.
-    pub combination: Vec<(usize, f64)>,
+    /// Constant weights on further outputs, each by the index of its output: on the tip's rate, for instance. All are summed into
+    /// one signal first, so k on the tip and -k on the hub weigh the twist rate.
+    pub combination: Vec<VectorEntry>,
     /// Spectral density of the measurement noise, (rad/s)^2 s.
     pub measurement_noise: f64,
-    /// White disturbances that no sensor announces, as (input, spectral density).
-    pub disturbances: Vec<(usize, f64)>,
+    /// Spectral densities of white disturbances that no sensor announces, each by the index of its input.
+    pub disturbances: Vec<VectorEntry>,
     /// Spectral density of a fictitious white noise on the control, V^2 s: the more, the more of the state feedback's
     /// margins the loop recovers, at the cost of noise.
     pub loop_recovery: f64,
@@ -128,8 +129,8 @@ impl FeedbackWeights {
     /// The row that makes the weighted combination out of all true outputs; zeros where there is none.
     pub(crate) fn combination_row(&self, outputs: usize) -> Mat {
         let mut row = Mat::zeros(1, outputs);
-        for &(output, weight) in self.combination.iter().filter(|(output, _)| *output < outputs) {
-            row[(0, output)] += weight;
+        for entry in self.combination.iter().filter(|entry| entry.index < outputs) {
+            row[(0, entry.index)] += entry.value;
         }
         row
     }

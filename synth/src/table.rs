@@ -11,9 +11,24 @@ impl Weight {
     /// # Errors
     /// As [`fit_table`].
     pub fn table(points: &[[f64; 2]], order: usize) -> Result<Self, Error> {
-        let pairs: Vec<(f64, f64)> = points.iter().map(|&[rate, modulus]| (rate, modulus)).collect();
-        let fitted = Box::new(fit_table(&pairs, order)?.weight);
+        let table: Vec<TablePoint> = points.iter().copied().map(TablePoint::from).collect();
+        let fitted = Box::new(fit_table(&table, order)?.weight);
         Ok(Weight::Table { points: points.to_vec(), order, fitted })
+    }
+}
+
+/// A point of a table: what the modulus of a weight is to be at a frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TablePoint {
+    /// Frequency, rad/s.
+    pub rate_rad_s: f64,
+    /// Modulus of the weight there, above 0.
+    pub modulus: f64,
+}
+
+impl From<[f64; 2]> for TablePoint {
+    fn from([rate_rad_s, modulus]: [f64; 2]) -> Self {
+        Self { rate_rad_s, modulus }
     }
 }
 
@@ -31,7 +46,7 @@ const GRID: usize = 161;
 /// Highest order: beyond it a table asks for noise to be fitted.
 pub const HIGHEST_ORDER: usize = 8;
 
-/// Fits a table of (frequency in rad/s, modulus) by a weight of the given order.
+/// Fits a table of frequencies and moduli by a weight of the given order.
 ///
 /// ```text
 ///     |W(jw)|^2 = P(xi) / Q(xi),   xi = (w^2 - w0^2) / (w^2 + w0^2),   P, Q > 0 on [-1, 1]
@@ -44,7 +59,7 @@ pub const HIGHEST_ORDER: usize = 8;
 /// # Errors
 /// [`Error::Range`] for fewer points than the order needs, frequencies that do not increase, moduli that are not positive, an
 /// order of 0 or above [`HIGHEST_ORDER`]. [`Error::Weight`] where no function of that order comes within 80 dB.
-pub fn fit_table(table: &[(f64, f64)], order: usize) -> Result<Fit, Error> {
+pub fn fit_table(table: &[TablePoint], order: usize) -> Result<Fit, Error> {
     check(table, order)?;
     let problem = Problem::new(table, order);
     let (mut low, mut high) = (TABLE_LEAST_DB, TABLE_MOST_DB);
@@ -61,12 +76,12 @@ pub fn fit_table(table: &[(f64, f64)], order: usize) -> Result<Fit, Error> {
         return Err(Error::Weight { weight, problem: "no function of this order comes near it" });
     };
     let weight = problem.weight(&P, &Q)?;
-    let deviation = |(rate, modulus): &(f64, f64)| 20.0 * (weight.magnitude(*rate) / modulus).log10().abs();
+    let deviation = |at: &TablePoint| 20.0 * (weight.magnitude(at.rate_rad_s) / at.modulus).log10().abs();
     let worst_db = table.iter().map(deviation).fold(0.0, f64::max);
     Ok(Fit { weight, worst_db })
 }
 
-fn check(table: &[(f64, f64)], order: usize) -> Result<(), Error> {
+fn check(table: &[TablePoint], order: usize) -> Result<(), Error> {
     let refuse = |what, value, allowed| Err(Error::Range { what, value, allowed });
     if order == 0 || order > HIGHEST_ORDER {
         return refuse("order of the fit", order as f64, "from 1 to 8");
@@ -74,12 +89,16 @@ fn check(table: &[(f64, f64)], order: usize) -> Result<(), Error> {
     if table.len() < 2 * order + 1 {
         return refuse("number of points", table.len() as f64, "twice the order and one");
     }
-    if let Some(point) = table.iter().find(|(_, modulus)| !(*modulus > 0.0 && modulus.is_finite())) {
-        return refuse("modulus", point.1, "positive");
+    if let Some(point) = table.iter().find(|point| !(point.modulus > 0.0 && point.modulus.is_finite())) {
+        return refuse("modulus", point.modulus, "positive");
     }
-    let increasing = table.windows(2).all(|pair| pair[1].0 > pair[0].0);
-    if !(increasing && table[0].0 > 0.0 && table[table.len() - 1].0.is_finite()) {
-        return refuse("first frequency in rad/s", table[0].0, "positive, and the frequencies increasing");
+    let increasing = table.windows(2).all(|pair| pair[1].rate_rad_s > pair[0].rate_rad_s);
+    if !(increasing && table[0].rate_rad_s > 0.0 && table[table.len() - 1].rate_rad_s.is_finite()) {
+        return refuse(
+            "first frequency in rad/s",
+            table[0].rate_rad_s,
+            "positive, and the frequencies increasing",
+        );
     }
     Ok(())
 }
@@ -96,11 +115,11 @@ struct Problem {
 }
 
 impl Problem {
-    fn new(table: &[(f64, f64)], order: usize) -> Self {
-        let centre = (table[0].0 * table[table.len() - 1].0).sqrt();
-        let points = table.iter().map(|&(rate, modulus)| {
-            let ratio = (rate / centre).powi(2);
-            (chebyshev((ratio - 1.0) / (ratio + 1.0), order), modulus * modulus)
+    fn new(table: &[TablePoint], order: usize) -> Self {
+        let centre = (table[0].rate_rad_s * table[table.len() - 1].rate_rad_s).sqrt();
+        let points = table.iter().map(|point| {
+            let ratio = (point.rate_rad_s / centre).powi(2);
+            (chebyshev((ratio - 1.0) / (ratio + 1.0), order), point.modulus * point.modulus)
         });
         let grid = (0..GRID).map(|k| {
             let xi = -(std::f64::consts::PI * k as f64 / (GRID - 1) as f64).cos();
@@ -204,14 +223,16 @@ fn chebyshev_roots(series: &[f64]) -> Result<Vec<C64>, Error> {
 }
 
 /// The modulus at a frequency by straight lines in logarithms, held beyond the ends.
-fn interpolated(table: &[(f64, f64)], rate: f64) -> f64 {
-    let Some(above) = table.iter().position(|point| point.0 >= rate) else { return table[table.len() - 1].1 };
+fn interpolated(table: &[TablePoint], rate: f64) -> f64 {
+    let Some(above) = table.iter().position(|point| point.rate_rad_s >= rate) else {
+        return table[table.len() - 1].modulus;
+    };
     if above == 0 {
-        return table[0].1;
+        return table[0].modulus;
     }
-    let ((x0, y0), (x1, y1)) = (table[above - 1], table[above]);
-    let share = (rate / x0).ln() / (x1 / x0).ln();
-    y0 * (y1 / y0).powf(share)
+    let (low, high) = (table[above - 1], table[above]);
+    let share = (rate / low.rate_rad_s).ln() / (high.rate_rad_s / low.rate_rad_s).ln();
+    low.modulus * (high.modulus / low.modulus).powf(share)
 }
 
 /// Maximises the last unknown with rows x <= 0 and mean x = 1; `None` if no point keeps them.
@@ -247,8 +268,8 @@ mod tests {
             poles: vec![C64::new(-0.5, 0.0), C64::new(-90.0, 0.0)],
             gain: 3.0,
         };
-        let table: Vec<(f64, f64)> =
-            rates(40).into_iter().map(|rate| (rate, truth.magnitude(rate))).collect();
+        let table: Vec<TablePoint> =
+            rates(40).into_iter().map(|rate| [rate, truth.magnitude(rate)].into()).collect();
         let fit = fit_table(&table, 2).unwrap();
         assert!(fit.worst_db < 0.02, "{}", fit.worst_db);
         for rate in rates(77) {
@@ -260,7 +281,7 @@ mod tests {
     #[test]
     fn a_drawn_shape_is_met_better_with_more_order_and_stays_stable() {
         let drawn = |rate: f64| if rate < 3.0 { 10.0 } else { (10.0 * (3.0 / rate).powf(1.5)).max(0.05) };
-        let table: Vec<(f64, f64)> = rates(60).into_iter().map(|rate| (rate, drawn(rate))).collect();
+        let table: Vec<TablePoint> = rates(60).into_iter().map(|rate| [rate, drawn(rate)].into()).collect();
         let mut last = f64::INFINITY;
         for order in [1, 2, 4, 6] {
             let fit = fit_table(&table, order).unwrap();
@@ -275,9 +296,10 @@ mod tests {
 
     #[test]
     fn tables_that_are_none_are_refused() {
-        assert!(fit_table(&[(1.0, 1.0), (2.0, 1.0)], 2).is_err());
-        assert!(fit_table(&[(1.0, 1.0), (2.0, -1.0), (3.0, 1.0)], 1).is_err());
-        assert!(fit_table(&[(1.0, 1.0), (1.0, 1.0), (3.0, 1.0)], 1).is_err());
-        assert!(fit_table(&[(1.0, 1.0), (2.0, 1.0), (3.0, 1.0)], 0).is_err());
+        let is_refused = |points: &[[f64; 2]], order: usize| Weight::table(points, order).is_err();
+        assert!(is_refused(&[[1.0, 1.0], [2.0, 1.0]], 2));
+        assert!(is_refused(&[[1.0, 1.0], [2.0, -1.0], [3.0, 1.0]], 1));
+        assert!(is_refused(&[[1.0, 1.0], [1.0, 1.0], [3.0, 1.0]], 1));
+        assert!(is_refused(&[[1.0, 1.0], [2.0, 1.0], [3.0, 1.0]], 0));
     }
 }

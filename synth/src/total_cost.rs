@@ -12,6 +12,7 @@
 //! by the trapezoidal rule on a logarithmic grid that is refined at every pole of the loop; no realisation of a weighted
 //! control is needed, so weights that rise without bound are taken as they are.
 
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, poles};
@@ -329,20 +330,22 @@ impl Assembled {
             let (H, K) = (scalar(self.hub_sensor.as_ref(), rate)?, self.feedback.at(rate)?[(0, 0)] * gain);
             let closed = C64::ONE / (C64::ONE - K * H * plant[(self.rate, self.control)]);
             let (error, control) = (weights.error.response(rate), weights.control.response(rate));
-            let mut inputs = vec![(self.control, weights.loop_recovery)];
+            let mut inputs = vec![VectorEntry::new(self.control, weights.loop_recovery)];
             inputs.extend(&weights.disturbances);
-            for (input, density) in inputs.into_iter().filter(|(_, density)| *density > 0.0) {
+            for VectorEntry { index: input, value: density } in
+                inputs.into_iter().filter(|one| one.value > 0.0)
+            {
                 let u = closed * K * H * plant[(self.rate, input)];
                 let at = |output: usize| plant[(output, input)] + plant[(output, self.control)] * u;
                 let further: C64 =
-                    weights.combination.iter().map(|&(output, weight)| at(output) * weight).sum();
+                    weights.combination.iter().map(|entry| at(entry.index) * entry.value).sum();
                 let all =
                     (error * H * at(self.rate)).norm_sqr() + (control * u).norm_sqr() + further.norm_sqr();
                 sum += share * density * all;
             }
             let u = closed * K;
             let at = |output: usize| plant[(output, self.control)] * u;
-            let further: C64 = weights.combination.iter().map(|&(output, weight)| at(output) * weight).sum();
+            let further: C64 = weights.combination.iter().map(|entry| at(entry.index) * entry.value).sum();
             let noisy = error * H * at(self.rate) + (error - direct);
             let all = noisy.norm_sqr() + (control * u).norm_sqr() + further.norm_sqr();
             sum += share * weights.measurement_noise * all;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
 use crate::common;
+use counterpoise_linalg::sparse::VectorEntry;
 
 use common::{rig, weights};
 use counterpoise_controller::{Controller, Readings, SampledController};
@@ -113,7 +114,8 @@ fn motion(design: &Design) -> (f64, f64) {
 fn weighing_the_tip_calms_the_tip() {
     let mut specification = Specification { heave: None, pitch: None, ..weights() };
     let hub_only = motion(&designed(&rig(), &specification));
-    specification.feedback.combination = vec![(LinearPlant::TIP_RATE, 60.0), (LinearPlant::HUB_RATE, -60.0)];
+    specification.feedback.combination =
+        vec![VectorEntry::new(LinearPlant::TIP_RATE, 60.0), VectorEntry::new(LinearPlant::HUB_RATE, -60.0)];
     let design = designed(&rig(), &specification);
     let with_tip = motion(&design);
     assert!(with_tip.1 < 0.95 * hub_only.1, "tip {} before, {} after", hub_only.1, with_tip.1);

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
 use counterpoise_linalg::Mat;
-use counterpoise_lti::{Named, StateSpace, Timebase, poles, series};
-use counterpoise_synth::{Error, Generalised, Ports, h2syn, hinfsyn};
+use counterpoise_lti::{Named, SignalTerm, StateSpace, Timebase, poles, series};
+use counterpoise_synth::{Error, Generalised, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn};
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
 
@@ -16,18 +16,20 @@ fn first_order(pole: f64, gain: f64) -> StateSpace {
 /// An unstable plant (its pole at +2) whose output is judged by two weights and measured with noise.
 fn by_name() -> Generalised {
     let plant = Named::new(first_order(2.0, 1.0), &["drive"], &["rate"]).unwrap();
-    let drive = Named::sum("drive", &[(1.0, "u"), (1.0, "w")], CONTINUOUS).unwrap();
+    let drive =
+        Named::sum("drive", &[SignalTerm::new(1.0, "u"), SignalTerm::new(1.0, "w")], CONTINUOUS).unwrap();
     let slow = Named::new(first_order(-0.1, 3.0), &["rate"], &["z1"]).unwrap();
     let fast = Named::new(first_order(-40.0, 10.0), &["rate"], &["z2"]).unwrap();
-    let effort = Named::sum("z3", &[(1.0, "u")], CONTINUOUS).unwrap();
-    let sensor = Named::sum("y", &[(1.0, "rate"), (0.1, "n")], CONTINUOUS).unwrap();
+    let effort = Named::sum("z3", &[SignalTerm::new(1.0, "u")], CONTINUOUS).unwrap();
+    let sensor =
+        Named::sum("y", &[SignalTerm::new(1.0, "rate"), SignalTerm::new(0.1, "n")], CONTINUOUS).unwrap();
     let blocks = [
-        ("plant", plant),
-        ("sum of the drive", drive),
-        ("slow weight", slow),
-        ("fast weight", fast),
-        ("effort", effort),
-        ("sensor", sensor),
+        NamedBlock { name: "plant", system: plant },
+        NamedBlock { name: "sum of the drive", system: drive },
+        NamedBlock { name: "slow weight", system: slow },
+        NamedBlock { name: "fast weight", system: fast },
+        NamedBlock { name: "effort", system: effort },
+        NamedBlock { name: "sensor", system: sensor },
     ];
     let inputs = Ports { names: &["w", "n", "u"], of_controller: 1 };
     let outputs = Ports { names: &["z1", "z2", "z3", "y"], of_controller: 1 };
@@ -65,8 +67,9 @@ fn blocks_connected_by_name_share_their_plant() {
 
 #[test]
 fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thrice() {
-    let copies = [("copy 1", 1), ("slow weight", 1), ("copy 2", 1), ("fast weight", 1), ("copy 3", 1)];
-    let plant = Generalised::new(stacked(), 1, 1).unwrap().of_blocks(&copies).unwrap();
+    let copies = ["copy 1", "slow weight", "copy 2", "fast weight", "copy 3"];
+    let origins = copies.map(|name| StateOrigin::new(name, 1)).to_vec();
+    let plant = Generalised::new(stacked(), 1, 1).unwrap().of_blocks(origins).unwrap();
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
             found.iter().any(|text| text.contains("no control reaches the mode 2.000000 of copy")

@@ -1,6 +1,7 @@
 //! The feedback part against closed forms, printed figures, and a cost found in the frequency domain.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, poles, response::response_at};
 use counterpoise_synth::{DesignPlant, Feedback, FeedbackWeights, Reference, Weight, feedback};
@@ -41,7 +42,7 @@ fn weights() -> FeedbackWeights {
         control: Weight::Quadratic { gain: 1.0, second_s2: 1e-4, first_s: 2e-2 },
         combination: vec![],
         measurement_noise: 1e-4,
-        disturbances: vec![(1, 1.0)],
+        disturbances: vec![VectorEntry::new(1, 1.0)],
         loop_recovery: 0.01,
     }
 }
@@ -55,7 +56,7 @@ fn the_scalar_problem_has_its_closed_form() {
             control: constant(1.0),
             combination: vec![],
             measurement_noise: 0.25,
-            disturbances: vec![(1, 1.0)],
+            disturbances: vec![VectorEntry::new(1, 1.0)],
             loop_recovery: 0.0,
         };
         let part = feedback(&plant, &weights, Reference::Error).unwrap();
@@ -87,9 +88,9 @@ fn doyle_s_gain_margins_are_as_printed() {
         let weights = FeedbackWeights {
             error: constant(1e-12),
             control: constant(1.0),
-            combination: vec![(1, f64::sqrt(q))],
+            combination: vec![VectorEntry::new(1, f64::sqrt(q))],
             measurement_noise: 1.0,
-            disturbances: vec![(1, q)],
+            disturbances: vec![VectorEntry::new(1, q)],
             loop_recovery: 0.0,
         };
         let part = feedback(&plant, &weights, Reference::Error).unwrap();

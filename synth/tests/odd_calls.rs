@@ -4,6 +4,7 @@
 
 use crate::common;
 use crate::odd::{Call, assert_none_panics, judge, odd, odd_number, panicking, size, uniform};
+use counterpoise_linalg::sparse::VectorEntry;
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
@@ -63,10 +64,10 @@ fn specification(state: &mut u64) -> Specification {
         1 => made.feedback.control = weight(state),
         2 => made.feedback.measurement_noise = number,
         3 => made.feedback.loop_recovery = number,
-        4 => made.feedback.combination = vec![(size(state, 9.0), number)],
+        4 => made.feedback.combination = vec![VectorEntry::new(size(state, 9.0), number)],
         5 => made.heave.as_mut().unwrap().generator = weight(state),
         6 => made.pitch.as_mut().unwrap().error = weight(state),
-        _ => made.feedback.disturbances = vec![(size(state, 9.0), number)],
+        _ => made.feedback.disturbances = vec![VectorEntry::new(size(state, 9.0), number)],
     }
     made.assembly = [Assembly::SimpleAdd, Assembly::Grimble, Assembly::Joint][size(state, 3.0)];
     made
@@ -82,7 +83,7 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
     let square = |S: &Mat| S * &S.t();
     let (Q, R) = (square(&g.A), square(&h.D));
     let w = weight(&mut state);
-    let table = [(x, y), (1.0, x), (2.0, 3.0), (5.0, 1.0)];
+    let table = [[x, y], [1.0, x], [2.0, 3.0], [5.0, 1.0]].map(TablePoint::from);
     let calls: Vec<Call> = vec![
         ("h2syn", Box::new(|| judge(generalised.as_ref().map(h2syn)))),
         ("hinfsyn", Box::new(|| judge(generalised.as_ref().map(|plant| hinfsyn(plant, 1e-3))))),
@@ -97,7 +98,13 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
         ("of no table", Box::new(|| judge(fit_table(&[], measurements)))),
         (
             "of_blocks",
-            Box::new(|| judge(generalised.clone().map(|plant| plant.of_blocks(&[("plant", controls)])))),
+            Box::new(|| {
+                judge(
+                    generalised
+                        .clone()
+                        .map(|plant| plant.of_blocks(vec![StateOrigin::new("plant", controls)])),
+                )
+            }),
         ),
     ];
     panicking(&calls)

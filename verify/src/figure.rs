@@ -163,7 +163,7 @@ impl Quantity {
             Quantity::HubPeak => format!("peak {}", controlled.name()),
             Quantity::TipRms => format!("RMS {}", controlled.tip_name()),
             Quantity::TipPeak => format!("peak {}", controlled.tip_name()),
-            other => words(&QUANTITIES, &other).1.to_owned(),
+            other => words(&QUANTITIES, &other).name.to_owned(),
         }
     }
 }
@@ -213,92 +213,122 @@ pub enum Figure {
     Sight(SightFigure),
 }
 
-const MODELS: [(Model, &str, &str); 2] =
-    [(Model::Linear, "linear", "linear plant"), (Model::Nonlinear, "nonlinear", "nonlinear plant")];
-
-const SOURCES: [(Source, &str, &str); 4] = [
-    (Source::Heave, "heave", "heave"),
-    (Source::Pitch, "pitch", "pitch"),
-    (Source::Both, "both", "heave and pitch"),
-    (Source::Road, "road", "road"),
-];
-
-const ARRANGEMENT_NAMES: [(Arrangement, &str, &str); 3] = [
-    (Arrangement::Uncontrolled, "uncontrolled", "without control"),
-    (Arrangement::Feedback, "feedback", "feedback"),
-    (Arrangement::Compensated, "compensated", "feedback + feedforward"),
-];
-
-/// Key, name, unit.
-type Words = (&'static str, &'static str, &'static str);
-
-const LOOP: [(LoopFigure, Words); 9] = [
-    (LoopFigure::GainMargin, ("gain_margin_db", "gain margin", "dB")),
-    (LoopFigure::GainReductionMargin, ("gain_reduction_margin_db", "gain reduction margin", "dB")),
-    (LoopFigure::PhaseMargin, ("phase_margin_deg", "phase margin", "deg")),
-    (LoopFigure::DelayMargin, ("delay_margin_s", "delay margin", "s")),
-    (LoopFigure::DiskMargin, ("disk_margin", "disk margin", "")),
-    (LoopFigure::MaxSensitivity, ("max_sensitivity", "largest sensitivity Ms", "")),
-    (
-        LoopFigure::MaxComplementary,
-        ("max_complementary_sensitivity", "largest complementary sensitivity Mt", ""),
-    ),
-    (LoopFigure::PoleRadius, ("closed_loop_pole_radius", "largest closed-loop pole modulus", "")),
-    (LoopFigure::Crossover, ("crossover_hz", "highest crossover", "Hz")),
-];
-
-const STEP: [(StepFigure, Words); 6] = [
-    (StepFigure::Overshoot, ("overshoot_percent", "overshoot", "%")),
-    (StepFigure::RiseTime, ("rise_time_s", "rise time", "s")),
-    (StepFigure::PeakTime, ("peak_time_s", "peak time", "s")),
-    (StepFigure::SettlingTime, ("settling_time_s", "settling time", "s")),
-    (StepFigure::SteadyStateError, ("steady_state_error_percent", "steady-state error", "%")),
-    (StepFigure::ControlPeak, ("control_peak_v", "peak control", "V")),
-];
-
-const TRIANGLE: [(TriangleFigure, Words); 3] = [
-    (TriangleFigure::ErrorRms, ("error_rms_rad_s", "RMS error", "rad/s")),
-    (TriangleFigure::ErrorPeak, ("error_peak_rad_s", "peak error", "rad/s")),
-    (TriangleFigure::ControlPeak, ("control_peak_v", "peak control", "V")),
-];
-
-const QUANTITIES: [(Quantity, Words); 10] = [
-    (Quantity::HubRms, ("hub_rms_rad_s", "RMS hub rate", "rad/s")),
-    (Quantity::HubPeak, ("hub_peak_rad_s", "peak hub rate", "rad/s")),
-    (Quantity::TipRms, ("tip_rms_rad_s", "RMS tip rate", "rad/s")),
-    (Quantity::TipPeak, ("tip_peak_rad_s", "peak tip rate", "rad/s")),
-    (Quantity::ControlRms, ("control_rms_v", "RMS control", "V")),
-    (Quantity::ControlPeak, ("control_peak_v", "peak control", "V")),
-    (Quantity::CurrentPeak, ("current_peak_a", "peak current", "A")),
-    (Quantity::TravelPeak, ("travel_peak_rad", "peak travel", "rad")),
-    (Quantity::GearOpen, ("gear_open_fraction", "gear open", "of the time")),
-    (Quantity::Rejection, ("drr_db", "DRR at the procedure's motion", "dB")),
-];
-
-const REST: [(RestFigure, Words); 2] = [
-    (RestFigure::HubRms, ("rest_hub_rms_rad_s", "RMS hub rate at rest", "rad/s")),
-    (RestFigure::Drift, ("rest_drift_rad", "drift at rest", "rad")),
-];
-
-const SIGHT: [(SightFigure, Words); 10] = [
-    (SightFigure::Hub, ("line_of_sight_rms_rad", "RMS line of sight", "rad")),
-    (SightFigure::HubJitter, ("line_of_sight_jitter_rad", "line-of-sight jitter", "rad")),
-    (SightFigure::Tip, ("tip_line_of_sight_rms_rad", "RMS line of sight of the tip", "rad")),
-    (SightFigure::TipJitter, ("tip_line_of_sight_jitter_rad", "line-of-sight jitter of the tip", "rad")),
-    (SightFigure::Bending, ("tip_against_hub_rms_rad", "RMS angle of the tip against the hub", "rad")),
-    (SightFigure::Coincidence, ("coincidence_fraction", "time within the coincidence window", "of the time")),
-    (SightFigure::Wait, ("coincidence_wait_s", "mean wait for coincidence", "s")),
-    (SightFigure::Hit, ("hit_probability", "hit probability", "")),
-    (SightFigure::HubTransferLoss, ("line_of_sight_mtf_loss", "MTF loss by motion", "")),
-    (SightFigure::TipTransferLoss, ("tip_line_of_sight_mtf_loss", "MTF loss by motion of the tip", "")),
-];
-
-fn words<K: PartialEq>(table: &[(K, Words)], key: &K) -> Words {
-    table.iter().find(|row| row.0 == *key).map_or(("", "", ""), |row| row.1)
+/// What a figure, or a part of one, is called.
+#[derive(Debug, Clone, Copy, Default)]
+struct Words {
+    /// In a project file.
+    key: &'static str,
+    /// In words a person reads.
+    name: &'static str,
+    /// Its unit; empty for a pure number and for a part without one.
+    unit: &'static str,
 }
 
-fn key_of<K: PartialEq>(table: &[(K, &'static str, &'static str)], key: &K) -> (&'static str, &'static str) {
-    table.iter().find(|row| row.0 == *key).map_or(("", ""), |row| (row.1, row.2))
+/// A row of a table: a value and what it is called.
+struct Row<K> {
+    of: K,
+    words: Words,
+}
+
+impl<K> Row<K> {
+    const fn new(of: K, key: &'static str, name: &'static str, unit: &'static str) -> Self {
+        Self { of, words: Words { key, name, unit } }
+    }
+}
+
+const MODELS: [Row<Model>; 2] = [
+    Row::new(Model::Linear, "linear", "linear plant", ""),
+    Row::new(Model::Nonlinear, "nonlinear", "nonlinear plant", ""),
+];
+
+const SOURCES: [Row<Source>; 4] = [
+    Row::new(Source::Heave, "heave", "heave", ""),
+    Row::new(Source::Pitch, "pitch", "pitch", ""),
+    Row::new(Source::Both, "both", "heave and pitch", ""),
+    Row::new(Source::Road, "road", "road", ""),
+];
+
+const ARRANGEMENT_NAMES: [Row<Arrangement>; 3] = [
+    Row::new(Arrangement::Uncontrolled, "uncontrolled", "without control", ""),
+    Row::new(Arrangement::Feedback, "feedback", "feedback", ""),
+    Row::new(Arrangement::Compensated, "compensated", "feedback + feedforward", ""),
+];
+
+const LOOP: [Row<LoopFigure>; 9] = [
+    Row::new(LoopFigure::GainMargin, "gain_margin_db", "gain margin", "dB"),
+    Row::new(LoopFigure::GainReductionMargin, "gain_reduction_margin_db", "gain reduction margin", "dB"),
+    Row::new(LoopFigure::PhaseMargin, "phase_margin_deg", "phase margin", "deg"),
+    Row::new(LoopFigure::DelayMargin, "delay_margin_s", "delay margin", "s"),
+    Row::new(LoopFigure::DiskMargin, "disk_margin", "disk margin", ""),
+    Row::new(LoopFigure::MaxSensitivity, "max_sensitivity", "largest sensitivity Ms", ""),
+    Row::new(
+        LoopFigure::MaxComplementary,
+        "max_complementary_sensitivity",
+        "largest complementary sensitivity Mt",
+        "",
+    ),
+    Row::new(LoopFigure::PoleRadius, "closed_loop_pole_radius", "largest closed-loop pole modulus", ""),
+    Row::new(LoopFigure::Crossover, "crossover_hz", "highest crossover", "Hz"),
+];
+
+const STEP: [Row<StepFigure>; 6] = [
+    Row::new(StepFigure::Overshoot, "overshoot_percent", "overshoot", "%"),
+    Row::new(StepFigure::RiseTime, "rise_time_s", "rise time", "s"),
+    Row::new(StepFigure::PeakTime, "peak_time_s", "peak time", "s"),
+    Row::new(StepFigure::SettlingTime, "settling_time_s", "settling time", "s"),
+    Row::new(StepFigure::SteadyStateError, "steady_state_error_percent", "steady-state error", "%"),
+    Row::new(StepFigure::ControlPeak, "control_peak_v", "peak control", "V"),
+];
+
+const TRIANGLE: [Row<TriangleFigure>; 3] = [
+    Row::new(TriangleFigure::ErrorRms, "error_rms_rad_s", "RMS error", "rad/s"),
+    Row::new(TriangleFigure::ErrorPeak, "error_peak_rad_s", "peak error", "rad/s"),
+    Row::new(TriangleFigure::ControlPeak, "control_peak_v", "peak control", "V"),
+];
+
+const QUANTITIES: [Row<Quantity>; 10] = [
+    Row::new(Quantity::HubRms, "hub_rms_rad_s", "RMS hub rate", "rad/s"),
+    Row::new(Quantity::HubPeak, "hub_peak_rad_s", "peak hub rate", "rad/s"),
+    Row::new(Quantity::TipRms, "tip_rms_rad_s", "RMS tip rate", "rad/s"),
+    Row::new(Quantity::TipPeak, "tip_peak_rad_s", "peak tip rate", "rad/s"),
+    Row::new(Quantity::ControlRms, "control_rms_v", "RMS control", "V"),
+    Row::new(Quantity::ControlPeak, "control_peak_v", "peak control", "V"),
+    Row::new(Quantity::CurrentPeak, "current_peak_a", "peak current", "A"),
+    Row::new(Quantity::TravelPeak, "travel_peak_rad", "peak travel", "rad"),
+    Row::new(Quantity::GearOpen, "gear_open_fraction", "gear open", "of the time"),
+    Row::new(Quantity::Rejection, "drr_db", "DRR at the procedure's motion", "dB"),
+];
+
+const REST: [Row<RestFigure>; 2] = [
+    Row::new(RestFigure::HubRms, "rest_hub_rms_rad_s", "RMS hub rate at rest", "rad/s"),
+    Row::new(RestFigure::Drift, "rest_drift_rad", "drift at rest", "rad"),
+];
+
+const SIGHT: [Row<SightFigure>; 10] = [
+    Row::new(SightFigure::Hub, "line_of_sight_rms_rad", "RMS line of sight", "rad"),
+    Row::new(SightFigure::HubJitter, "line_of_sight_jitter_rad", "line-of-sight jitter", "rad"),
+    Row::new(SightFigure::Tip, "tip_line_of_sight_rms_rad", "RMS line of sight of the tip", "rad"),
+    Row::new(
+        SightFigure::TipJitter,
+        "tip_line_of_sight_jitter_rad",
+        "line-of-sight jitter of the tip",
+        "rad",
+    ),
+    Row::new(SightFigure::Bending, "tip_against_hub_rms_rad", "RMS angle of the tip against the hub", "rad"),
+    Row::new(
+        SightFigure::Coincidence,
+        "coincidence_fraction",
+        "time within the coincidence window",
+        "of the time",
+    ),
+    Row::new(SightFigure::Wait, "coincidence_wait_s", "mean wait for coincidence", "s"),
+    Row::new(SightFigure::Hit, "hit_probability", "hit probability", ""),
+    Row::new(SightFigure::HubTransferLoss, "line_of_sight_mtf_loss", "MTF loss by motion", ""),
+    Row::new(SightFigure::TipTransferLoss, "tip_line_of_sight_mtf_loss", "MTF loss by motion of the tip", ""),
+];
+
+fn words<K: PartialEq>(table: &[Row<K>], of: &K) -> Words {
+    table.iter().find(|row| row.of == *of).map_or(Words::default(), |row| row.words)
 }
 
 impl Figure {
@@ -306,29 +336,29 @@ impl Figure {
     /// `pitch_compensated_drr_db at 1.5 Hz`. [`Figure::from_key`] is its inverse.
     pub fn key(&self) -> String {
         match self {
-            Figure::Loop(figure) => words(&LOOP, figure).0.to_owned(),
+            Figure::Loop(figure) => words(&LOOP, figure).key.to_owned(),
             Figure::Step(model, figure) => {
-                format!("{}_step_{}", key_of(&MODELS, model).0, words(&STEP, figure).0)
+                format!("{}_step_{}", words(&MODELS, model).key, words(&STEP, figure).key)
             }
             Figure::Triangle(model, figure) => {
-                format!("{}_triangle_{}", key_of(&MODELS, model).0, words(&TRIANGLE, figure).0)
+                format!("{}_triangle_{}", words(&MODELS, model).key, words(&TRIANGLE, figure).key)
             }
             Figure::Disturbance(model, source, arrangement, quantity) => format!(
                 "{}_{}_{}_{}",
-                key_of(&MODELS, model).0,
-                key_of(&SOURCES, source).0,
-                key_of(&ARRANGEMENT_NAMES, arrangement).0,
-                words(&QUANTITIES, quantity).0
+                words(&MODELS, model).key,
+                words(&SOURCES, source).key,
+                words(&ARRANGEMENT_NAMES, arrangement).key,
+                words(&QUANTITIES, quantity).key
             ),
             Figure::Rejection { source, arrangement, frequency_hz } => {
                 format!(
                     "{}_{}_drr_db at {frequency_hz} Hz",
-                    key_of(&SOURCES, source).0,
-                    key_of(&ARRANGEMENT_NAMES, arrangement).0
+                    words(&SOURCES, source).key,
+                    words(&ARRANGEMENT_NAMES, arrangement).key
                 )
             }
-            Figure::Rest(figure) => words(&REST, figure).0.to_owned(),
-            Figure::Sight(figure) => words(&SIGHT, figure).0.to_owned(),
+            Figure::Rest(figure) => words(&REST, figure).key.to_owned(),
+            Figure::Sight(figure) => words(&SIGHT, figure).key.to_owned(),
         }
     }
 
@@ -378,61 +408,61 @@ impl Figure {
 
     /// Every figure; the DRR at 1 Hz stands for the DRR at any frequency.
     pub fn all() -> Vec<Self> {
-        let mut out: Vec<Self> = LOOP.iter().map(|row| Figure::Loop(row.0)).collect();
-        for (model, ..) in MODELS {
-            out.extend(STEP.iter().map(|row| Figure::Step(model, row.0)));
-            out.extend(TRIANGLE.iter().map(|row| Figure::Triangle(model, row.0)));
+        let mut out: Vec<Self> = LOOP.iter().map(|row| Figure::Loop(row.of)).collect();
+        for Row { of: model, .. } in MODELS {
+            out.extend(STEP.iter().map(|row| Figure::Step(model, row.of)));
+            out.extend(TRIANGLE.iter().map(|row| Figure::Triangle(model, row.of)));
         }
-        for (model, ..) in MODELS {
-            for (source, ..) in SOURCES {
-                for (arrangement, ..) in ARRANGEMENT_NAMES {
+        for Row { of: model, .. } in MODELS {
+            for Row { of: source, .. } in SOURCES {
+                for Row { of: arrangement, .. } in ARRANGEMENT_NAMES {
                     out.extend(
-                        QUANTITIES.iter().map(|row| Figure::Disturbance(model, source, arrangement, row.0)),
+                        QUANTITIES.iter().map(|row| Figure::Disturbance(model, source, arrangement, row.of)),
                     );
                 }
             }
         }
         out.extend(rejections(1.0));
-        out.extend(REST.iter().map(|row| Figure::Rest(row.0)));
-        out.extend(SIGHT.iter().map(|row| Figure::Sight(row.0)));
+        out.extend(REST.iter().map(|row| Figure::Rest(row.of)));
+        out.extend(SIGHT.iter().map(|row| Figure::Sight(row.of)));
         out
     }
 
     /// The figure in words a person reads, for example `peak hub rate, pitch, feedback, linear plant`.
     pub fn name(&self, controlled: ControlledQuantity) -> String {
         match self {
-            Figure::Loop(figure) => words(&LOOP, figure).1.to_owned(),
+            Figure::Loop(figure) => words(&LOOP, figure).name.to_owned(),
             Figure::Step(model, figure) => {
-                format!("step {}, {}", words(&STEP, figure).1, key_of(&MODELS, model).1)
+                format!("step {}, {}", words(&STEP, figure).name, words(&MODELS, model).name)
             }
             Figure::Triangle(model, figure) => {
-                format!("triangle {}, {}", words(&TRIANGLE, figure).1, key_of(&MODELS, model).1)
+                format!("triangle {}, {}", words(&TRIANGLE, figure).name, words(&MODELS, model).name)
             }
             Figure::Disturbance(model, source, arrangement, quantity) => format!(
                 "{}, {}, {}, {}",
                 quantity.name(controlled),
-                key_of(&SOURCES, source).1,
-                key_of(&ARRANGEMENT_NAMES, arrangement).1,
-                key_of(&MODELS, model).1
+                words(&SOURCES, source).name,
+                words(&ARRANGEMENT_NAMES, arrangement).name,
+                words(&MODELS, model).name
             ),
             Figure::Rejection { source, arrangement, frequency_hz } => {
                 format!(
                     "DRR {} at {frequency_hz} Hz, {}, linear plant",
-                    key_of(&SOURCES, source).1,
-                    key_of(&ARRANGEMENT_NAMES, arrangement).1
+                    words(&SOURCES, source).name,
+                    words(&ARRANGEMENT_NAMES, arrangement).name
                 )
             }
             Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
-            Figure::Rest(figure) => words(&REST, figure).1.to_owned(),
-            Figure::Sight(figure) => words(&SIGHT, figure).1.to_owned(),
+            Figure::Rest(figure) => words(&REST, figure).name.to_owned(),
+            Figure::Sight(figure) => words(&SIGHT, figure).name.to_owned(),
         }
     }
 
     /// The unit in a loop; empty for a pure number.
     pub fn unit(&self, controlled: ControlledQuantity) -> &'static str {
         match self {
-            Figure::Loop(figure) => words(&LOOP, figure).2,
-            Figure::Step(_, figure) => words(&STEP, figure).2,
+            Figure::Loop(figure) => words(&LOOP, figure).unit,
+            Figure::Step(_, figure) => words(&STEP, figure).unit,
             Figure::Triangle(_, TriangleFigure::ErrorRms | TriangleFigure::ErrorPeak)
             | Figure::Disturbance(_, _, _, Quantity::HubRms | Quantity::HubPeak)
             | Figure::Rest(RestFigure::HubRms) => controlled.unit(),
@@ -440,10 +470,10 @@ impl Figure {
             Figure::Disturbance(_, _, _, Quantity::TravelPeak) | Figure::Rest(RestFigure::Drift) => {
                 controlled.travel_unit()
             }
-            Figure::Triangle(_, figure) => words(&TRIANGLE, figure).2,
-            Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).2,
+            Figure::Triangle(_, figure) => words(&TRIANGLE, figure).unit,
+            Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).unit,
             Figure::Rejection { .. } => "dB",
-            Figure::Sight(figure) => words(&SIGHT, figure).2,
+            Figure::Sight(figure) => words(&SIGHT, figure).unit,
         }
     }
 
@@ -485,7 +515,7 @@ fn rejections(frequency_hz: f64) -> Vec<Figure> {
     for source in [Source::Heave, Source::Pitch] {
         out.extend(ARRANGEMENT_NAMES.iter().map(|row| Figure::Rejection {
             source,
-            arrangement: row.0,
+            arrangement: row.of,
             frequency_hz,
         }));
     }

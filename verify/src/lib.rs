@@ -56,7 +56,7 @@ pub use history::{Experiment, History};
 pub use image_motion::Optics;
 pub use line_of_sight::{SightAngles, SightError};
 pub use measure::{Measured, Value};
-pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
+pub use procedure::{FurtherRoad, HeaveAndPitch, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use sight_options::LineOfSight;
 pub use two_axes::{

@@ -125,6 +125,15 @@ impl Sine {
     }
 }
 
+/// The motion of the platform that the linear plant takes, at a time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct HeaveAndPitch {
+    /// Heave, m/s^2.
+    pub heave_m_s2: f64,
+    /// Pitch rate, rad/s.
+    pub pitch_rate_rad_s: f64,
+}
+
 impl Road {
     /// Duration, s.
     pub fn duration_s(&self) -> f64 {
@@ -143,11 +152,11 @@ impl Road {
     }
 
     /// Heave and pitch rate at a time; 0 outside the record.
-    pub fn at(&self, time_s: f64) -> (f64, f64) {
-        (
-            between(&self.heave_m_s2, time_s / self.sample_period_s),
-            between(&self.pitch_rate_rad_s, time_s / self.sample_period_s),
-        )
+    pub fn at(&self, time_s: f64) -> HeaveAndPitch {
+        HeaveAndPitch {
+            heave_m_s2: between(&self.heave_m_s2, time_s / self.sample_period_s),
+            pitch_rate_rad_s: between(&self.pitch_rate_rad_s, time_s / self.sample_period_s),
+        }
     }
 }
 
@@ -275,9 +284,10 @@ mod tests {
             pitch_rate_rad_s: vec![1.0; 3],
             further: None,
         };
-        assert_eq!(road.at(0.75), (2.0, 1.0));
-        assert_eq!(road.at(1.0), (3.0, 1.0));
-        assert_eq!(road.at(1.1), (0.0, 0.0));
+        let at = |time_s: f64| (road.at(time_s).heave_m_s2, road.at(time_s).pitch_rate_rad_s);
+        assert_eq!(at(0.75), (2.0, 1.0));
+        assert_eq!(at(1.0), (3.0, 1.0));
+        assert_eq!(at(1.1), (0.0, 0.0));
         assert_eq!(road.duration_s(), 1.0);
     }
 }

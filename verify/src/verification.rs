@@ -12,11 +12,11 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed::is_feedforward;
 use crate::linear::frequency::rejections;
-use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
+use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arranged};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
 use crate::{
-    ARRANGEMENTS, Arrangement, Error, Figure, Model, Procedure, Requirement, Source, Unmeasured, Verdict,
-    nonlinear,
+    ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
+    Unmeasured, Verdict, nonlinear,
 };
 
 /// What was measured, how it was judged, and what it was read from.
@@ -326,7 +326,7 @@ fn value_of(figures: &[Measured], figure: Figure) -> Option<f64> {
 /// The sampled linear plant with its loops in every arrangement, and what they show in frequency.
 struct LinearLoops {
     sampled: SampledPlant,
-    loops: Vec<(Arrangement, Closed)>,
+    loops: Vec<ArrangedLoop>,
     broken: StateSpace,
     margins: Margins,
     figures: Vec<Measured>,
@@ -343,15 +343,15 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        loops
-            .push((arrangement, Closed::new(&sampled, arranged(controller, arrangement)?.as_ref(), moment)?));
+        let closed = Closed::new(&sampled, arranged(controller, arrangement)?.as_ref(), moment)?;
+        loops.push(ArrangedLoop { arrangement, closed });
     }
-    let whole = &loops[loops.len() - 1].1;
+    let whole = &loops[loops.len() - 1].closed;
     let broken = whole.broken.clone().ok_or(Error::NoController)?;
     let margins = margins(&broken)?;
     let mut figures = loop_figures(&margins, whole.pole_radius());
     let frequencies = rejection_frequencies(procedure, requirements);
-    for (arrangement, closed) in &loops {
+    for ArrangedLoop { arrangement, closed } in &loops {
         figures.extend(rejection_figures(&sampled, closed, *arrangement, &frequencies)?);
     }
     Ok(LinearLoops { sampled, loops, broken, margins, figures })
@@ -371,7 +371,7 @@ fn linear_part(
     let evidence = Evidence {
         sample_period_s: sampled.sample_period_s,
         holding_v: sampled.holding_v,
-        poles: loops.last().map(|(_, whole)| whole.poles.clone()).unwrap_or_default(),
+        poles: loops.last().map(|whole| whole.closed.poles.clone()).unwrap_or_default(),
         broken,
         margins,
         curves,
@@ -416,12 +416,12 @@ pub(crate) fn rejection_figures(
 /// Runs the step with the whole controller and every disturbance in every arrangement.
 fn linear_histories(
     sampled: &SampledPlant,
-    loops: &[(Arrangement, Closed)],
+    loops: &[ArrangedLoop],
     procedure: &Procedure,
     figures: &mut Vec<Measured>,
     histories: &mut Vec<History>,
 ) -> Result<(), Error> {
-    for (arrangement, closed) in loops {
+    for ArrangedLoop { arrangement, closed } in loops {
         for experiment in experiments(procedure, *arrangement) {
             match linear_history(sampled, closed, procedure, experiment)? {
                 None => figures.extend(diverged(Model::Linear, experiment)),
@@ -485,13 +485,14 @@ impl Procedure {
         }
     }
 
-    /// Heave (m/s^2) and pitch rate (rad/s) of a disturbance at a time.
-    pub fn motion(&self, source: Source, time_s: f64) -> (f64, f64) {
+    /// The platform's motion of a disturbance at a time.
+    pub fn motion(&self, source: Source, time_s: f64) -> HeaveAndPitch {
+        let (heave, pitch) = (|| self.heave.at(time_s), || self.pitch.at(time_s));
         match source {
-            Source::Heave => (self.heave.at(time_s), 0.0),
-            Source::Pitch => (0.0, self.pitch.at(time_s)),
-            Source::Both => (self.heave.at(time_s), self.pitch.at(time_s)),
-            Source::Road => self.road.as_ref().map_or((0.0, 0.0), |road| road.at(time_s)),
+            Source::Heave => HeaveAndPitch { heave_m_s2: heave(), pitch_rate_rad_s: 0.0 },
+            Source::Pitch => HeaveAndPitch { heave_m_s2: 0.0, pitch_rate_rad_s: pitch() },
+            Source::Both => HeaveAndPitch { heave_m_s2: heave(), pitch_rate_rad_s: pitch() },
+            Source::Road => self.road.as_ref().map_or(HeaveAndPitch::default(), |road| road.at(time_s)),
         }
     }
 }

@@ -7,9 +7,11 @@ use counterpoise_lti::Response;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
 use counterpoise_verify::linear::frequency::{Curves, rejections};
 use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{Closed, LoopCause, LoopEffect, SampledPlant, arranged, disturbance, step};
+use counterpoise_verify::linear::{
+    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arranged, disturbance, step,
+};
 use counterpoise_verify::signals::step_figures;
-use counterpoise_verify::{Arrangement, Sine, Source, Step};
+use counterpoise_verify::{Arrangement, HeaveAndPitch, Sine, Source, Step};
 use num_complex::Complex64;
 use support::{controller, plant, rig};
 
@@ -44,7 +46,10 @@ fn the_rejection_ratio_is_what_a_time_history_shows() {
         let closed = closed(&plant, arrangement);
         let expected = rejections(&plant, &closed, arrangement, &[2.0]).unwrap();
         for (source, ratio) in [(Source::Heave, &expected[0]), (Source::Pitch, &expected[1])] {
-            let motion = |t: f64| if source == Source::Heave { (sine.at(t), 0.0) } else { (0.0, sine.at(t)) };
+            let motion = |t: f64| match source {
+                Source::Heave => HeaveAndPitch { heave_m_s2: sine.at(t), pitch_rate_rad_s: 0.0 },
+                _ => HeaveAndPitch { heave_m_s2: 0.0, pitch_rate_rad_s: sine.at(t) },
+            };
             let run = disturbance(&plant, &closed, source, arrangement, 40.0, motion).unwrap();
             let driven = if source == Source::Heave { &run.heave_m_s2 } else { &run.pitch_rate_rad_s };
             let found = tone(&run.hub_rate_rad_s, 2.0, 1e-3, 8.0) / tone(driven, 2.0, 1e-3, 8.0);
@@ -72,7 +77,8 @@ fn the_loop_is_stable_and_follows_a_step_without_error() {
 #[test]
 fn the_broken_loop_is_the_controller_times_the_held_plant() {
     let plant = sampled();
-    let loops: Vec<_> = ALL.map(|arrangement| (arrangement, closed(&plant, arrangement))).into();
+    let loops: Vec<_> =
+        ALL.map(|arrangement| ArrangedLoop { arrangement, closed: closed(&plant, arrangement) }).into();
     let curves = Curves::of(&plant, &loops).unwrap();
     let gyro = |s: Complex64| 377.0 * 377.0 / (s * s + 2.0 * 0.7 * 377.0 * s + 377.0 * 377.0);
     for (k, f) in curves.frequency_hz.iter().enumerate().filter(|(_, f)| **f < 20.0) {
@@ -91,7 +97,8 @@ fn the_broken_loop_is_the_controller_times_the_held_plant() {
 #[test]
 fn the_responses_of_the_closed_loop_are_those_of_the_sampled_system() {
     let plant = sampled();
-    let loops: Vec<_> = ALL.map(|arrangement| (arrangement, closed(&plant, arrangement))).into();
+    let loops: Vec<_> =
+        ALL.map(|arrangement| ArrangedLoop { arrangement, closed: closed(&plant, arrangement) }).into();
     let curves = Curves::of(&plant, &loops).unwrap();
     let of = |cause, effect| {
         let found = curves.loop_responses.iter().find(|r| (r.cause, r.effect) == (cause, effect));
@@ -101,7 +108,7 @@ fn the_responses_of_the_closed_loop_are_those_of_the_sampled_system() {
     let asks = of(LoopCause::Demand, LoopEffect::Control);
     let noise = of(LoopCause::Noise(1), LoopEffect::Control);
     let disturbed = of(LoopCause::Control, LoopEffect::Hub);
-    let system = Response::of(&loops[2].1.system).unwrap();
+    let system = Response::of(&loops[2].closed.system).unwrap();
     for (k, f) in curves.frequency_hz.iter().enumerate().filter(|(_, f)| **f < 20.0) {
         let sampled = system.at(std::f64::consts::TAU * f).unwrap();
         // below 20 Hz the aliases of a loop at 1 kHz are worth less than a thousandth

@@ -6,6 +6,7 @@ use crate::support;
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_verify::Procedure;
 use counterpoise_verify::robust::{Distribution, Variation, Varied};
+use counterpoise_verify::structured::factor::Reach;
 use counterpoise_verify::structured::{
     Block, Structure, Uncertainty, lower_bound, robust_stability, upper_bound, vertex_bound,
 };
@@ -102,7 +103,9 @@ fn two_real_parameters_and_a_complex_one_agree_with_brute_force() {
         let exact = brute_force(&M);
         let upper = upper_bound(&M, &structure, None).beta;
         assert!(upper > 0.999 * exact && upper < 1.15 * exact, "case {case}: {upper} {exact}");
-        let lower = vertex_bound(&M, &structure, &[0.0, 0.0], &[(-1e9, 1e9); 2], upper).unwrap().beta;
+        let lower = vertex_bound(&M, &structure, &[0.0, 0.0], &[Reach { least: -1e9, most: 1e9 }; 2], upper)
+            .unwrap()
+            .beta;
         assert!(lower < 1.001 * exact && lower > 0.9 * exact, "case {case}: {lower} {exact}");
         if let Some(iterated) = lower_bound(&M, &structure) {
             assert!(iterated.beta < 1.001 * exact, "case {case}: {} {exact}", iterated.beta);

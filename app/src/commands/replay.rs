@@ -137,7 +137,7 @@ pub(super) fn tell_other_export(loaded: &Loaded) {
 
 /// Says which recordings are replayed under their recorded control because the demand is missing.
 fn tell_missing_demand(project: &Project, read: &[ReadRecording]) {
-    let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
+    let missing = without_demand(project, read);
     if let Some(remark) = describe_played_back(&missing) {
         print_message(&format!("note: {remark}"));
     }

@@ -8,7 +8,7 @@ use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campa
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
-use counterpoise_report::{Context as PageContext, html_page, robust, sweep};
+use counterpoise_report::{Context as PageContext, ProvenanceEntry, html_page, robust, sweep};
 use counterpoise_verify::robust::{Campaign, Member, Sample, merge};
 use counterpoise_verify::structured::RobustStability;
 use rayon::prelude::*;
@@ -204,8 +204,8 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
         subtitle,
         more: Vec::new(),
         provenance: vec![
-            ("campaign (version, project hash, samples)".to_owned(), named.name.clone()),
-            ("command".to_owned(), command.clone()),
+            ProvenanceEntry::new("campaign (version, project hash, samples)", &named.name),
+            ProvenanceEntry::new("command", &command),
         ],
     };
     let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).reproduced_by(&command));

@@ -3,7 +3,7 @@
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
-use counterpoise_pipeline::studies::search::{Judged, Searched, search, verify_found};
+use counterpoise_pipeline::studies::search::{Judged, Searched, TradeOffPoint, search, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
@@ -352,8 +352,8 @@ fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
 }
 
 fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult {
-    let point = |(limit, found): &(f64, counterpoise_synth::Found)| CurvePoint {
-        max_sensitivity_limit: *limit,
+    let point = |TradeOffPoint { ms_limit, found }: &TradeOffPoint| CurvePoint {
+        max_sensitivity_limit: *ms_limit,
         max_sensitivity: found.best.figures.ms,
         rejection: found.best.figures.rejection,
         noise_gain: found.best.figures.noise_gain,

@@ -11,7 +11,7 @@ pub(crate) fn level(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2
         let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
         let slope = (y1 - y0) / (x1 - x0);
         constant -= slope * x0;
-        terms.push((slope, writer.clamp(format!("{name}_stretch_{k}"), of, Limits { low: x0, high: x1 })));
+        terms.push(slope * writer.clamp(format!("{name}_stretch_{k}"), of, Limits { low: x0, high: x1 }));
     }
     let into = writer.local(name);
     writer.sum_into(into, Some(constant), &terms);
@@ -25,16 +25,14 @@ pub(crate) fn odd(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2]]
     for (k, &to) in points.iter().enumerate() {
         let slope = (to[1] - from[1]) / (to[0] - from[0]);
         if k == 0 {
-            terms.push((slope, writer.clamp(format!("{name}_middle"), of, Limits::symmetric(to[0]))));
+            terms.push(slope * writer.clamp(format!("{name}_middle"), of, Limits::symmetric(to[0])));
         } else {
-            terms.push((
-                slope,
-                writer.clamp(format!("{name}_above_{k}"), of, Limits { low: from[0], high: to[0] }),
-            ));
-            terms.push((
-                slope,
-                writer.clamp(format!("{name}_below_{k}"), of, Limits { low: -to[0], high: -from[0] }),
-            ));
+            terms.push(
+                slope * writer.clamp(format!("{name}_above_{k}"), of, Limits { low: from[0], high: to[0] }),
+            );
+            terms.push(
+                slope * writer.clamp(format!("{name}_below_{k}"), of, Limits { low: -to[0], high: -from[0] }),
+            );
         }
         from = to;
     }

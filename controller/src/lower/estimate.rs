@@ -4,7 +4,7 @@ use crate::lower::regressors::{EstimatorInputs, fall, regressors, unexplained};
 use crate::lower::schedule::{self, settable};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnRestart, Slot};
+use crate::program::{OnRestart, Slot, Term};
 use crate::tolerance::LEAST_LIFT;
 use crate::{Estimator, Learning};
 
@@ -33,13 +33,13 @@ fn gradient(
     let left = unexplained(inputs.control, p, &phi, writer);
     let squares: [Slot; 3] = std::array::from_fn(|i| writer.product(format!("square_{i}"), phi[i], phi[i]));
     let size = writer.local("excitation");
-    let weights: Vec<(f64, Slot)> = (0..3).map(|i| (scale[i].powi(2), squares[i])).collect();
+    let weights: Vec<Term> = (0..3).map(|i| scale[i].powi(2) * squares[i]).collect();
     writer.sum_into(size, Some(1.0), &weights);
     let push = writer.quotient("push", left, size);
     for i in 0..3 {
         let along = writer.product(format!("along_{i}"), push, phi[i]);
         let gain = step * scale[i].powi(2);
-        let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, p[i]), (gain, along)]);
+        let next = writer.sum(format!("estimate_next_{i}"), &[1.0 * p[i], gain * along]);
         writer.copy(p[i], next);
     }
 }
@@ -55,20 +55,20 @@ fn mean(inputs: &EstimatorInputs<'_>, estimator: &Estimator, window: u32, writer
     let lift = writer.local("lift_m_s2");
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &falls);
     let explained = writer.product("explained_v", p, lift);
-    let sum_now = writer.sum("sum_now_v", &[(1.0, sum), (1.0, inputs.control), (-1.0, explained)]);
-    let falls: Vec<(f64, Slot)> = std::iter::once((1.0, fallen)).chain(falls).collect();
+    let sum_now = writer.sum("sum_now_v", &[1.0 * sum, 1.0 * inputs.control, -1.0 * explained]);
+    let falls: Vec<Term> = std::iter::once(1.0 * fallen).chain(falls).collect();
     let fallen_now = writer.sum("fall_now_m_s2", &falls);
     let count_now = writer.local("count_now");
-    writer.sum_into(count_now, Some(1.0), &[(1.0, count)]);
+    writer.sum_into(count_now, Some(1.0), &[1.0 * count]);
     let past = writer.local("window_past");
-    writer.sum_into(past, Some(1.0 - f64::from(window)), &[(1.0, count_now)]);
+    writer.sum_into(past, Some(1.0 - f64::from(window)), &[1.0 * count_now]);
     let ends = writer.clamp("window_ends", past, Limits::UNIT);
     let goes_on = writer.local("window_goes_on");
-    writer.sum_into(goes_on, Some(1.0), &[(-1.0, ends)]);
+    writer.sum_into(goes_on, Some(1.0), &[-1.0 * ends]);
     let divisor = window_lift(fallen_now, estimator.gravity_m_s2 * f64::from(window), writer);
     let found = writer.quotient("mean_v_per_m_s2", sum_now, divisor);
     let taken = writer.product("taken_v_per_m_s2", found, ends);
-    let next = writer.sum("estimate_next", &[(1.0, p), (1.0, taken)]);
+    let next = writer.sum("estimate_next", &[1.0 * p, 1.0 * taken]);
     writer.copy(p, next);
     for (state, now, name) in [
         (sum, sum_now, "sum_next_v"),
@@ -83,7 +83,7 @@ fn mean(inputs: &EstimatorInputs<'_>, estimator: &Estimator, window: u32, writer
 /// Gravity's share summed over a whole window, at least [`LEAST_LIFT`] of `whole`.
 fn window_lift(fallen: Slot, whole: f64, writer: &mut Writer) -> Slot {
     let sum = writer.local("window_lift_m_s2");
-    writer.sum_into(sum, Some(whole), &[(1.0, fallen)]);
+    writer.sum_into(sum, Some(whole), &[1.0 * fallen]);
     let least = LEAST_LIFT * whole;
     writer.clamp("divisor_m_s2", sum, Limits { low: least.min(whole), high: least.max(whole) })
 }
@@ -94,11 +94,11 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
     let fades = matches!(estimator.learning, Learning::Mean { .. });
     let transfer = layout.transfer.filter(|_| fades);
     let before = transfer.map(|_| schedule::slow_part(writer, layout, "before"));
-    let aim = writer.sum("aim_kg_m", &[(1.0 / estimator.volts_per_kg_m_s2, layout.estimate[0])]);
-    let mut way = writer.sum("way_kg_m", &[(1.0, aim), (-1.0, layout.out_of_balance)]);
+    let aim = writer.sum("aim_kg_m", &[1.0 / estimator.volts_per_kg_m_s2 * layout.estimate[0]]);
+    let mut way = writer.sum("way_kg_m", &[1.0 * aim, -1.0 * layout.out_of_balance]);
     if estimator.hold_band_kg_m > 0.0 {
         let inside = writer.clamp("held_way_kg_m", way, Limits::symmetric(estimator.hold_band_kg_m));
-        way = writer.sum("way_left_kg_m", &[(1.0, way), (-1.0, inside)]);
+        way = writer.sum("way_left_kg_m", &[1.0 * way, -1.0 * inside]);
     }
     if estimator.rate_limit_kg_m_s.is_finite() {
         let most = estimator.rate_limit_kg_m_s * parts.sample_period_s;
@@ -108,13 +108,13 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
         let enabled = enabled(estimator.hold_samples, states, writer);
         way = writer.product("enabled_move_kg_m", way, enabled);
     }
-    let sum = writer.sum("unbounded_kg_m", &[(1.0, layout.out_of_balance), (1.0, way)]);
+    let sum = writer.sum("unbounded_kg_m", &[1.0 * layout.out_of_balance, 1.0 * way]);
     let bounded = writer.clamp("bounded_kg_m", sum, settable(parts));
     writer.copy(layout.out_of_balance, bounded);
     schedule::follow(writer, parts, layout);
     if let (Some(transfer), Some(before)) = (transfer, before) {
         let after = schedule::slow_part(writer, layout, "after");
-        let sum = writer.sum("new_transfer_v", &[(1.0, before), (-1.0, after), (1.0, transfer)]);
+        let sum = writer.sum("new_transfer_v", &[1.0 * before, -1.0 * after, 1.0 * transfer]);
         writer.copy(transfer, sum);
     }
 }
@@ -123,11 +123,11 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
 fn enabled(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
     let count = states.scalar("estimator_samples", 0.0, OnRestart::Restart);
     let now = writer.local("estimator_samples_now");
-    writer.sum_into(now, Some(1.0), &[(1.0, count)]);
+    writer.sum_into(now, Some(1.0), &[1.0 * count]);
     let kept =
         writer.clamp("estimator_samples_kept", now, Limits { low: 0.0, high: f64::from(hold_samples) + 1.0 });
     writer.copy(count, kept);
     let past = writer.local("past_hold");
-    writer.sum_into(past, Some(-f64::from(hold_samples)), &[(1.0, kept)]);
+    writer.sum_into(past, Some(-f64::from(hold_samples)), &[1.0 * kept]);
     writer.clamp("estimator_enabled", past, Limits::UNIT)
 }

@@ -57,8 +57,14 @@ pub fn lower_parts(parts: &Parts) -> Programs {
     Programs { states: states.groups, step, set_out_of_balance }
 }
 
-/// Updates of states, each with its new value, which waits in a local until all have been computed.
-type Pending = Vec<(Slot, Slot)>;
+/// A new value of a state; it waits in a local until the new values of all states have been computed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Update {
+    /// The state.
+    pub state: Slot,
+    /// The local that holds its new value.
+    pub value: Slot,
+}
 
 /// The states as they are handed out.
 #[derive(Default)]
@@ -152,14 +158,13 @@ impl Writer {
     }
 
     /// `into = constant + sum of coefficient x slot`, coefficients of 0 left out.
-    pub fn sum_into(&mut self, into: Slot, constant: Option<f64>, terms: &[(f64, Slot)]) {
-        let kept = terms.iter().filter(|(coefficient, _)| *coefficient != 0.0);
-        let terms = kept.map(|&(coefficient, of)| Term { coefficient, of }).collect();
+    pub fn sum_into(&mut self, into: Slot, constant: Option<f64>, terms: &[Term]) {
+        let terms = terms.iter().filter(|term| term.coefficient != 0.0).copied().collect();
         self.push(Operation::Sum { into, constant: constant.filter(|c| *c != 0.0), terms });
     }
 
     /// Adds a local that is a sum.
-    pub fn sum(&mut self, name: impl Into<String>, terms: &[(f64, Slot)]) -> Slot {
+    pub fn sum(&mut self, name: impl Into<String>, terms: &[Term]) -> Slot {
         let into = self.local(name);
         self.sum_into(into, None, terms);
         into
@@ -195,7 +200,7 @@ impl Writer {
 
     /// `into = from`.
     pub fn copy(&mut self, into: Slot, from: Slot) {
-        self.sum_into(into, None, &[(1.0, from)]);
+        self.sum_into(into, None, &[1.0 * from]);
     }
 
     /// Returns the program with its output, without the locals that nothing reads.

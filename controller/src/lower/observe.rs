@@ -45,7 +45,7 @@ pub(crate) fn observe(
             step.walrath(*sign_rate_rad_s, period_s / time_constant_s, states, writer)
         }
     };
-    let terms = [(observer.volts_per_nm, torque), (observer.viscous_v_s_rad, rate)];
+    let terms = [observer.volts_per_nm * torque, observer.viscous_v_s_rad * rate];
     writer.sum(step.named("v"), &terms)
 }
 
@@ -81,15 +81,15 @@ impl Step<'_> {
     /// Writes Dahl's implicit step; returns a copy of the torque before it, and the state after.
     fn dahl(&self, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
         let force = self.state(states);
-        let before = writer.sum(self.named("before_nm"), &[(1.0, force)]);
+        let before = writer.sum(self.named("before_nm"), &[1.0 * force]);
         let speed = writer.magnitude(self.named("speed_rad_s"), self.rate);
-        let above = writer.sum(self.named("above_nm"), &[(1.0, force), (self.grip, self.rate)]);
+        let above = writer.sum(self.named("above_nm"), &[1.0 * force, self.grip * self.rate]);
         let yields = match self.level(speed, writer) {
             Some(level) => writer.quotient(self.named("yields_rad_s"), speed, level),
             None => speed,
         };
         let below = writer.local(self.named("below"));
-        writer.sum_into(below, Some(1.0), &[(self.grip / self.observer.coulomb_nm, yields)]);
+        writer.sum_into(below, Some(1.0), &[self.grip / self.observer.coulomb_nm * yields]);
         let next = writer.quotient(self.named("next_nm"), above, below);
         writer.copy(force, next);
         (before, force)
@@ -97,8 +97,8 @@ impl Step<'_> {
 
     /// torque + damping x (after - before).
     fn damped(&self, damping: f64, bond: &Bond, writer: &mut Writer) -> Slot {
-        let change = writer.sum(self.named("change_nm"), &[(1.0, bond.after), (-1.0, bond.before)]);
-        writer.sum(self.named("torque_nm"), &[(1.0, bond.torque), (damping, change)])
+        let change = writer.sum(self.named("change_nm"), &[1.0 * bond.after, -1.0 * bond.before]);
+        writer.sum(self.named("torque_nm"), &[1.0 * bond.torque, damping * change])
     }
 
     /// Dahl with an exponent. With the rate split by its sign, each part has its own distance from yielding.
@@ -108,26 +108,25 @@ impl Step<'_> {
         let level = self.level(speed, writer);
         let level_nm = writer.local(self.named("level_nm"));
         let (constant, share) = match level {
-            Some(level) => (None, vec![(self.observer.coulomb_nm, level)]),
+            Some(level) => (None, vec![self.observer.coulomb_nm * level]),
             None => (Some(self.observer.coulomb_nm), Vec::new()),
         };
         writer.sum_into(level_nm, constant, &share);
         let drawn = writer.quotient(self.named("drawn"), force, level_nm);
-        let forth = writer.sum(self.named("forth_rad_s"), &[(0.5, speed), (0.5, self.rate)]);
-        let back = writer.sum(self.named("back_rad_s"), &[(0.5, speed), (-0.5, self.rate)]);
+        let forth = writer.sum(self.named("forth_rad_s"), &[0.5 * speed, 0.5 * self.rate]);
+        let back = writer.sum(self.named("back_rad_s"), &[0.5 * speed, -0.5 * self.rate]);
         let yielding = [("forth", -1.0, forth), ("back", 1.0, back)].map(|(way, sign, rate)| {
             let distance = writer.local(self.named(&format!("{way}_distance")));
-            writer.sum_into(distance, Some(1.0), &[(sign, drawn)]);
+            writer.sum_into(distance, Some(1.0), &[sign * drawn]);
             let y = curve::level(writer, &self.named(&format!("{way}_power")), distance, &power(exponent));
             writer.product(self.named(&format!("{way}_slip_rad_s")), rate, y)
         });
         let gained = self.grip / self.observer.coulomb_nm;
-        let mut ratio =
-            writer.sum(self.named("gain_rad_s"), &[(gained, yielding[0]), (-gained, yielding[1])]);
+        let mut ratio = writer.sum(self.named("gain_rad_s"), &[gained * yielding[0], -gained * yielding[1]]);
         if let Some(level) = level {
             ratio = writer.quotient(self.named("gain"), ratio, level);
         }
-        let free = writer.sum(self.named("free"), &[(1.0, drawn), (1.0, ratio)]);
+        let free = writer.sum(self.named("free"), &[1.0 * drawn, 1.0 * ratio]);
         let held = writer.clamp(self.named("held"), free, Limits::symmetric(1.0));
         let next = writer.product(self.named("next_nm"), held, level_nm);
         writer.copy(force, next);
@@ -137,8 +136,8 @@ impl Step<'_> {
     fn bond(&self, static_ratio: f64, damping: f64, states: &mut States, writer: &mut Writer) -> Slot {
         let bond = self.state(states);
         let limit = self.observer.coulomb_nm;
-        let before = writer.sum(self.named("before_nm"), &[(1.0, bond)]);
-        let free = writer.sum(self.named("free_nm"), &[(1.0, bond), (self.grip, self.rate)]);
+        let before = writer.sum(self.named("before_nm"), &[1.0 * bond]);
+        let free = writer.sum(self.named("free_nm"), &[1.0 * bond, self.grip * self.rate]);
         let held = writer.clamp(self.named("held_nm"), free, Limits::symmetric(limit));
         writer.copy(bond, held);
         let size = writer.magnitude(self.named("size_nm"), bond);
@@ -150,7 +149,7 @@ impl Step<'_> {
 
     fn sliding(&self, sign_rate: f64, writer: &mut Writer) -> Slot {
         let soft = writer.clamp(self.named("soft_rad_s"), self.rate, Limits::symmetric(sign_rate));
-        let unit = writer.sum(self.named("unit_nm"), &[(self.observer.coulomb_nm / sign_rate, soft)]);
+        let unit = writer.sum(self.named("unit_nm"), &[self.observer.coulomb_nm / sign_rate * soft]);
         let speed = writer.magnitude(self.named("speed_rad_s"), self.rate);
         match self.level(speed, writer) {
             Some(level) => writer.product(self.named("torque_nm"), unit, level),
@@ -164,7 +163,7 @@ impl Step<'_> {
         let sign = curve::odd(writer, &self.named("sign"), self.rate, &points);
         let keep = 1.0 / (1.0 + lags);
         let share = lags * keep * self.observer.coulomb_nm;
-        let next = writer.sum(self.named("next_nm"), &[(keep, force), (share, sign)]);
+        let next = writer.sum(self.named("next_nm"), &[keep * force, share * sign]);
         writer.copy(force, next);
         force
     }

@@ -2,8 +2,8 @@
 
 use crate::Projection;
 use crate::READINGS;
-use crate::lower::{Limits, Pending, States, Writer};
-use crate::program::{OnRestart, Slot};
+use crate::lower::{Limits, States, Update, Writer};
+use crate::program::{OnRestart, Slot, Term};
 use crate::signal::{PLATFORM_ACCELERATION, PLATFORM_RATE, PLATFORM_SURGE};
 use crate::tolerance::HIGHEST_ELEVATION_RAD;
 
@@ -21,23 +21,23 @@ pub(super) fn across(
     given: &Given<'_>,
     states: &mut States,
     writer: &mut Writer,
-    pending: &mut Pending,
+    pending: &mut Vec<Update>,
 ) -> Slot {
     writer.section("heave and surge across the beam");
     let (heave, surge) = (given.readings[PLATFORM_ACCELERATION], given.readings[PLATFORM_SURGE]);
     let Some(reading) = projection.angle_reading else {
         let (sin, cos) = projection.design_angle_rad.sin_cos();
-        return writer.sum("accel_across_m_s2", &[(cos, heave), (-sin, surge)]);
+        return writer.sum("accel_across_m_s2", &[cos * heave, -sin * surge]);
     };
     let mut angle = given.readings[reading];
     if let Some(washout_s) = projection.pitch_washout_s {
         let pitch = pitch(washout_s, given, states, writer, pending);
-        angle = writer.sum("inertial_angle_rad", &[(1.0, angle), (1.0, pitch)]);
+        angle = writer.sum("inertial_angle_rad", &[1.0 * angle, 1.0 * pitch]);
     }
     let (sin, cos) = sine_and_cosine(angle, writer);
     let heave = writer.product("heave_across_m_s2", cos, heave);
     let surge = writer.product("surge_across_m_s2", sin, surge);
-    writer.sum("accel_across_m_s2", &[(1.0, heave), (-1.0, surge)])
+    writer.sum("accel_across_m_s2", &[1.0 * heave, -1.0 * surge])
 }
 
 /// Writes the platform's pitch angle: phi + T (rate - phi / washout), by the implicit step of its lag.
@@ -46,13 +46,13 @@ fn pitch(
     given: &Given<'_>,
     states: &mut States,
     writer: &mut Writer,
-    pending: &mut Pending,
+    pending: &mut Vec<Update>,
 ) -> Slot {
     let state = states.scalar("platform_pitch_rad", 0.0, OnRestart::Restart);
     let keep = washout_s / (washout_s + given.sample_period_s);
     let rate = given.readings[PLATFORM_RATE];
-    let next = writer.sum("platform_pitch_next_rad", &[(keep, state), (keep * given.sample_period_s, rate)]);
-    pending.push((state, next));
+    let next = writer.sum("platform_pitch_next_rad", &[keep * state, keep * given.sample_period_s * rate]);
+    pending.push(Update { state, value: next });
     next
 }
 
@@ -67,7 +67,7 @@ fn sine_and_cosine(angle: Slot, writer: &mut Writer) -> (Slot, Slot) {
         let into = writer.local(name);
         let powers = [square, fourth, sixth, eighth];
         let signs = [-1.0, 1.0, -1.0, 1.0];
-        let terms: Vec<(f64, Slot)> = (0..4).map(|i| (signs[i] / divisors[i], powers[i])).collect();
+        let terms: Vec<Term> = (0..4).map(|i| signs[i] / divisors[i] * powers[i]).collect();
         writer.sum_into(into, Some(1.0), &terms);
         into
     };

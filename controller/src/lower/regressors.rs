@@ -2,7 +2,7 @@
 
 use crate::lower::Writer;
 use crate::lower::schedule::Layout;
-use crate::program::Slot;
+use crate::program::{Slot, Term};
 use crate::{Estimator, Parts, Signal};
 
 /// What an estimator is given in a sample.
@@ -18,11 +18,7 @@ pub(crate) struct EstimatorInputs<'a> {
 }
 
 /// Writes the terms of g (cos(theta) - 1): the cosine by its series, whose error is below 2e-5 up to 1 rad.
-pub(super) fn fall(
-    inputs: &EstimatorInputs<'_>,
-    estimator: &Estimator,
-    writer: &mut Writer,
-) -> Vec<(f64, Slot)> {
+pub(super) fn fall(inputs: &EstimatorInputs<'_>, estimator: &Estimator, writer: &mut Writer) -> Vec<Term> {
     let g = estimator.gravity_m_s2;
     if g == 0.0 {
         return Vec::new();
@@ -31,15 +27,14 @@ pub(super) fn fall(
     let square = writer.product("angle_square", angle, angle);
     let fourth = writer.product("angle_fourth", square, square);
     let sixth = writer.product("angle_sixth", square, fourth);
-    vec![(-g / 2.0, square), (g / 24.0, fourth), (-g / 720.0, sixth)]
+    vec![-g / 2.0 * square, g / 24.0 * fourth, -g / 720.0 * sixth]
 }
 
 /// Writes g cos(theta) + a_p.
 fn lift(inputs: &EstimatorInputs<'_>, estimator: &Estimator, writer: &mut Writer) -> Slot {
     let lift = writer.local("lift_m_s2");
     let heave = (inputs.signal)(Signal::PlatformAcceleration);
-    let terms: Vec<(f64, Slot)> =
-        std::iter::once((1.0, heave)).chain(fall(inputs, estimator, writer)).collect();
+    let terms: Vec<Term> = std::iter::once(1.0 * heave).chain(fall(inputs, estimator, writer)).collect();
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &terms);
     lift
 }
@@ -54,15 +49,15 @@ pub(crate) fn regressors(
     let rate = (inputs.signal)(estimator.rate);
     let speed = writer.magnitude("estimator_speed_rad_s", rate);
     let softened = writer.local("softened_speed_rad_s");
-    writer.sum_into(softened, Some(estimator.half_rate_rad_s), &[(1.0, speed)]);
+    writer.sum_into(softened, Some(estimator.half_rate_rad_s), &[1.0 * speed]);
     [lift, writer.quotient("direction", rate, softened), rate]
 }
 
 /// Writes the control less what the regressors explain of it.
 pub(crate) fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
-    let mut terms = vec![(1.0, control)];
+    let mut terms = vec![1.0 * control];
     for (i, (p, phi)) in p.iter().zip(phi).enumerate() {
-        terms.push((-1.0, writer.product(format!("explained_{i}_v"), *p, *phi)));
+        terms.push(-1.0 * writer.product(format!("explained_{i}_v"), *p, *phi));
     }
     writer.sum("unexplained_v", &terms)
 }

@@ -1,7 +1,7 @@
 //! Gains, bias and transfer that follow the out-of-balance.
 
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnRestart, Operation, Program, Slot, StateLimits};
+use crate::program::{OnRestart, Operation, Program, Slot, StateLimits, Term};
 use crate::tolerance::{ESTIMATE_SPAN, SLOWEST_RAD_S};
 use crate::{Estimator, Learning, Parts, Scaling};
 
@@ -150,7 +150,7 @@ struct Edge {
 fn edge(writer: &mut Writer, name: &str, of: Slot, edge: &Edge) -> Slot {
     let start = constant(writer, format!("{name}_from"), edge.from_kg_m);
     let span = constant(writer, format!("{name}_span"), edge.to_kg_m - edge.from_kg_m);
-    let way = writer.sum(format!("{name}_way"), &[(1.0, of), (-1.0, start)]);
+    let way = writer.sum(format!("{name}_way"), &[1.0 * of, -1.0 * start]);
     let part = writer.quotient(format!("{name}_part"), way, span);
     writer.clamp(name, part, Limits::UNIT)
 }
@@ -171,7 +171,7 @@ pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
         }
     }
     if let Some(bias) = layout.bias {
-        writer.sum_into(bias, None, &[(parts.bias_v_per_kg_m, of)]);
+        writer.sum_into(bias, None, &[parts.bias_v_per_kg_m * of]);
     }
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     let set = writer.clamp("set_kg_m", Slot::Input(0), settable(parts));
     writer.copy(layout.out_of_balance, set);
     if let (Some(&first), Some(estimator)) = (layout.estimate.first(), &parts.estimator) {
-        writer.sum_into(first, None, &[(estimator.volts_per_kg_m_s2, set)]);
+        writer.sum_into(first, None, &[estimator.volts_per_kg_m_s2 * set]);
     }
     if let Some(window) = layout.window {
         writer.section("the estimator begins a new window");
@@ -197,7 +197,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     if let (Some(transfer), Some(before)) = (layout.transfer, before) {
         writer.section("the step this makes is taken out, to fade in");
         let after = slow_part(&mut writer, layout, "after");
-        let sum = writer.sum("new_transfer_v", &[(1.0, before), (-1.0, after), (1.0, transfer)]);
+        let sum = writer.sum("new_transfer_v", &[1.0 * before, -1.0 * after, 1.0 * transfer]);
         writer.copy(transfer, sum);
     }
     writer.finish(None)
@@ -205,13 +205,13 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
 
 /// Writes the part of the last control that gains and bias make.
 pub(crate) fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
-    let mut parts: Vec<(f64, Slot)> = Vec::new();
+    let mut parts: Vec<Term> = Vec::new();
     for (i, followed) in layout.paths.iter().enumerate() {
         if let Some(followed) = followed {
-            parts.push((1.0, writer.product(format!("{when}_{i}_v"), followed.gain, followed.last)));
+            parts.push(1.0 * writer.product(format!("{when}_{i}_v"), followed.gain, followed.last));
         }
     }
-    parts.extend(layout.bias.map(|bias| (1.0, bias)));
+    parts.extend(layout.bias.map(|bias| 1.0 * bias));
     writer.sum(format!("{when}_v"), &parts)
 }
 

@@ -47,7 +47,7 @@ pub(crate) fn squares(
     let gain = factors.update(&phi, keep, *forget, writer);
     for (i, (p, gain)) in p.iter().zip(gain).enumerate() {
         let move_by = writer.product(format!("move_{i}"), gain, left);
-        let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, *p), (1.0, move_by)]);
+        let next = writer.sum(format!("estimate_next_{i}"), &[1.0 * *p, 1.0 * move_by]);
         writer.copy(*p, next);
     }
 }
@@ -71,7 +71,7 @@ impl Filtered<'_> {
         let period_s = self.inputs.parts.sample_period_s;
         let [of_hub, of_rate] = self.inertia.map(|inertia| -inertia / period_s);
         let rate_change = lagged[2].1;
-        let terms = [(1.0, control), (of_hub, hub_change), (of_rate, rate_change)];
+        let terms = [1.0 * control, of_hub * hub_change, of_rate * rate_change];
         let left = writer.sum("control_without_inertia_v", &terms);
         (left, lagged.into_iter().map(|(now, _)| now).collect())
     }
@@ -81,8 +81,8 @@ impl Filtered<'_> {
         let period_s = self.inputs.parts.sample_period_s;
         let state = states.scalar(&format!("lagged_{name}"), 0.0, OnRestart::Restart);
         let share = period_s / (self.filter_s + period_s);
-        let change = writer.sum(format!("lagged_{name}_change"), &[(share, of), (-share, state)]);
-        let next = writer.sum(format!("lagged_{name}_next"), &[(1.0, state), (1.0, change)]);
+        let change = writer.sum(format!("lagged_{name}_change"), &[share * of, -share * state]);
+        let next = writer.sum(format!("lagged_{name}_next"), &[1.0 * state, 1.0 * change]);
         writer.copy(state, next);
         (next, change)
     }
@@ -102,11 +102,11 @@ fn gate(heave: Slot, band: &DeadBand, states: &mut States, writer: &mut Writer) 
     let (forget, dead_band) = (band.forget, band.rms_m_s2);
     let liveliness = states.scalar("liveliness", 0.0, OnRestart::Restart);
     let square = writer.product("heave_square", heave, heave);
-    let next = writer.sum("liveliness_next", &[(forget, liveliness), (1.0 - forget, square)]);
+    let next = writer.sum("liveliness_next", &[forget * liveliness, (1.0 - forget) * square]);
     writer.copy(liveliness, next);
     let slope = 1.0 / ((WHOLE - 1.0) * dead_band * dead_band);
     let beyond = writer.local("beyond_dead_band");
-    writer.sum_into(beyond, Some(-1.0 / (WHOLE - 1.0)), &[(slope, next)]);
+    writer.sum_into(beyond, Some(-1.0 / (WHOLE - 1.0)), &[slope * next]);
     writer.clamp("gate", beyond, Limits::UNIT)
 }
 
@@ -145,7 +145,7 @@ impl Factors {
             let variance = self.variance(i, writer);
             let room = writer.local(format!("room_{i}"));
             let span = (WOUND_END - WOUND_START) * start;
-            writer.sum_into(room, Some(WOUND_END * start / span), &[(-1.0 / span, variance)]);
+            writer.sum_into(room, Some(WOUND_END * start / span), &[-1.0 / span * variance]);
             let room = writer.clamp(format!("may_forget_{i}"), room, Limits::UNIT);
             allowed = Some(match allowed {
                 Some(other) => writer.product(format!("may_forget_to_{i}"), other, room),
@@ -156,17 +156,17 @@ impl Factors {
         writer.sum_into(
             keep,
             Some(1.0),
-            &allowed.map(|slot| (forget - 1.0, slot)).into_iter().collect::<Vec<_>>(),
+            &allowed.map(|slot| (forget - 1.0) * slot).into_iter().collect::<Vec<_>>(),
         );
         keep
     }
 
     /// P_ii = sum over j >= i of U_ij^2 D_j.
     fn variance(&self, i: usize, writer: &mut Writer) -> Slot {
-        let mut terms = vec![(1.0, self.D[i])];
+        let mut terms = vec![1.0 * self.D[i]];
         for j in i + 1..self.D.len() {
             let square = writer.product(format!("factor_square_{i}_{j}"), self.U[j][i], self.U[j][i]);
-            terms.push((1.0, writer.product(format!("share_{i}_{j}"), square, self.D[j])));
+            terms.push(1.0 * writer.product(format!("share_{i}_{j}"), square, self.D[j]));
         }
         writer.sum(format!("spread_{i}"), &terms)
     }
@@ -180,18 +180,18 @@ impl Factors {
             let f = self.along(j, phi, writer);
             let v = writer.product(format!("pull_{j}"), self.D[j], f);
             let square = writer.product(format!("pull_square_{j}"), v, f);
-            let told = writer.sum(format!("told_{j}"), &[(1.0, size), (1.0, square)]);
+            let told = writer.sum(format!("told_{j}"), &[1.0 * size, 1.0 * square]);
             let next = writer.clamp(format!("size_{j}"), told, Limits { low: forget, high: MOST_TOLD });
             self.shrink(j, &Sizes { before: size, after: next, keep }, writer);
             let p = writer.quotient(format!("lean_{j}"), f, size);
             for i in 0..j {
                 let U = self.U[j][i];
-                let before = writer.sum(format!("factor_before_{i}_{j}"), &[(1.0, U)]);
+                let before = writer.sum(format!("factor_before_{i}_{j}"), &[1.0 * U]);
                 let lean = writer.product(format!("lean_{i}_{j}"), gain[i], p);
-                let turned = writer.sum(format!("factor_next_{i}_{j}"), &[(1.0, U), (-1.0, lean)]);
+                let turned = writer.sum(format!("factor_next_{i}_{j}"), &[1.0 * U, -1.0 * lean]);
                 writer.copy(U, turned);
                 let add = writer.product(format!("pull_{i}_{j}"), before, v);
-                gain[i] = writer.sum(format!("gain_{i}_{j}"), &[(1.0, gain[i]), (1.0, add)]);
+                gain[i] = writer.sum(format!("gain_{i}_{j}"), &[1.0 * gain[i], 1.0 * add]);
             }
             gain.push(v);
             size = next;
@@ -202,9 +202,9 @@ impl Factors {
 
     /// f_j = phi_j + sum over i < j of U_ij phi_i.
     fn along(&self, j: usize, phi: &[Slot], writer: &mut Writer) -> Slot {
-        let mut terms = vec![(1.0, phi[j])];
+        let mut terms = vec![1.0 * phi[j]];
         for i in 0..j {
-            terms.push((1.0, writer.product(format!("along_{i}_{j}"), self.U[j][i], phi[i])));
+            terms.push(1.0 * writer.product(format!("along_{i}_{j}"), self.U[j][i], phi[i]));
         }
         writer.sum(format!("along_{j}"), &terms)
     }

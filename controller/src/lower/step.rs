@@ -6,10 +6,10 @@ use crate::lower::estimate;
 use crate::lower::regressors::EstimatorInputs;
 use crate::lower::schedule::Layout;
 use crate::lower::{
-    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, Pending, States, Writer, curve, observe, project,
+    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Update, Writer, curve, observe, project,
     reading_names,
 };
-use crate::program::{OnRestart, Program, Slot};
+use crate::program::{OnRestart, Program, Slot, Term};
 use crate::signal::PLATFORM_ACCELERATION;
 use crate::{DemandLimit, FrictionObserver, Parts, Path, READINGS, Signal};
 
@@ -54,7 +54,7 @@ struct Control {
 /// Writes the program of a sample and hands out the states it needs.
 pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Program {
     let mut writer = Writer::new(&reading_names(parts));
-    let mut pending = Pending::new();
+    let mut pending = Vec::new();
     let mut signals = corrected(parts, &mut writer);
     if let Some(projection) = parts.projection {
         let given = project::Given { readings: &signals.readings, sample_period_s: parts.sample_period_s };
@@ -80,9 +80,9 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
         advance(path, &PathSlots { x, u: &u }, excess, &mut writer, &mut pending);
     }
     writer.section("new states");
-    pending.extend(signals.previous_control.map(|slot| (slot, limited)));
-    for (state, new) in pending {
-        writer.copy(state, new);
+    pending.extend(signals.previous_control.map(|state| Update { state, value: limited }));
+    for Update { state, value } in pending {
+        writer.copy(state, value);
     }
     fade(parts, layout, &mut writer);
     let signal = |signal| signals.slot(signal);
@@ -100,7 +100,7 @@ fn corrected(parts: &Parts, writer: &mut Writer) -> Signals {
     for each in &parts.corrections {
         let reading = &mut readings[each.reading];
         let into = writer.local(format!("corrected_{}", crate::READING_NAMES[each.reading]));
-        writer.sum_into(into, Some(each.offset), &[(each.gain, *reading)]);
+        writer.sum_into(into, Some(each.offset), &[each.gain * *reading]);
         *reading = into;
     }
     Signals { readings, rate_error: None, relative_rate: None, previous_control: None }
@@ -113,7 +113,7 @@ fn demand_rate(
     signals: &mut Signals,
     states: &mut States,
     writer: &mut Writer,
-    pending: &mut Pending,
+    pending: &mut Vec<Update>,
 ) {
     let Some(DemandLimit::Rate(most)) = parts.demand_limit else { return };
     writer.section("demand within its largest rate");
@@ -122,15 +122,15 @@ fn demand_rate(
     let [demand, measured, ..] = signals.readings;
     let kept = writer.product("demand_kept", followed, before);
     let at_start = writer.local("demand_is_new");
-    writer.sum_into(at_start, Some(1.0), &[(-1.0, followed)]);
+    writer.sum_into(at_start, Some(1.0), &[-1.0 * followed]);
     let from = writer.product("demand_at_start", at_start, measured);
-    let way = writer.sum("demand_way", &[(1.0, demand), (-1.0, kept), (-1.0, from)]);
+    let way = writer.sum("demand_way", &[1.0 * demand, -1.0 * kept, -1.0 * from]);
     let step = writer.clamp("demand_step", way, Limits::symmetric(most * parts.sample_period_s));
-    let cut = writer.sum("demand_cut", &[(1.0, way), (-1.0, step)]);
-    let limited = writer.sum("limited_demand", &[(1.0, demand), (-1.0, cut)]);
+    let cut = writer.sum("demand_cut", &[1.0 * way, -1.0 * step]);
+    let limited = writer.sum("limited_demand", &[1.0 * demand, -1.0 * cut]);
     let following = writer.local("demand_following");
     writer.sum_into(following, Some(1.0), &[]);
-    pending.extend([(before, limited), (followed, following)]);
+    pending.extend([Update { state: before, value: limited }, Update { state: followed, value: following }]);
     signals.readings[0] = limited;
 }
 
@@ -139,7 +139,7 @@ fn prefilter(
     signals: &mut Signals,
     states: &mut States,
     writer: &mut Writer,
-    pending: &mut Pending,
+    pending: &mut Vec<Update>,
 ) {
     let Some(system) = &parts.prefilter else { return };
     writer.section("reference prefilter");
@@ -159,12 +159,12 @@ fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mu
     writer.section("derived signals");
     let [demand, hub, platform, ..] = signals.readings;
     signals.rate_error =
-        used(Signal::RateError).then(|| writer.sum(Signal::RateError.name(), &[(1.0, demand), (-1.0, hub)]));
+        used(Signal::RateError).then(|| writer.sum(Signal::RateError.name(), &[1.0 * demand, -1.0 * hub]));
     if let (Some(DemandLimit::Error(most)), Some(error)) = (parts.demand_limit, signals.rate_error) {
         signals.rate_error = Some(writer.clamp("limited_error", error, Limits::symmetric(most)));
     }
     signals.relative_rate = used(Signal::RelativeRate)
-        .then(|| writer.sum(Signal::RelativeRate.name(), &[(1.0, hub), (-1.0, platform)]));
+        .then(|| writer.sum(Signal::RelativeRate.name(), &[1.0 * hub, -1.0 * platform]));
     signals.previous_control =
         used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnRestart::Restart));
 }
@@ -202,7 +202,7 @@ fn control(
 ) -> Control {
     writer.section("control: paths, friction, bias and transfer, in this order, then the limiter");
     let all = outputs.iter().chain(friction).copied().chain(layout.bias).chain(layout.transfer);
-    let terms: Vec<(f64, Slot)> = all.map(|slot| (1.0, slot)).collect();
+    let terms: Vec<Term> = all.map(|slot| 1.0 * slot).collect();
     let control = writer.sum("control_v", &terms);
     let limit = parts.equivalent_limit_v();
     let limited = writer.clamp("limited_v", control, Limits::symmetric(limit));
@@ -225,10 +225,16 @@ fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
 /// Writes limited - unlimited control, if a path uses it.
 fn excess(parts: &Parts, control: &Control, writer: &mut Writer) -> Option<Slot> {
     let used = parts.paths.iter().any(|path| path.anti_windup.iter().any(|gain| *gain != 0.0));
-    used.then(|| writer.sum("excess_v", &[(1.0, control.limited), (-1.0, control.unlimited)]))
+    used.then(|| writer.sum("excess_v", &[1.0 * control.limited, -1.0 * control.unlimited]))
 }
 
-fn advance(path: &Path, slots: &PathSlots, excess: Option<Slot>, writer: &mut Writer, pending: &mut Pending) {
+fn advance(
+    path: &Path,
+    slots: &PathSlots,
+    excess: Option<Slot>,
+    writer: &mut Writer,
+    pending: &mut Vec<Update>,
+) {
     writer.section(format!("states of path {}", path.name));
     let windup = excess.map(|excess| AntiWindup { excess, gains: &path.anti_windup });
     new_states(&path.name, &path.system, slots, windup, writer, pending);
@@ -240,12 +246,12 @@ fn new_states(
     slots: &PathSlots,
     windup: Option<AntiWindup>,
     writer: &mut Writer,
-    pending: &mut Pending,
+    pending: &mut Vec<Update>,
 ) {
     for (i, &state) in slots.x.iter().enumerate() {
         let mut terms = row(&system.A, &system.B, i, slots.x, slots.u);
-        terms.extend(windup.as_ref().map(|windup| (windup.gains[i], windup.excess)));
-        pending.push((state, writer.sum(format!("{name}_next_{i}"), &terms)));
+        terms.extend(windup.as_ref().map(|windup| windup.gains[i] * windup.excess));
+        pending.push(Update { state, value: writer.sum(format!("{name}_next_{i}"), &terms) });
     }
 }
 
@@ -256,9 +262,9 @@ fn row(
     i: usize,
     x: &[Slot],
     u: &[Slot],
-) -> Vec<(f64, Slot)> {
-    let states = x.iter().enumerate().map(|(j, &slot)| (X[(i, j)], slot));
-    let inputs = u.iter().enumerate().map(|(j, &slot)| (U[(i, j)], slot));
+) -> Vec<Term> {
+    let states = x.iter().enumerate().map(|(j, &slot)| X[(i, j)] * slot);
+    let inputs = u.iter().enumerate().map(|(j, &slot)| U[(i, j)] * slot);
     states.chain(inputs).collect()
 }
 
@@ -266,6 +272,6 @@ fn row(
 fn fade(parts: &Parts, layout: &Layout, writer: &mut Writer) {
     let Some(transfer) = layout.transfer else { return };
     let keep = parts.transfer_time_s / (parts.transfer_time_s + parts.sample_period_s);
-    let next = writer.sum("faded_v", &[(keep, transfer)]);
+    let next = writer.sum("faded_v", &[keep * transfer]);
     writer.copy(transfer, next);
 }

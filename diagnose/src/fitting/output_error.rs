@@ -22,6 +22,13 @@ use crate::tolerance::{
 /// Place of the hub angle among the freedoms of an initial state, as [`start_has`] lists them.
 const START_ANGLE: usize = 0;
 
+/// A variant of the machine in one recording of the selection.
+struct PlacedVariant {
+    /// Place of the recording in the selection.
+    place: usize,
+    variant: Variant,
+}
+
 /// Which recordings a fit may see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitSelection {
@@ -293,12 +300,12 @@ impl Problem<'_> {
 
     /// Returns the weighted residuals of variants, each in one recording of the selection, side by side where neighbours are in the same
     /// one; `None` for those that cannot be simulated, and for all from the first that was not tried because the user asked to stop.
-    fn of_variants(&self, variants: &[(usize, Variant)], near: &[Assessment]) -> Vec<Option<Vec<f64>>> {
-        let together: Vec<&[(usize, Variant)]> =
-            variants.chunk_by(|a, b| a.0 == b.0).flat_map(|same| same.chunks(SIDE_BY_SIDE)).collect();
+    fn of_variants(&self, variants: &[PlacedVariant], near: &[Assessment]) -> Vec<Option<Vec<f64>>> {
+        let together: Vec<&[PlacedVariant]> =
+            variants.chunk_by(|a, b| a.place == b.place).flat_map(|same| same.chunks(SIDE_BY_SIDE)).collect();
         let done = map(self.pool, together.len(), |k| {
-            let place = together[k][0].0;
-            let few: Vec<Variant> = together[k].iter().map(|(_, variant)| variant.clone()).collect();
+            let place = together[k][0].place;
+            let few: Vec<Variant> = together[k].iter().map(|one| one.variant.clone()).collect();
             let (index, span) = (self.selection.recordings[place], self.selection.span);
             let found = self.simulator.residuals_of_variants(&few, index, span, &near[place]);
             found.iter().map(|channels| weighted(channels.as_ref()?, &near[place])).collect::<Vec<_>>()
@@ -335,9 +342,9 @@ impl Problem<'_> {
             let moved = |&(place, freedom): &(usize, usize)| {
                 let mut shift = now.shifts[place];
                 shift[freedom] += by;
-                (place, Variant { parameters: parameters.clone(), shift })
+                PlacedVariant { place, variant: Variant { parameters: parameters.clone(), shift } }
             };
-            let moved: Vec<(usize, Variant)> = wanted.iter().map(moved).collect();
+            let moved: Vec<PlacedVariant> = wanted.iter().map(moved).collect();
             for ((place, freedom), there) in wanted.iter().zip(self.of_variants(&moved, near)) {
                 let pairs = there.iter().flatten().zip(&now.residual[*place]);
                 let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / by).collect();
@@ -387,9 +394,10 @@ impl Problem<'_> {
             (0..free.len()).map(|j| apply_effects(self.base, &self.effects, &values(j))).collect();
         let places =
             (0..near.len()).flat_map(|place| moved.iter().map(move |parameters| (place, parameters)));
-        let variants: Vec<(usize, Variant)> = places
+        let variants: Vec<PlacedVariant> = places
             .map(|(place, parameters)| {
-                (place, Variant { parameters: parameters.clone(), shift: now.shifts[place] })
+                let variant = Variant { parameters: parameters.clone(), shift: now.shifts[place] };
+                PlacedVariant { place, variant }
             })
             .collect();
         let there = self.of_variants(&variants, near);

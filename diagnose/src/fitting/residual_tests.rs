@@ -40,19 +40,29 @@ impl CrossCorrelation {
     }
 }
 
+/// A signal that drives the machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NamedSignal<'a> {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its values, one a sample of the residual.
+    pub values: &'a [f64],
+}
+
 /// Tests a residual against itself and against signals of its length; returns `None` if it is too short for the lags, constant, or
 /// not finite.
-pub fn test_residual(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
+pub fn test_residual(residual: &[f64], signals: &[NamedSignal<'_>]) -> Option<ResidualTest> {
     let residual = standard(residual).filter(|r| r.len() > 4 * WHITENESS_LAGS)?;
     let own = correlations(&residual, &residual);
     let band = BAND_95 / (residual.len() as f64).sqrt();
     let outside = own[1..].iter().filter(|r| r.abs() > band).count() as f64 / WHITENESS_LAGS as f64;
-    let cross = signals.iter().filter_map(|&(with, signal)| cross(&residual, &own, with, signal)).collect();
+    let cross = signals.iter().filter_map(|signal| cross(&residual, &own, signal)).collect();
     Some(ResidualTest { autocorrelation: own, band, outside, cross })
 }
 
-fn cross(residual: &[f64], own: &[f64], with: &'static str, signal: &[f64]) -> Option<CrossCorrelation> {
-    let signal = standard(signal).filter(|s| s.len() == residual.len())?;
+fn cross(residual: &[f64], own: &[f64], signal: &NamedSignal<'_>) -> Option<CrossCorrelation> {
+    let with = signal.name;
+    let signal = standard(signal.values).filter(|s| s.len() == residual.len())?;
     let theirs = correlations(&signal, &signal);
     let memory = 1.0 + 2.0 * own[1..].iter().zip(&theirs[1..]).map(|(a, b)| a * b).sum::<f64>();
     let band = BAND_95 * (memory.max(1.0) / residual.len() as f64).sqrt();
@@ -93,11 +103,11 @@ mod tests {
     #[test]
     fn white_noise_passes_and_what_follows_a_signal_does_not() {
         let (white, signal) = (noise(4000, 1), noise(4000, 2));
-        let found = test_residual(&white, &[("signal", &signal)]).unwrap();
+        let found = test_residual(&white, &[NamedSignal { name: "signal", values: &signal }]).unwrap();
         assert!(found.outside < 0.15, "{}", found.outside);
         assert!(found.cross[0].size() < 2.0, "{:?}", found.cross);
         let follows: Vec<f64> = (0..4000).map(|k| white[k] + 0.3 * signal[k.saturating_sub(7)]).collect();
-        let found = test_residual(&follows, &[("signal", &signal)]).unwrap();
+        let found = test_residual(&follows, &[NamedSignal { name: "signal", values: &signal }]).unwrap();
         assert!(found.cross[0].size() > 5.0 && found.cross[0].lag == 7, "{:?}", found.cross);
     }
 
@@ -111,7 +121,7 @@ mod tests {
             };
             noise(8000, seed).into_iter().map(step).collect::<Vec<f64>>()
         };
-        let found = test_residual(&slow(3), &[("signal", &slow(4))]).unwrap();
+        let found = test_residual(&slow(3), &[NamedSignal { name: "signal", values: &slow(4) }]).unwrap();
         assert!(found.outside > 0.15 && found.cross[0].size() < 2.0, "{:?}", found.cross);
     }
 

@@ -34,13 +34,20 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
     let all: Vec<usize> = (0..scene.judged.len()).collect();
     let span = if scene.reach == ScreeningDepth::Full { Span::Whole } else { Span::Head };
     let found = map_with_progress(scene.pool, "screening", perturbations.len(), |t| {
-        measure_signature(scene, &here, &perturbations[t], &all, span).map(|look| (t, look))
+        measure_signature(scene, &here, &perturbations[t], &all, span)
+            .map(|signature| MeasuredPerturbation { perturbation: t, signature })
     });
-    let mut found: Vec<(usize, EffectSignature)> = found.into_iter().flatten().collect();
-    found.sort_by(|a, b| b.1.explained.total_cmp(&a.1.explained));
+    let mut found: Vec<MeasuredPerturbation> = found.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.signature.explained.total_cmp(&a.signature.explained));
     let mut signatures = visited(scene, &perturbations, found);
     signatures.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     signatures
+}
+
+/// The number of a perturbation, and the signature that it was found to have.
+struct MeasuredPerturbation {
+    perturbation: usize,
+    signature: EffectSignature,
 }
 
 /// Returns the signatures; if the model is far from the recordings, the best starts of effects that are not small are evaluated at
@@ -48,21 +55,28 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
 fn visited(
     scene: &ScreeningContext,
     perturbations: &[Perturbation],
-    found: Vec<(usize, EffectSignature)>,
+    found: Vec<MeasuredPerturbation>,
 ) -> Vec<EffectSignature> {
     let thorough = scene.reach == ScreeningDepth::Full && !is_close(scene.judged);
     let of_effect = |k: usize| {
-        let same = |(t, l): &&(usize, EffectSignature)| {
-            std::ptr::eq(l.effect, found[k].1.effect) && perturbations[*t].combine == Combination::Towards
+        let same = |other: &&MeasuredPerturbation| {
+            std::ptr::eq(other.signature.effect, found[k].signature.effect)
+                && perturbations[other.perturbation].combine == Combination::Towards
         };
         found[..k].iter().filter(same).count()
     };
     let goes = |k: usize| {
-        thorough && perturbations[found[k].0].combine == Combination::Towards && of_effect(k) < STARTS_VISITED
+        thorough
+            && perturbations[found[k].perturbation].combine == Combination::Towards
+            && of_effect(k) < STARTS_VISITED
     };
     map_with_progress(scene.pool, "sizing", found.len(), |k| {
-        let (t, look) = &found[k];
-        if goes(k) { gone_there(scene, &perturbations[*t], look.clone()) } else { look.clone() }
+        let MeasuredPerturbation { perturbation, signature } = &found[k];
+        if goes(k) {
+            gone_there(scene, &perturbations[*perturbation], signature.clone())
+        } else {
+            signature.clone()
+        }
     })
 }
 

@@ -8,7 +8,7 @@ use crate::c99::{assignments, line_with, with_guard};
 use crate::comment::comment_text;
 use crate::fixed::format::{to_integer, unit};
 use crate::fixed::guard::{FixedSettings, SHARE_BITS};
-use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
+use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner, FixedTerm};
 use crate::guard::{flags, guard_bytes, marked};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};
@@ -216,15 +216,15 @@ impl Printer<'_> {
         }
     }
 
-    fn sum(&self, constant: i64, terms: &[(i64, Slot)], shift: u32) -> Vec<String> {
-        if let ([(1, of)], 0, 0) = (terms, constant, shift) {
+    fn sum(&self, constant: i64, terms: &[FixedTerm], shift: u32) -> Vec<String> {
+        if let ([FixedTerm { factor: 1, of }], 0, 0) = (terms, constant, shift) {
             return vec![self.slot(*of)];
         }
         let mut pieces = vec![format!("{}_narrow(", self.name)];
         if constant != 0 || terms.is_empty() {
             pieces.push(format!("INT64_C({constant})"));
         }
-        for (factor, of) in terms {
+        for FixedTerm { factor, of } in terms {
             let (before, sign) = match (pieces.len() > 1, *factor < 0) {
                 (true, true) => ("- ", ""),
                 (true, false) => ("+ ", ""),

@@ -29,6 +29,15 @@ pub const FULL: i64 = (1 << 31) - 1;
 /// Accumulators stay below 2 to this power; the rounding half bit then fits as well.
 pub const ACCUMULATOR_BITS: u32 = 62;
 
+/// factor x slot, in integers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FixedTerm {
+    /// Factor.
+    pub factor: i64,
+    /// What it multiplies.
+    pub of: Slot,
+}
+
 /// An operation on integers. Slots are those of the controller's program.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FixedOperation {
@@ -38,8 +47,8 @@ pub enum FixedOperation {
         into: Slot,
         /// Summand at the accumulator's scale.
         constant: i64,
-        /// Coefficients and what they multiply.
-        terms: Vec<(i64, Slot)>,
+        /// Other summands.
+        terms: Vec<FixedTerm>,
         /// Bits dropped.
         shift: u32,
     },

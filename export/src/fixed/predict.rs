@@ -176,7 +176,9 @@ impl<'a> Unrounded<'a> {
         let moved = |value: f64, shift: u32| value * (-f64::from(shift)).exp2();
         match operation {
             FixedOperation::Sum { into, constant, terms, shift } => {
-                let sum = terms.iter().fold(*constant as f64, |sum, (c, of)| sum + *c as f64 * read(of));
+                let sum = terms
+                    .iter()
+                    .fold(*constant as f64, |sum, term| sum + term.factor as f64 * read(&term.of));
                 (*into, moved(sum, *shift))
             }
             FixedOperation::Product { into, a, b, shift } => (*into, moved(read(a) * read(b), *shift)),

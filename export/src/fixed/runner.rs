@@ -114,7 +114,7 @@ impl FixedRunner {
         let read = |slot: &Slot| self.read(*slot, inputs);
         match operation {
             FixedOperation::Sum { into, constant, terms, shift } => {
-                let sum = terms.iter().fold(*constant, |sum, (factor, of)| sum + factor * read(of));
+                let sum = terms.iter().fold(*constant, |sum, term| sum + term.factor * read(&term.of));
                 (*into, narrow(sum, *shift))
             }
             FixedOperation::Product { into, a, b, shift } => (*into, narrow(read(a) * read(b), *shift)),

@@ -5,7 +5,7 @@ use counterpoise_controller::program::{Operation, Program, Slot, Term};
 
 use crate::Ranges;
 use crate::fixed::format::{ALL, Span, bits_for, to_integer, unit};
-use crate::fixed::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram};
+use crate::fixed::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
 
 /// One operation's rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -168,16 +168,17 @@ impl<'a> Writer<'a> {
             return Err(FixedError::NoRoom { name: self.name(into), missing_bits: bits - scale });
         }
         let integer = |value: f64, bits: i32| (value * f64::from(bits).exp2()).round() as i64;
-        let mut factors: Vec<(i64, Slot)> =
-            terms.iter().map(|t| (integer(t.coefficient, scale - self.bits(t.of)), t.of)).collect();
+        let fixed =
+            |t: &Term| FixedTerm { factor: integer(t.coefficient, scale - self.bits(t.of)), of: t.of };
+        let mut factors: Vec<FixedTerm> = terms.iter().map(fixed).collect();
         let mut start = integer(constant, scale);
         let mut worst = (constant - start as f64 * unit(scale)).abs();
-        for (term, (factor, _)) in terms.iter().zip(&factors) {
-            let rounded = *factor as f64 * unit(scale - self.bits(term.of));
+        for (term, fixed) in terms.iter().zip(&factors) {
+            let rounded = fixed.factor as f64 * unit(scale - self.bits(term.of));
             worst += (term.coefficient - rounded).abs() * self.size(term.of);
         }
         let spare = spare_bits(start, &factors).min((scale - bits) as u32);
-        factors.iter_mut().for_each(|(factor, _)| *factor >>= spare.min(63));
+        factors.iter_mut().for_each(|term| term.factor >>= spare.min(63));
         start >>= spare.min(63);
         let shift = (scale - bits) as u32 - spare;
         let (span, size) = self.accumulated(start, &factors);
@@ -212,9 +213,9 @@ impl<'a> Writer<'a> {
     }
 
     /// Returns what the sum can be, and a bound of all its partial sums.
-    fn accumulated(&self, start: i64, factors: &[(i64, Slot)]) -> (Span, i128) {
+    fn accumulated(&self, start: i64, factors: &[FixedTerm]) -> (Span, i128) {
         let start = Span { low: start.into(), high: start.into() };
-        let each = factors.iter().map(|(factor, of)| self.span(*of).scaled((*factor).into()));
+        let each = factors.iter().map(|term| self.span(term.of).scaled(term.factor.into()));
         each.fold((start, start.size()), |(sum, size), term| (sum.plus(term), size + term.size()))
     }
 
@@ -272,7 +273,7 @@ fn cut(bits: i32, shift: u32) -> OperationError {
 }
 
 /// Trailing zeros that all the integers share: any number of them where all are 0.
-fn spare_bits(start: i64, factors: &[(i64, Slot)]) -> u32 {
-    let all = factors.iter().map(|(factor, _)| *factor).chain([start]).filter(|value| *value != 0);
+fn spare_bits(start: i64, factors: &[FixedTerm]) -> u32 {
+    let all = factors.iter().map(|term| term.factor).chain([start]).filter(|value| *value != 0);
     all.map(i64::trailing_zeros).min().unwrap_or(u32::MAX)
 }

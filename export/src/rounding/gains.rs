@@ -4,6 +4,7 @@ use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
 use counterpoise_controller::compiled::Compiled;
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::{Controller, Number, Runner};
+use counterpoise_linalg::sparse::VectorEntry;
 
 /// A limit that no control reaches.
 const UNLIMITED_V: f64 = 1e30;
@@ -14,7 +15,7 @@ pub(crate) struct Gains {
 }
 
 /// A sparse column: places and values.
-type Column = Vec<(usize, f64)>;
+type Column = Vec<VectorEntry>;
 
 /// The step as a linear system of its errors
 ///
@@ -50,8 +51,8 @@ impl ErrorSystem {
         let output = step.run_touched(&mut memory, &readings, touch).unwrap_or(Dual::from_f64(0.0));
         let at = |row: &Dual, j: usize| row.slope.get(j).copied().unwrap_or(0.0);
         let column = |j: usize| {
-            let all = (0..n).map(|i| (i, at(&memory[i], j)));
-            all.filter(|(_, value)| *value != 0.0).collect::<Column>()
+            let all = (0..n).map(|i| VectorEntry::new(i, at(&memory[i], j)));
+            all.filter(|entry| entry.value != 0.0).collect::<Column>()
         };
         Self {
             A: (0..n).map(column).collect(),
@@ -104,7 +105,7 @@ impl Gains {
 }
 
 fn dot(row: &[f64], column: &Column) -> f64 {
-    column.iter().map(|(i, value)| row[*i] * value).sum()
+    column.iter().map(|entry| row[entry.index] * entry.value).sum()
 }
 
 /// 0 for what is so small that it would only slow the arithmetic down.

@@ -2,10 +2,12 @@
 
 use counterpoise_controller::program::{Operation, Program, Slot};
 
+use counterpoise_linalg::sparse::VectorEntry;
+
 use super::ExecutedOperation;
 
 /// Derivatives by the states before the program (0, 1, ...) and then by an error added to each operation: place and value.
-pub(crate) type Row = Vec<(usize, f64)>;
+pub(crate) type Row = Vec<VectorEntry>;
 
 /// A program with every value named once: the states before it, its inputs, then what each operation writes.
 #[derive(Clone)]
@@ -47,8 +49,8 @@ impl<'a> Tangent<'a> {
         let count = first + operations.len();
         // A state is its own derivative; what an operation writes has its own error at least; readings have none.
         let alone = |id: usize| match (id < states, id.checked_sub(first)) {
-            (true, _) => vec![(id, 1.0)],
-            (false, Some(number)) => vec![(states + number, 1.0)],
+            (true, _) => vec![VectorEntry::new(id, 1.0)],
+            (false, Some(number)) => vec![VectorEntry::new(states + number, 1.0)],
             (false, None) => Row::new(),
         };
         Self {
@@ -113,7 +115,7 @@ impl<'a> Tangent<'a> {
     }
 
     /// Derivatives of what the program gives.
-    pub fn output(&self) -> &[(usize, f64)] {
+    pub fn output(&self) -> &[VectorEntry] {
         self.output.map_or(&[], |id| &self.slopes[id])
     }
 
@@ -127,21 +129,21 @@ impl<'a> Tangent<'a> {
         let mut places: Vec<usize> = Vec::new();
         let own = self.first_reads[number]..self.first_reads[number + 1];
         for (partial, id) in self.partials[own.clone()].iter().zip(&self.reads[own]) {
-            for (place, slope) in self.slopes[*id].iter().filter(|_| *partial != 0.0) {
-                if self.scratch[*place] == 0.0 {
-                    places.push(*place);
+            for entry in self.slopes[*id].iter().filter(|_| *partial != 0.0) {
+                if self.scratch[entry.index] == 0.0 {
+                    places.push(entry.index);
                 }
-                self.scratch[*place] += partial * slope;
+                self.scratch[entry.index] += partial * entry.value;
             }
         }
         let mut row = Row::new();
         for place in places {
             let slope = std::mem::take(&mut self.scratch[place]);
             if slope != 0.0 {
-                row.push((place, slope));
+                row.push(VectorEntry::new(place, slope));
             }
         }
-        row.push((self.states + number, 1.0));
+        row.push(VectorEntry::new(self.states + number, 1.0));
         let differs = row != self.slopes[first + number];
         self.slopes[first + number] = row;
         differs
@@ -151,9 +153,9 @@ impl<'a> Tangent<'a> {
     fn arrange(&mut self) {
         self.columns.iter_mut().for_each(Row::clear);
         for (i, end) in self.ends.iter().enumerate() {
-            for (place, slope) in &self.slopes[*end] {
-                if let Some(number) = place.checked_sub(self.states) {
-                    self.columns[number].push((i, *slope));
+            for entry in &self.slopes[*end] {
+                if let Some(number) = entry.index.checked_sub(self.states) {
+                    self.columns[number].push(VectorEntry::new(i, entry.value));
                 }
             }
         }
@@ -290,7 +292,7 @@ mod tests {
             let (above, below) = (moved(by), moved(-by));
             for i in 0..n {
                 let expected = (above[i] - below[i]) / (2.0 * by);
-                let found: f64 = tangent.state(i).iter().filter(|e| e.0 == j).map(|e| e.1).sum();
+                let found: f64 = tangent.state(i).iter().filter(|e| e.index == j).map(|e| e.value).sum();
                 let size = expected.abs().max(1e-3 * before[i].abs().max(1e-6) / before[j].abs().max(1e-6));
                 assert!((found - expected).abs() < 1e-5 * size.max(1e-4), "{i} by {j}: {found} {expected}");
             }

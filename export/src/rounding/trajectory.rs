@@ -1,6 +1,9 @@
 //! What rounding does along a run: the errors of every sample carried on by the derivatives of the step as it ran.
 
+use std::ops::Range;
+
 use counterpoise_controller::Controller;
+use counterpoise_linalg::sparse::VectorEntry;
 
 use super::tangent::Tangent;
 use super::{Arithmetic, Line, Rounded};
@@ -97,7 +100,7 @@ struct Errors {
     next: Vec<f64>,
     covariance: Vec<f64>,
     turned: Vec<f64>,
-    spans: Vec<(usize, usize)>,
+    spans: Vec<Range<usize>>,
 }
 
 impl Errors {
@@ -107,19 +110,19 @@ impl Errors {
     }
 
     /// Known error and sum of squares of what a row of derivatives gives.
-    fn of(&self, row: &[(usize, f64)], rounded: &[Rounded]) -> (f64, f64) {
+    fn of(&self, row: &[VectorEntry], rounded: &[Rounded]) -> (f64, f64) {
         let (mut mean, mut squares) = (0.0, 0.0);
-        for (i, a) in row {
+        for &VectorEntry { index: i, value: a } in row {
             match i.checked_sub(self.n) {
                 Some(number) => {
                     mean += a * rounded[number].known;
                     squares += a * a * rounded[number].square;
                 }
                 None => {
-                    mean += a * self.mean[*i];
+                    mean += a * self.mean[i];
                     let line = &self.covariance[i * self.n..(i + 1) * self.n];
-                    squares +=
-                        a * row.iter().filter(|e| e.0 < self.n).map(|(j, b)| b * line[*j]).sum::<f64>();
+                    let of_states = row.iter().filter(|entry| entry.index < self.n);
+                    squares += a * of_states.map(|entry| entry.value * line[entry.index]).sum::<f64>();
                 }
             }
         }
@@ -129,9 +132,9 @@ impl Errors {
     fn advance(&mut self, tangent: &Tangent<'_>, rounded: &[Rounded]) {
         let n = self.n;
         let mean = |i: usize| {
-            let each = tangent.state(i).iter().map(|(j, a)| match j.checked_sub(n) {
-                Some(number) => a * rounded[number].known,
-                None => a * self.mean[*j],
+            let each = tangent.state(i).iter().map(|entry| match entry.index.checked_sub(n) {
+                Some(number) => entry.value * rounded[number].known,
+                None => entry.value * self.mean[entry.index],
             });
             each.sum::<f64>()
         };
@@ -144,9 +147,9 @@ impl Errors {
         product(n, tangent, &self.turned, &mut self.spans, &mut self.covariance);
         for (number, one) in rounded.iter().enumerate().filter(|(_, one)| one.square > 0.0) {
             let column = tangent.column(number);
-            for (i, a) in column {
+            for &VectorEntry { index: i, value: a } in column {
                 let weight = a * one.square;
-                column.iter().for_each(|(j, b)| self.covariance[i * n + j] += weight * b);
+                column.iter().for_each(|other| self.covariance[i * n + other.index] += weight * other.value);
             }
         }
     }
@@ -154,23 +157,24 @@ impl Errors {
 
 /// out = A of, for the derivatives A of the states. Paths that share no error have no covariance: rows of `of` are used from their first to
 /// their last entry that is not 0.
-fn product(n: usize, tangent: &Tangent<'_>, of: &[f64], spans: &mut Vec<(usize, usize)>, out: &mut [f64]) {
+fn product(n: usize, tangent: &Tangent<'_>, of: &[f64], spans: &mut Vec<Range<usize>>, out: &mut [f64]) {
     spans.clear();
     spans.extend(of.chunks_exact(n).map(span));
     for (i, into) in out.chunks_exact_mut(n).enumerate() {
         into.fill(0.0);
-        for (j, a) in tangent.state(i).iter().filter(|entry| entry.0 < n) {
-            let (first, last) = spans[*j];
-            let from = &of[j * n + first..j * n + last];
-            into[first..last].iter_mut().zip(from).for_each(|(x, y)| *x += a * y);
+        for &VectorEntry { index: j, value: a } in tangent.state(i).iter().filter(|entry| entry.index < n) {
+            let span = spans[j].clone();
+            let from = &of[j * n + span.start..j * n + span.end];
+            into[span].iter_mut().zip(from).for_each(|(x, y)| *x += a * y);
         }
         into.iter_mut().for_each(|x| *x = if x.abs() < NEGLIGIBLE_COVARIANCE { 0.0 } else { *x });
     }
 }
 
-fn span(row: &[f64]) -> (usize, usize) {
+/// Returns the places from the first to the last entry that is not 0.
+fn span(row: &[f64]) -> Range<usize> {
     let first = row.iter().position(|x| *x != 0.0).unwrap_or(0);
-    (first, row.iter().rposition(|x| *x != 0.0).map_or(first, |last| last + 1))
+    first..row.iter().rposition(|x| *x != 0.0).map_or(first, |last| last + 1)
 }
 
 fn transpose(n: usize, square: &mut [f64]) {

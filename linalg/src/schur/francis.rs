@@ -6,7 +6,7 @@
 use super::block::{Rotation, standardise};
 use crate::error::Error;
 use crate::kernel::vectorised;
-use crate::mat::Mat;
+use crate::mat::{C64, Mat};
 use crate::tolerance::{EPS, QR_ITERATIONS};
 
 /// Below this, a subdiagonal is zero whatever its neighbours.
@@ -184,29 +184,27 @@ pub(super) fn negligible(H: &Mat, k: usize) -> bool {
 
 /// A pair of real shifts is replaced by the one nearer to the last diagonal entry, twice.
 #[inline(always)]
-fn real_pair([a, b, c, d]: [f64; 4]) -> [C; 2] {
+fn real_pair([a, b, c, d]: [f64; 4]) -> [C64; 2] {
     let s = a.abs() + b.abs() + c.abs() + d.abs();
     if s == 0.0 {
-        return [(0.0, 0.0); 2];
+        return [C64::new(0.0, 0.0); 2];
     }
     let (a, b, c, d) = (a / s, b / s, c / s, d / s);
     let mean = 0.5 * (a + d);
     let discriminant = (a - mean) * (d - mean) - b * c;
     let root = discriminant.abs().sqrt();
     if discriminant >= 0.0 {
-        return [(mean * s, root * s), (mean * s, -root * s)];
+        return [C64::new(mean * s, root * s), C64::new(mean * s, -root * s)];
     }
     let (one, two) = (mean + root, mean - root);
     let near = if (one - d).abs() <= (two - d).abs() { one } else { two };
-    [(near * s, 0.0); 2]
+    [C64::new(near * s, 0.0); 2]
 }
 
-/// Real and imaginary part of a shift.
-pub(super) type C = (f64, f64);
-
-/// The first column of `(H - s1)(H - s2)` from row `m` on, up to a factor, normalised in the 1-norm.
+/// The first column of `(H - s1)(H - s2)`, s1 and s2 being the shifts, from row `m` on, up to a factor, normalised in the 1-norm.
 #[inline(always)]
-pub(super) fn first_column(H: &Mat, m: usize, [(r1, i1), (r2, i2)]: [C; 2]) -> [f64; 3] {
+pub(super) fn first_column(H: &Mat, m: usize, [first, second]: [C64; 2]) -> [f64; 3] {
+    let (r1, i1, r2, i2) = (first.re, first.im, second.re, second.im);
     let h21 = H[(m + 1, m)];
     let s = (H[(m, m)] - r2).abs() + i2.abs() + h21.abs();
     if s == 0.0 {

@@ -249,6 +249,12 @@ struct Move {
     to_first: bool,
 }
 
+/// A vertex that went to another side, for the way back.
+struct SideChange {
+    vertex: u32,
+    before: Side,
+}
+
 /// One round: vertices leave the separator one by one, the best first, also for the worse; what was smallest is kept.
 struct Refinement<'a> {
     graph: &'a Graph,
@@ -291,7 +297,7 @@ impl<'a> Refinement<'a> {
     fn run(mut self) -> bool {
         let start = self.cost();
         let (mut best, mut kept) = (start, 0);
-        let mut log: Vec<(u32, Side)> = Vec::new();
+        let mut log: Vec<SideChange> = Vec::new();
         let limit = ((self.sizes[2] as f64 * PATIENCE.0) as usize).max(PATIENCE.1);
         let (mut idle, largest) = (0, (LARGEST_PART * self.graph.len() as f64) as usize);
         while let Some(next) = self.queue.pop() {
@@ -316,14 +322,14 @@ impl<'a> Refinement<'a> {
                 break;
             }
         }
-        for (v, side) in log.drain(kept..).rev() {
-            self.sides[v as usize] = side;
+        for change in log.drain(kept..).rev() {
+            self.sides[change.vertex as usize] = change.before;
         }
         best < start
     }
 
     /// Moves a vertex out of the separator; its neighbours on the other side come into it.
-    fn apply(&mut self, v: u32, to: Side, log: &mut Vec<(u32, Side)>) {
+    fn apply(&mut self, v: u32, to: Side, log: &mut Vec<SideChange>) {
         self.change(v, to, log);
         self.is_moved[v as usize] = true;
         let graph = self.graph;
@@ -336,11 +342,11 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    fn change(&mut self, v: u32, to: Side, log: &mut Vec<(u32, Side)>) {
+    fn change(&mut self, v: u32, to: Side, log: &mut Vec<SideChange>) {
         let old = std::mem::replace(&mut self.sides[v as usize], to);
         self.sizes[old as usize] -= 1;
         self.sizes[to as usize] += 1;
-        log.push((v, old));
+        log.push(SideChange { vertex: v, before: old });
     }
 }
 

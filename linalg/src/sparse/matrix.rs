@@ -15,6 +15,22 @@ pub struct Entry {
     pub value: f64,
 }
 
+/// An entry of a sparse vector.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VectorEntry {
+    /// Place in the vector, from 0.
+    pub index: usize,
+    /// Value.
+    pub value: f64,
+}
+
+impl VectorEntry {
+    /// Returns the entry with a value at a place.
+    pub const fn new(index: usize, value: f64) -> Self {
+        Self { index, value }
+    }
+}
+
 /// A sparse real matrix: the rows and values of each column, rows rising.
 ///
 /// Places are stored in 32 bits, which halves what a large matrix takes; a matrix may have 2^32 - 1 rows and columns.
@@ -40,9 +56,9 @@ impl Sparse {
             starts[j + 1] += starts[j];
         }
         let mut next: Vec<usize> = starts.iter().map(|&s| s as usize).collect();
-        let mut placed = vec![(0_u32, 0.0_f64); entries.len()];
+        let mut placed = vec![VectorEntry::new(0, 0.0); entries.len()];
         for e in entries {
-            placed[next[e.col]] = (e.row as u32, e.value);
+            placed[next[e.col]] = VectorEntry::new(e.row, e.value);
             next[e.col] += 1;
         }
         let mut out = Self {
@@ -54,16 +70,17 @@ impl Sparse {
         };
         for j in 0..cols {
             let column = &mut placed[starts[j] as usize..starts[j + 1] as usize];
-            column.sort_by_key(|(row, _)| *row);
+            column.sort_by_key(|entry| entry.index);
             out.push_column(column);
         }
         Ok(out)
     }
 
     /// Appends a column whose rows rise and may repeat.
-    fn push_column(&mut self, column: &[(u32, f64)]) {
+    fn push_column(&mut self, column: &[VectorEntry]) {
         let first = self.indices.len();
-        for &(row, value) in column {
+        for &VectorEntry { index, value } in column {
+            let row = index as u32;
             match self.indices.len() > first && self.indices.last() == Some(&row) {
                 true => self.values.last_mut().into_iter().for_each(|last| *last += value),
                 false => {
@@ -80,12 +97,12 @@ impl Sparse {
         let mut out =
             Self { rows: A.nrows(), cols: A.ncols(), starts: vec![0], indices: vec![], values: vec![] };
         for j in 0..A.ncols() {
-            let column: Vec<(u32, f64)> = A
+            let column: Vec<VectorEntry> = A
                 .column(j)
                 .iter()
                 .enumerate()
                 .filter(|(_, v)| **v != 0.0)
-                .map(|(i, &v)| (i as u32, v))
+                .map(|(i, &value)| VectorEntry::new(i, value))
                 .collect();
             out.push_column(&column);
         }

@@ -217,25 +217,33 @@ pub fn stored_frequencies_hz() -> Vec<f64> {
     crate::frequencies::logarithmic_hz([0.02, 500.0], 200)
 }
 
-/// Returns the controllers of a design in continuous time, with their systems.
+/// A controller as it is stored, and its system.
+pub(crate) struct StoredController {
+    /// What is stored.
+    pub result: SystemResult,
+    /// The system.
+    pub system: StateSpace,
+}
+
+/// Returns the controllers of a design in continuous time.
 pub(crate) fn controllers_of_design(
     design: &Design,
     controlled: ControlledQuantity,
-) -> Vec<(SystemResult, StateSpace)> {
+) -> Vec<StoredController> {
     let feedback = design.feedback_controller();
     let inputs: &[&str] =
         if feedback.inputs() == 2 { &["demand_rad_s", "hub_rate_rad_s"] } else { &["rate_error_rad_s"] };
-    let mut all = vec![(SystemResult::new("feedback", &feedback, inputs, &["control_v"]), feedback.clone())];
+    let stored = |name: &str, system: StateSpace, inputs: &[&str]| {
+        let result = SystemResult::new(name, &system, inputs, &["control_v"]).of_loop(controlled);
+        StoredController { result, system }
+    };
+    let mut all = vec![stored("feedback", feedback.clone(), inputs)];
     for (channel, name, input) in
         [(Channel::Heave, "heave", "platform_accel_m_s2"), (Channel::Pitch, "pitch", "platform_rate_rad_s")]
     {
-        all.extend(
-            design
-                .feedforward_controller(channel)
-                .map(|system| (SystemResult::new(name, &system, &[input], &["control_v"]), system)),
-        );
+        all.extend(design.feedforward_controller(channel).map(|system| stored(name, system, &[input])));
     }
-    all.into_iter().map(|(result, system)| (result.of_loop(controlled), system)).collect()
+    all
 }
 
 #[cfg(test)]

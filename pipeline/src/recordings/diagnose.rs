@@ -61,8 +61,7 @@ pub fn diagnose(
     let request = Request { base: &base, control, contradiction, recordings: &recordings };
     let mut diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
-    let without_demand =
-        without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
+    let without_demand = without_demand(project, &read);
     let remarks = read.into_iter().map(|item| (item.file, item.remarks)).collect();
     let control = diagnosis.control.clone();
     let answer = &diagnosis.answer;

@@ -141,7 +141,7 @@ fn usual_machines(plant: &Parameters) -> Vec<PossibleMachine> {
                 EffectName::OutOfBalance => WEIGHT * largest_torque_nm(plant) / GRAVITY,
                 _ => CHANGE * values[0],
             };
-            machine(plant, &[(effect, values)])
+            machine(plant, &[ValuedEffect { effect, values }])
         }));
     }
     all
@@ -157,12 +157,19 @@ fn largest_torque_nm(plant: &Parameters) -> f64 {
 /// Full scale of the control, V.
 const FULL_V: f64 = 10.0;
 
+/// An effect with a value for each of its parameters, in their units.
+#[derive(Clone)]
+struct ValuedEffect {
+    effect: &'static Effect,
+    values: Vec<f64>,
+}
+
 /// Returns a mechanism with effects at given values; their parameters are free in a fit.
-fn machine(plant: &Parameters, effects: &[(&'static Effect, Vec<f64>)]) -> PossibleMachine {
-    let parameters = effects.iter().fold(plant.clone(), |p, (effect, values)| effect.applied(&p, values));
-    let names: Vec<String> =
-        effects.iter().map(|(effect, _)| format!("{} {}", effect.component, effect.effect)).collect();
-    let free: Vec<&'static Parameter> = effects.iter().flat_map(|(effect, _)| effect.parameters).collect();
+fn machine(plant: &Parameters, effects: &[ValuedEffect]) -> PossibleMachine {
+    let parameters = effects.iter().fold(plant.clone(), |p, one| one.effect.applied(&p, &one.values));
+    let name = |one: &ValuedEffect| format!("{} {}", one.effect.component, one.effect.effect);
+    let names: Vec<String> = effects.iter().map(name).collect();
+    let free: Vec<&'static Parameter> = effects.iter().flat_map(|one| one.effect.parameters).collect();
     PossibleMachine { name: names.join(" and "), parameters, free }
 }
 
@@ -170,7 +177,7 @@ impl Findings {
     /// Returns the machines that the findings leave possible: with what was found, and with each alternative in its place; with the library's
     /// best candidates if nothing was identified.
     fn machines(&self, plant: &Parameters) -> Vec<PossibleMachine> {
-        let known: Vec<(usize, (&'static Effect, Vec<f64>))> = self
+        let known: Vec<(usize, ValuedEffect)> = self
             .findings
             .iter()
             .enumerate()
@@ -204,30 +211,30 @@ impl Findings {
     }
 
     /// Returns the effect of a name with the values of the trial that gained most.
-    fn best(&self, component: &str, effect: &str) -> Option<(&'static Effect, Vec<f64>)> {
+    fn best(&self, component: &str, effect: &str) -> Option<ValuedEffect> {
         let same = self.hypotheses.iter().filter(|h| h.component == component && h.effect == effect);
         let best = same.max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain))?;
         effect_of(component, effect, &best.values)
     }
 
     /// Returns the machines with the effects that explain most alone, beside what was found.
-    fn candidates(&self, plant: &Parameters, found: &[(&'static Effect, Vec<f64>)]) -> Vec<PossibleMachine> {
+    fn candidates(&self, plant: &Parameters, found: &[ValuedEffect]) -> Vec<PossibleMachine> {
         let mut alone: Vec<&TriedEffect> = self.hypotheses.iter().filter(|h| h.beside.is_empty()).collect();
         alone.sort_by(|a, b| b.log_likelihood_gain.total_cmp(&a.log_likelihood_gain));
-        let is_new = |effect: &Effect| !found.iter().any(|(known, _)| std::ptr::eq(*known, effect));
+        let is_new = |one: &ValuedEffect| !found.iter().any(|known| std::ptr::eq(known.effect, one.effect));
         let effects = alone.iter().filter_map(|h| effect_of(&h.component, &h.effect, &h.values));
-        let of = |own: (&'static Effect, Vec<f64>)| machine(plant, &[found, &[own]].concat());
-        effects.filter(|(effect, _)| is_new(effect)).take(CANDIDATES).map(of).collect()
+        let of = |own: ValuedEffect| machine(plant, &[found, &[own]].concat());
+        effects.filter(is_new).take(CANDIDATES).map(of).collect()
     }
 }
 
 /// Returns the effect of the library with a name and these parameters; `None` if there is none, or if it is a fault of an instrument.
-fn effect_of(component: &str, effect: &str, values: &[NamedValue]) -> Option<(&'static Effect, Vec<f64>)> {
+fn effect_of(component: &str, effect: &str, values: &[NamedValue]) -> Option<ValuedEffect> {
     let (component, name) = (Component::from_name(component)?, EffectName::from_name(effect)?);
     let fits = |e: &&'static Effect| {
         e.parameters.len() == values.len() && e.parameters.iter().zip(values).all(|(p, v)| p.name == v.name)
     };
     let found = find_effects(component, name).find(fits)?;
     let is_physics = found.kind != Kind::Instrument || list_effects().iter().any(|e| std::ptr::eq(*e, found));
-    is_physics.then(|| (found, values.iter().map(|v| v.value).collect()))
+    is_physics.then(|| ValuedEffect { effect: found, values: values.iter().map(|v| v.value).collect() })
 }

@@ -120,20 +120,20 @@ pub fn diagnose_structure(
     measured: &MeasuredModes,
 ) -> Result<StructureDiagnosis, PipelineError> {
     let bench = Bench { project, measured };
-    let mut tried: Vec<(Hypothesis, TriedStructure)> = Vec::new();
+    let mut tried: Vec<Tried> = Vec::new();
     for hypothesis in hypotheses(measured.modes_hz.len()) {
-        if let Some(one) = bench.tried(hypothesis)? {
-            tried.push((hypothesis, one));
+        if let Some(structure) = bench.tried(hypothesis)? {
+            tried.push(Tried { hypothesis, structure });
         }
     }
     let as_it_is = tried.remove(0);
-    tried.sort_by(|a, b| a.1.left_out_percent.total_cmp(&b.1.left_out_percent));
+    tried.sort_by(|a, b| a.structure.left_out_percent.total_cmp(&b.structure.left_out_percent));
     let chosen = chosen(&as_it_is, &tried);
     let improved = match chosen {
-        Some((hypothesis, found)) => bench.improved(*hypothesis, found),
+        Some(found) => bench.improved(found.hypothesis, &found.structure),
         None => project.clone(),
     };
-    Ok(StructureDiagnosis { answer: answer(measured, &as_it_is.1, &tried, chosen), improved })
+    Ok(StructureDiagnosis { answer: answer(measured, &as_it_is.structure, &tried, chosen), improved })
 }
 
 fn hypotheses(modes: usize) -> Vec<Hypothesis> {
@@ -167,6 +167,21 @@ impl Hypothesis {
     }
 }
 
+/// A variant of a change of the structure.
+struct Candidate {
+    /// Mass that is added, kg.
+    added_kg: f64,
+    /// Frequencies of as many flexible modes as were measured, Hz.
+    modes_hz: Vec<f64>,
+}
+
+/// The variant that fits best, all frequencies times a factor.
+struct Fitting {
+    added_kg: f64,
+    scale: f64,
+    modes_hz: Vec<f64>,
+}
+
 /// The project and what was measured on the real structure.
 struct Bench<'a> {
     project: &'a Project,
@@ -182,12 +197,12 @@ impl Bench<'_> {
         }
         let count = self.measured.modes_hz.len();
         let fit = |left_out: Option<usize>| self.fit(&candidates, hypothesis.scaled, left_out);
-        let (mass, scale, modes_hz) = fit(None);
+        let Fitting { added_kg, scale, modes_hz } = fit(None);
         let errors = |modes: &[f64]| rms((0..count).map(|k| (modes[k] / self.measured.modes_hz[k]).ln()));
-        let left_out = rms((0..count).map(|k| (fit(Some(k)).2[k] / self.measured.modes_hz[k]).ln()));
+        let left_out = rms((0..count).map(|k| (fit(Some(k)).modes_hz[k] / self.measured.modes_hz[k]).ln()));
         let mut parameters = Vec::new();
         if matches!(hypothesis.change, Change::EndMass(_)) {
-            parameters.push(("mass [kg]".to_owned(), mass));
+            parameters.push(("mass [kg]".to_owned(), added_kg));
         }
         if hypothesis.scaled == Scale::Fitted {
             parameters.push(("factor on Young's modulus".to_owned(), scale * scale));
@@ -201,19 +216,21 @@ impl Bench<'_> {
         }))
     }
 
-    /// Added mass and frequencies of every variant of a change.
-    fn candidates(&self, change: Change) -> Result<Vec<(f64, Vec<f64>)>, PipelineError> {
+    /// Returns every variant of a change.
+    fn candidates(&self, change: Change) -> Result<Vec<Candidate>, PipelineError> {
         let options = &self.project.model.elements;
         match change {
-            Change::Nothing => Ok(vec![(0.0, self.frequencies(options, None)?)]),
+            Change::Nothing => {
+                Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(options, None)? }])
+            }
             Change::Mesh => {
                 let Some(options) = finer(options) else { return Ok(Vec::new()) };
-                Ok(vec![(0.0, self.frequencies(&options, None)?)])
+                Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(&options, None)? }])
             }
             Change::Shear if options.theory == Theory::Timoshenko => Ok(Vec::new()),
             Change::Shear => {
                 let options = FeOptions { theory: Theory::Timoshenko, ..options.clone() };
-                Ok(vec![(0.0, self.frequencies(&options, None)?)])
+                Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(&options, None)? }])
             }
             Change::EndMass(end) => {
                 let (fe, _) = finite_elements(self.project, StructureChoice::Beam)?;
@@ -222,7 +239,10 @@ impl Bench<'_> {
                 let masses =
                     (0..MASSES.2).map(|k| own * MASSES.0 * ratio.powi(i32::try_from(k).unwrap_or(0)));
                 masses
-                    .map(|m| Ok((m, self.frequencies(options, Some(EndMass { end, mass_kg: m }))?)))
+                    .map(|mass_kg| {
+                        let modes_hz = self.frequencies(options, Some(EndMass { end, mass_kg }))?;
+                        Ok(Candidate { added_kg: mass_kg, modes_hz })
+                    })
                     .collect()
             }
         }
@@ -252,12 +272,7 @@ impl Bench<'_> {
     }
 
     /// Returns the variant and the factor on all frequencies that fit best, one mode left out or none.
-    fn fit(
-        &self,
-        candidates: &[(f64, Vec<f64>)],
-        scaled: Scale,
-        left_out: Option<usize>,
-    ) -> (f64, f64, Vec<f64>) {
+    fn fit(&self, candidates: &[Candidate], scaled: Scale, left_out: Option<usize>) -> Fitting {
         let fitted = |modes: &Vec<f64>| {
             let seen = (0..modes.len()).filter(|k| Some(*k) != left_out);
             let logs: Vec<f64> = seen.map(|k| (self.measured.modes_hz[k] / modes[k]).ln()).collect();
@@ -265,10 +280,12 @@ impl Bench<'_> {
             let shift = if scaled == Scale::Fitted { mean } else { 0.0 };
             (rms(logs.iter().map(|l| l - shift)), shift.exp())
         };
-        let scored = candidates.iter().map(|(mass, modes)| (fitted(modes), *mass, modes));
+        let scored = candidates.iter().map(|one| (fitted(&one.modes_hz), one));
         let best = scored.min_by(|a, b| a.0.0.total_cmp(&b.0.0));
-        best.map_or((0.0, 1.0, Vec::new()), |((_, scale), mass, modes)| {
-            (mass, scale, modes.iter().map(|f| scale * f).collect())
+        let none = Fitting { added_kg: 0.0, scale: 1.0, modes_hz: Vec::new() };
+        best.map_or(none, |((_, scale), one)| {
+            let modes_hz = one.modes_hz.iter().map(|f| scale * f).collect();
+            Fitting { added_kg: one.added_kg, scale, modes_hz }
         })
     }
 
@@ -315,18 +332,24 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
-type Tried = (Hypothesis, TriedStructure);
+/// A hypothesis and what it explains.
+struct Tried {
+    hypothesis: Hypothesis,
+    structure: TriedStructure,
+}
 
 /// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
 /// is.
 fn chosen<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
-    if as_it_is.1.left_out_percent < 100.0 * EXPLAINED {
+    if as_it_is.structure.left_out_percent < 100.0 * EXPLAINED {
         return None;
     }
     let best = tried.first()?;
-    let near = tried.iter().filter(|(_, t)| WORTH * t.left_out_percent <= best.1.left_out_percent);
-    let simplest = near.min_by_key(|(hypothesis, _)| hypothesis.parameters())?;
-    (simplest.1.left_out_percent < WORTH * as_it_is.1.left_out_percent).then_some(simplest)
+    let near =
+        tried.iter().filter(|one| WORTH * one.structure.left_out_percent <= best.structure.left_out_percent);
+    let simplest = near.min_by_key(|one| one.hypothesis.parameters())?;
+    let gains = simplest.structure.left_out_percent < WORTH * as_it_is.structure.left_out_percent;
+    gains.then_some(simplest)
 }
 
 fn answer(
@@ -335,21 +358,23 @@ fn answer(
     tried: &[Tried],
     chosen: Option<&Tried>,
 ) -> StructureAnswer {
-    let alike = |(h, t): &&Tried| {
-        chosen.is_some_and(|(best, found)| {
-            h.change != best.change && t.left_out_percent < ALIKE * found.left_out_percent
+    let alike = |one: &&Tried| {
+        chosen.is_some_and(|best| {
+            one.hypothesis.change != best.hypothesis.change
+                && one.structure.left_out_percent < ALIKE * best.structure.left_out_percent
         })
     };
-    let alternatives: Vec<String> = tried.iter().filter(alike).map(|(_, t)| t.what.clone()).collect();
+    let alternatives: Vec<String> =
+        tried.iter().filter(alike).map(|one| one.structure.what.clone()).collect();
     let verdict = match chosen {
         None if as_it_is.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Consistent,
         None => StructureVerdict::Unknown,
         Some(_) if !alternatives.is_empty() => StructureVerdict::Ambiguous,
-        Some((_, t)) if t.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Named,
+        Some(best) if best.structure.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Named,
         Some(_) => StructureVerdict::Incomplete,
     };
     let mut all = vec![as_it_is.clone()];
-    all.extend(tried.iter().map(|(_, t)| t.clone()));
+    all.extend(tried.iter().map(|one| one.structure.clone()));
     StructureAnswer {
         verdict,
         explanation: explanation(verdict, as_it_is, chosen),
@@ -366,7 +391,7 @@ fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Opt
         (StructureVerdict::Consistent, _) => {
             format!("the model has the measured modes within {before:.2} % RMS")
         }
-        (_, Some((_, found))) => format!(
+        (_, Some(Tried { structure: found, .. })) => format!(
             "the model lacks {}: with it, held-out modes are off by {:.2} % RMS, without it by {before:.2} %",
             found.what, found.left_out_percent
         ),

@@ -227,11 +227,11 @@ impl ReadRecording {
 /// project has no recording controller.
 pub fn without_demand<'a>(
     project: &Project,
-    recordings: impl IntoIterator<Item = (&'a str, &'a Recording)>,
+    read: impl IntoIterator<Item = &'a ReadRecording>,
 ) -> Vec<String> {
     if project.recording_controller.is_none() {
         return Vec::new();
     }
-    let lacking = recordings.into_iter().filter(|(_, recording)| !recording.has(Channel::Demand));
-    lacking.map(|(name, _)| name.to_owned()).collect()
+    let lacking = read.into_iter().filter(|item| !item.recording.has(Channel::Demand));
+    lacking.map(|item| item.file.clone()).collect()
 }

@@ -1,6 +1,6 @@
 //! What a model leaves unexplained in recordings: spectra and tests of the residuals, and responses measured and simulated.
 
-use counterpoise_diagnose::fitting::residual_tests::{ResidualTest, test_residual};
+use counterpoise_diagnose::fitting::residual_tests::{NamedSignal, ResidualTest, test_residual};
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
 use super::tracks::Track;
@@ -121,8 +121,8 @@ fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
 
 fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
     let signals = ["control", "hub_rate"]
-        .map(|name| find(tracks, &track.recording, name).map(|t| (name, &t.measured[..])));
-    let signals: Vec<(&'static str, &[f64])> = signals.into_iter().flatten().collect();
+        .map(|name| find(tracks, &track.recording, name).map(|t| NamedSignal { name, values: &t.measured }));
+    let signals: Vec<NamedSignal<'_>> = signals.into_iter().flatten().collect();
     let test = |run: &[f64]| test_residual(&residual(run, &track.measured), &signals);
     TestedResidual {
         recording: track.recording.clone(),

@@ -187,7 +187,7 @@ impl RobustnessResult {
     }
 }
 
-fn range((varied, factor): &StatedRange) -> RangeResult {
+fn range(StatedRange { varied, factor }: &StatedRange) -> RangeResult {
     RangeResult { key: varied.key(), centre: factor.centre, a: factor.a, b: factor.b }
 }
 

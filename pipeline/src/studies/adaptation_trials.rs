@@ -93,11 +93,20 @@ pub const REFUSED_ABOVE: f64 = 1.03;
 /// Key of recursive least squares.
 pub(super) const RECURSIVE: &str = "recursive";
 
+/// A method of adaptation with its key in a project file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyedMethod {
+    /// The method.
+    pub method: AdaptationMethod,
+    /// Its key.
+    pub key: &'static str,
+}
+
 /// Every method with its key in a project file.
-pub const METHODS: [(AdaptationMethod, &str); 3] = [
-    (AdaptationMethod::Gradient, "gradient"),
-    (AdaptationMethod::WindowedMean, "windowed-mean"),
-    (AdaptationMethod::Recursive, RECURSIVE),
+pub const METHODS: [KeyedMethod; 3] = [
+    KeyedMethod { method: AdaptationMethod::Gradient, key: "gradient" },
+    KeyedMethod { method: AdaptationMethod::WindowedMean, key: "windowed-mean" },
+    KeyedMethod { method: AdaptationMethod::Recursive, key: RECURSIVE },
 ];
 
 impl TrialRow {
@@ -118,7 +127,7 @@ impl TrialRow {
 impl Trials {
     /// Returns whether a method is refused.
     pub fn refuses(&self, method: AdaptationMethod) -> bool {
-        let name = METHODS.iter().find(|row| row.0 == method).map_or("", |row| row.1);
+        let name = METHODS.iter().find(|row| row.method == method).map_or("", |row| row.key);
         self.refused.iter().any(|refused| refused.worst.method == name)
     }
 }
@@ -137,9 +146,9 @@ pub fn run_trials(
         PipelineError::Missing { section: "synth.adaptation", needed_by: "the trials of adaptation" };
     let adaptation = asked(project).ok_or(missing)?;
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
-    let possible = |(method, _): &(AdaptationMethod, _)| {
+    let possible = |one: &KeyedMethod| {
         // the mean goes by gravity, which an axis without it does not have
-        *method != AdaptationMethod::WindowedMean || modelled.parameters.gravity_m_s2 != 0.0
+        one.method != AdaptationMethod::WindowedMean || modelled.parameters.gravity_m_s2 != 0.0
     };
     let methods: Vec<_> = METHODS.into_iter().filter(possible).collect();
     tried(&stage, &methods)
@@ -157,7 +166,7 @@ pub fn own_trials(
 ) -> Result<Option<Trials>, PipelineError> {
     let Some(adaptation) = asked(project) else { return Ok(None) };
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
-    let own: Vec<_> = METHODS.into_iter().filter(|(method, _)| *method == adaptation.method).collect();
+    let own: Vec<_> = METHODS.into_iter().filter(|one| one.method == adaptation.method).collect();
     let mut found = tried(&stage, &own)?;
     if adaptation.use_in_code == AdaptationUse::LeftOut {
         // what is not exported is not refused
@@ -170,7 +179,7 @@ pub(super) fn asked(project: &Project) -> Option<&Adaptation> {
     project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref())
 }
 
-fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<Trials, PipelineError> {
+fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<Trials, PipelineError> {
     let (mut rows, mut histories) = (Vec::new(), Vec::new());
     let sample_time_s = stage.modelled.parameters.interface.sample_period_s;
     for motion in MOTIONS {
@@ -183,11 +192,11 @@ fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<
                 Ok::<_, PipelineError>(found)
             };
             let (without_rad_s, told_rad_s) = (rms(Acts::Without, "none")?, rms(Acts::Told, "told")?);
-            for &(method, name) in methods {
-                let with_rad_s = rms(Acts::Adapts(method), name)?;
+            for &KeyedMethod { method, key } in methods {
+                let with_rad_s = rms(Acts::Adapts(method), key)?;
                 let spread_rad_s = 0.0;
                 let row = TrialRow {
-                    method: name,
+                    method: key,
                     motion,
                     load,
                     without_rad_s,
@@ -200,8 +209,8 @@ fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<
         }
     }
     set_spreads(&mut rows);
-    let refused = methods.iter().filter_map(|(_, name)| refusal(name, &rows)).collect();
-    let squares = methods.iter().any(|(method, _)| *method == AdaptationMethod::Recursive);
+    let refused = methods.iter().filter_map(|one| refusal(one.key, &rows)).collect();
+    let squares = methods.iter().any(|one| one.method == AdaptationMethod::Recursive);
     let bands = squares.then(|| bands(stage));
     Ok(Trials { rows, refused, bands, histories })
 }

@@ -91,8 +91,13 @@ pub struct Change {
     pub tried: TriedDesign,
 }
 
-/// A weight with its key.
-type WeightParameter = (&'static str, fn(&mut Specification, f64));
+/// A parameter of the weights.
+struct WeightParameter {
+    /// Its key in the project file.
+    key: &'static str,
+    /// Multiplies it by a factor.
+    scale: fn(&mut Specification, f64),
+}
 
 /// Step of the difference quotient, and the widest change that is tried, as factors.
 const STEP: f64 = 1.05;
@@ -126,19 +131,20 @@ pub fn advise_changes(
 
 /// Returns the weights that a specification has.
 fn weight_parameters(specification: &Specification) -> Vec<WeightParameter> {
+    let of = |key, scale: fn(&mut Specification, f64)| WeightParameter { key, scale };
     let mut all: Vec<WeightParameter> = vec![
-        ("synth.feedback.error.gain", |s, by| scale(&mut s.feedback.error, by)),
-        ("synth.feedback.control.gain", |s, by| scale(&mut s.feedback.control, by)),
-        ("synth.feedback.measurement_noise", |s, by| s.feedback.measurement_noise *= by),
-        ("synth.feedback.loop_recovery", |s, by| s.feedback.loop_recovery *= by),
+        of("synth.feedback.error.gain", |s, by| scale(&mut s.feedback.error, by)),
+        of("synth.feedback.control.gain", |s, by| scale(&mut s.feedback.control, by)),
+        of("synth.feedback.measurement_noise", |s, by| s.feedback.measurement_noise *= by),
+        of("synth.feedback.loop_recovery", |s, by| s.feedback.loop_recovery *= by),
     ];
     if specification.heave.is_some() {
-        all.push(("synth.heave.error.gain", |s, by| {
+        all.push(of("synth.heave.error.gain", |s, by| {
             s.heave.iter_mut().for_each(|part| scale(&mut part.error, by));
         }));
     }
     if specification.pitch.is_some() {
-        all.push(("synth.pitch.error.gain", |s, by| {
+        all.push(of("synth.pitch.error.gain", |s, by| {
             s.pitch.iter_mut().for_each(|part| scale(&mut part.error, by));
         }));
     }
@@ -190,7 +196,7 @@ impl Bench<'_> {
                 continue;
             };
             let slope = (after[0] - before[0]) / STEP.ln();
-            sensitivities.push(Sensitivity { key: parameter.0, per_factor_e: slope, tried });
+            sensitivities.push(Sensitivity { key: parameter.key, per_factor_e: slope, tried });
             let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
             if needed.is_finite() {
                 candidates.push((parameter, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
@@ -204,7 +210,7 @@ impl Bench<'_> {
             };
             let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
             let gain_margin_db = after[1] - before[1];
-            let change = Change { key: parameter.0, factor, value: after[0], gain_margin_db, holds, tried };
+            let change = Change { key: parameter.key, factor, value: after[0], gain_margin_db, holds, tried };
             let better = |old: &Change| {
                 (change.holds, requirement.limit.distance_to_limit(after[0]).min(0.0))
                     > (old.holds, requirement.limit.distance_to_limit(old.value).min(0.0))
@@ -221,7 +227,7 @@ impl Bench<'_> {
     fn designed(&self, change: Option<&WeightChange<'_>>) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
         if let (Some(synth), Some(change)) = (&mut project.synth, change) {
-            (change.parameter.1)(&mut synth.specification, change.factor);
+            (change.parameter.scale)(&mut synth.specification, change.factor);
         }
         match synthesise(&project, self.modelled, self.reduced) {
             Ok(made) => Ok(Some(made.sampled.controller)),

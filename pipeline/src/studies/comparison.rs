@@ -225,7 +225,7 @@ fn balance_basis(
         Ok(BalanceBasis {
             controllers: controllers_of_design(design, controlled)
                 .into_iter()
-                .map(|(result, _)| result)
+                .map(|controller| controller.result)
                 .collect(),
             nominal: cost_basis(&Design { plant: design.plant.clone(), ..base.clone() }, controlled)?,
             redesign: cost_basis(design, controlled)?,

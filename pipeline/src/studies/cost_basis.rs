@@ -1,6 +1,7 @@
 //! What the total cost of an assembled loop is computed from, as plain data: with these systems and densities, and with the weights, another
 //! program computes the cost and its slopes again.
 
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_synth::{Assembly, Channel, Design, FeedforwardWeights, Knowledge};
@@ -102,8 +103,9 @@ fn basis(
     let (plant, asked) = (&design.plant, &design.specification);
     let weights = &asked.feedback;
     let recovery = Density { input: plant.control, density: weights.loop_recovery };
-    let others = weights.disturbances.iter().map(|&(input, density)| Density { input, density });
-    let weighed = |&(output, weight): &(usize, f64)| WeighedOutput { output, weight };
+    let others =
+        weights.disturbances.iter().map(|entry| Density { input: entry.index, density: entry.value });
+    let weighed = |entry: &VectorEntry| WeighedOutput { output: entry.index, weight: entry.value };
     let mirrored = weights.error.realise().map_err(PipelineError::from)?;
     Ok(CostBasis {
         assembly: match asked.assembly {

@@ -13,13 +13,22 @@ use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::WeightSearch;
 
+/// A point of the trade-off between rejection and sensitivity.
+#[derive(Debug, Clone)]
+pub struct TradeOffPoint {
+    /// The limit of the largest sensitivity Ms.
+    pub ms_limit: f64,
+    /// What was found under it.
+    pub found: Found,
+}
+
 /// The answer of a search.
 #[derive(Debug, Clone)]
 pub struct Searched {
     /// What was found.
     pub found: Found,
-    /// The trade-off between rejection and sensitivity: a limit, and what was found under it.
-    pub curve: Vec<(f64, Found)>,
+    /// The trade-off between rejection and sensitivity, in the order of the project's limits.
+    pub curve: Vec<TradeOffPoint>,
     /// The figures of what was found on the plant as it was before reduction.
     pub on_full_plant: Figures,
     /// What the best trial misses there, 0 if the requirements hold.
@@ -59,7 +68,8 @@ pub fn search(
     if !wanted.ms_limits.is_empty() {
         let from = SearchTask { start: &found.best.specification, ..task };
         let points = trade_off(&from, &wanted.ms_limits, go_on)?;
-        curve = wanted.ms_limits.iter().copied().zip(points).collect();
+        let limits = wanted.ms_limits.iter().zip(points);
+        curve = limits.map(|(&ms_limit, found)| TradeOffPoint { ms_limit, found }).collect();
     }
     if let Some(better) = better_point(&curve, &found, &wanted.requirements) {
         found.best = better;
@@ -83,9 +93,9 @@ pub fn search(
 
 /// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
 /// points were searched further.
-fn better_point(curve: &[(f64, Found)], found: &Found, wanted: &Requirements) -> Option<Trial> {
+fn better_point(curve: &[TradeOffPoint], found: &Found, wanted: &Requirements) -> Option<Trial> {
     let rejection = |trial: &Trial| trial.figures.rejection;
-    let points = curve.iter().map(|(_, point)| &point.best);
+    let points = curve.iter().map(|point| &point.found.best);
     points
         .filter(|trial| wanted.missed(&trial.figures) == 0.0)
         .filter(|trial| found.best.missed > 0.0 || rejection(trial) < rejection(&found.best))
@@ -126,7 +136,7 @@ pub fn verify_found(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Vec<Judged>, PipelineError> {
     let mut points: Vec<(Option<f64>, &Found)> =
-        searched.curve.iter().map(|(limit, found)| (Some(*limit), found)).collect();
+        searched.curve.iter().map(|point| (Some(point.ms_limit), &point.found)).collect();
     points.sort_by(|a, b| a.1.best.figures.rejection.total_cmp(&b.1.best.figures.rejection));
     let mut all = Vec::new();
     for (ms_limit, found) in std::iter::once((None, &searched.found)).chain(points) {

@@ -6,7 +6,7 @@ use plotters::drawing::DrawingArea;
 use plotters::element::{Rectangle, Text};
 use plotters_backend::DrawingBackend;
 
-use super::{CENTRE, Drawn, LEFT, MARGIN, RIGHT, Sheet, WIDTH};
+use super::{CENTRE, Drawn, LEFT, MARGIN, RIGHT, Sheet, Size, WIDTH};
 use crate::font;
 use crate::heat_map::{HeatMap, HeatRow};
 use crate::ink::{FONT_PX, Ink};
@@ -98,7 +98,7 @@ fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64
 /// Returns the cells, in a system of coordinates whose unit is a cell.
 fn draw_cells<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, layout: &Layout) -> Drawn<DB> {
     let (columns, rows) = (map.columns.len() as f64, map.rows.len() as f64);
-    let size = (columns * layout.cell_width, rows * ROW);
+    let size = Size { width: columns * layout.cell_width, height: rows * ROW };
     let area = sheet.part((layout.left, layout.top), size);
     let (x, y) = area.get_pixel_range();
     let cells = area.apply_coord_spec(Cartesian2d::<RangedCoordf64, RangedCoordf64>::new(

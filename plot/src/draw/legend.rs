@@ -2,8 +2,8 @@
 
 use plotters_backend::DrawingBackend;
 
-use super::{Drawn, LEFT, MARGIN, Place, Sheet, WIDTH};
-use crate::figure::{Band, Mark, Panel, Series};
+use super::{Drawn, LEFT, MARGIN, Sheet, WIDTH};
+use crate::figure::{Band, Mark, Panel, Point, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
 
@@ -19,7 +19,7 @@ pub(super) const RING: f64 = 4.5;
 
 /// Entries of the legend, each with its place.
 pub(super) struct Legend<'a> {
-    entries: Vec<(Place, Entry<'a>)>,
+    entries: Vec<(Point, Entry<'a>)>,
     rows: usize,
 }
 
@@ -46,7 +46,7 @@ impl<'a> Legend<'a> {
             if x > 0.0 && LEFT_EDGE + x + width - SPACES.1 > WIDTH - MARGIN {
                 (x, row) = (0.0, row + 1);
             }
-            placed.push(((LEFT_EDGE + x, 10.0 + row as f64 * ROW), entry));
+            placed.push((Point::new(LEFT_EDGE + x, 10.0 + row as f64 * ROW), entry));
             x += width;
         }
         let rows = if placed.is_empty() { 0 } else { row + 1 };
@@ -58,10 +58,10 @@ impl<'a> Legend<'a> {
     }
 
     pub fn draw<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, top: f64) -> Drawn<DB> {
-        for ((x, y), entry) in &self.entries {
-            let (from, to) = ((*x, top + y), (x + SAMPLE, top + y));
+        for (at, entry) in &self.entries {
+            let (from, to) = (Point::new(at.x, top + at.y), Point::new(at.x + SAMPLE, top + at.y));
             entry.draw_sample(sheet, from, to)?;
-            sheet.text(Ink::Text, (to.0 + SPACES.0, to.1), LEFT, entry.name())?;
+            sheet.text(Ink::Text, (to.x + SPACES.0, to.y), LEFT, entry.name())?;
         }
         Ok(())
     }
@@ -81,19 +81,19 @@ impl Entry<'_> {
         }
     }
 
-    fn draw_sample<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, from: Place, to: Place) -> Drawn<DB> {
+    fn draw_sample<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, from: Point, to: Point) -> Drawn<DB> {
         match self {
             Entry::Curve(series) => sheet.line(Ink::Curve(series.colour, series.dash), from, to),
             Entry::Region(band) => {
                 let corners =
-                    [(from.0, from.1 - 5.0), (to.0, to.1 - 5.0), (to.0, to.1 + 5.0), (from.0, from.1 + 5.0)];
-                sheet.polygon(Ink::Band(band.colour), &corners)
+                    [(from.x, from.y - 5.0), (to.x, to.y - 5.0), (to.x, to.y + 5.0), (from.x, from.y + 5.0)];
+                sheet.polygon(Ink::Band(band.colour), &corners.map(Point::from))
             }
             Entry::Marked(Mark::Point { colour, .. }) => {
-                sheet.ring(Ink::Ring(*colour), (0.5 * (from.0 + to.0), from.1), RING)
+                sheet.ring(Ink::Ring(*colour), (0.5 * (from.x + to.x), from.y), RING)
             }
             Entry::Marked(Mark::Cross { colour, .. }) => {
-                let middle = (0.5 * (from.0 + to.0), from.1);
+                let middle = Point::new(0.5 * (from.x + to.x), from.y);
                 sheet.cross(Ink::Ring(*colour), middle, RING)
             }
             Entry::Marked(_) => sheet.line(Ink::Guide, from, to),

@@ -12,7 +12,7 @@ use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters_backend::DrawingBackend;
 use plotters_backend::text_anchor::{HPos, Pos, VPos};
 
-use crate::figure::{Content, Figure};
+use crate::figure::{Content, Figure, Point};
 use crate::ink::Ink;
 
 /// Width of every figure.
@@ -34,13 +34,20 @@ pub(crate) enum Setting {
 /// The result of drawing on a backend.
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
+/// Width and height, pixels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Size {
+    pub width: f64,
+    pub height: f64,
+}
+
 /// Returns width and height of a figure.
-pub(crate) fn size(figure: &Figure, setting: Setting) -> (f64, f64) {
+pub(crate) fn size(figure: &Figure, setting: Setting) -> Size {
     let content = match &figure.content {
         Content::Panels(panels) => panels::height(panels),
         Content::HeatMap(map) => heat::height(map),
     };
-    (WIDTH, top(setting) + content)
+    Size { width: WIDTH, height: top(setting) + content }
 }
 
 /// Draws a figure on an area that has `unit` of its units in a pixel.
@@ -52,7 +59,7 @@ pub(crate) fn draw<DB: DrawingBackend>(
 ) -> Drawn<DB> {
     let sheet = Sheet { area, unit };
     if setting == Setting::Alone {
-        let (width, height) = size(figure, setting);
+        let Size { width, height } = size(figure, setting);
         sheet.rectangle(Ink::Paper, (0.0, 0.0), (width, height))?;
         sheet.text(Ink::Title, (MARGIN, 0.6 * TITLE), LEFT, &figure.title)?;
     }
@@ -73,10 +80,7 @@ const CENTRE: Pos = Pos { h_pos: HPos::Center, v_pos: VPos::Center };
 /// Text to the left of its point, at half its height.
 const RIGHT: Pos = Pos { h_pos: HPos::Right, v_pos: VPos::Center };
 
-/// A place in pixels from the upper left corner.
-type Place = (f64, f64);
-
-/// A drawing area measured in pixels.
+/// A drawing area measured in pixels; its points count from the upper left corner.
 struct Sheet<'a, DB: DrawingBackend> {
     area: &'a DrawingArea<DB, Shift>,
     unit: f64,
@@ -88,38 +92,40 @@ impl<DB: DrawingBackend> Sheet<'_, DB> {
         (pixels * self.unit).round() as i32
     }
 
-    fn point(&self, at: Place) -> (i32, i32) {
-        (self.units(at.0), self.units(at.1))
+    fn point(&self, at: impl Into<Point>) -> (i32, i32) {
+        let at = at.into();
+        (self.units(at.x), self.units(at.y))
     }
 
     /// Returns the part of the area from a corner on.
-    fn part(&self, corner: Place, size: Place) -> DrawingArea<DB, Shift> {
-        self.area.clone().shrink(self.point(corner), self.point(size))
+    fn part(&self, corner: impl Into<Point>, size: Size) -> DrawingArea<DB, Shift> {
+        self.area.clone().shrink(self.point(corner), (self.units(size.width), self.units(size.height)))
     }
 
-    fn line(&self, ink: Ink, from: Place, to: Place) -> Drawn<DB> {
+    fn line(&self, ink: Ink, from: impl Into<Point>, to: impl Into<Point>) -> Drawn<DB> {
         self.area.draw(&PathElement::new(vec![self.point(from), self.point(to)], ink.style()))
     }
 
-    fn rectangle(&self, ink: Ink, from: Place, to: Place) -> Drawn<DB> {
+    fn rectangle(&self, ink: Ink, from: impl Into<Point>, to: impl Into<Point>) -> Drawn<DB> {
         self.area.draw(&Rectangle::new([self.point(from), self.point(to)], ink.style()))
     }
 
-    fn polygon(&self, ink: Ink, corners: &[Place]) -> Drawn<DB> {
+    fn polygon(&self, ink: Ink, corners: &[Point]) -> Drawn<DB> {
         let corners: Vec<(i32, i32)> = corners.iter().map(|at| self.point(*at)).collect();
         self.area.draw(&Polygon::new(corners, ink.style()))
     }
 
-    fn ring(&self, ink: Ink, centre: Place, radius: f64) -> Drawn<DB> {
+    fn ring(&self, ink: Ink, centre: impl Into<Point>, radius: f64) -> Drawn<DB> {
         self.area.draw(&Circle::new(self.point(centre), self.units(radius), ink.style()))
     }
 
-    fn cross(&self, ink: Ink, (x, y): Place, radius: f64) -> Drawn<DB> {
+    fn cross(&self, ink: Ink, centre: Point, radius: f64) -> Drawn<DB> {
+        let Point { x, y } = centre;
         self.line(ink, (x - radius, y - radius), (x + radius, y + radius))?;
         self.line(ink, (x - radius, y + radius), (x + radius, y - radius))
     }
 
-    fn text(&self, ink: Ink, at: Place, pos: Pos, text: &str) -> Drawn<DB> {
+    fn text(&self, ink: Ink, at: impl Into<Point>, pos: Pos, text: &str) -> Drawn<DB> {
         self.area.draw_text(text, &ink.text(self.unit, pos), self.point(at))
     }
 }

@@ -8,9 +8,9 @@ use plotters_backend::DrawingBackend;
 use plotters_backend::text_anchor::Pos;
 
 use super::legend::{Legend, RING};
-use super::{Drawn, Sheet, WIDTH};
+use super::{Drawn, Sheet, Size, WIDTH};
 use crate::clip;
-use crate::figure::{Aspect, Band, Mark, Panel, Panels, Series};
+use crate::figure::{Aspect, Band, BandPoint, Mark, Panel, Panels, Point, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
 use crate::ruler::{Margin, Ruler};
@@ -111,13 +111,13 @@ struct Frame<'a> {
 
 impl Frame<'_> {
     /// Returns the place of a point on both axes; `None` if it cannot be drawn.
-    fn place(&self, x: f64, y: f64) -> Option<clip::Place> {
-        Some((self.x.place(x)?, self.y.place(y)?))
+    fn place(&self, x: f64, y: f64) -> Option<Point> {
+        Some(Point::new(self.x.place(x)?, self.y.place(y)?))
     }
 
     /// Returns the values at places on both axes.
-    fn values(&self, places: &[clip::Place]) -> Vec<(f64, f64)> {
-        places.iter().map(|(x, y)| (self.x.value_at(*x), self.y.value_at(*y))).collect()
+    fn values(&self, places: &[Point]) -> Vec<(f64, f64)> {
+        places.iter().map(|at| (self.x.value_at(at.x), self.y.value_at(at.y))).collect()
     }
 }
 
@@ -148,7 +148,7 @@ fn draw_axes<'a, DB: DrawingBackend>(
     frame: &Frame<'_>,
 ) -> Result<Chart<'a, DB>, plotters::drawing::DrawingAreaErrorKind<DB::ErrorType>> {
     let foot = if frame.foot.is_some() { FOOT } else { 0.0 };
-    let size = (WIDTH - LABEL_EDGE - RIGHT, height_of(panel) + foot);
+    let size = Size { width: WIDTH - LABEL_EDGE - RIGHT, height: height_of(panel) + foot };
     let area = sheet.part((LABEL_EDGE, frame.top), size);
     let mut chart = ChartBuilder::on(&area)
         .x_label_area_size(sheet.units(foot))
@@ -185,8 +185,8 @@ fn draw_series<DB: DrawingBackend>(
     let places = kept.into_iter().map(|k| frame.place(series.points[[k, 0]], series.points[[k, 1]]));
     for run in runs(places) {
         for mut part in clip::polyline(&run) {
-            if let [(x, y)] = part[..] {
-                part = vec![(x - dot, y), (x + dot, y)];
+            if let [Point { x, y }] = part[..] {
+                part = vec![Point::new(x - dot, y), Point::new(x + dot, y)];
             }
             chart.plotting_area().draw(&PathElement::new(frame.values(&part), style))?;
         }
@@ -209,14 +209,14 @@ fn runs<T: Copy>(places: impl Iterator<Item = Option<T>>) -> Vec<Vec<T>> {
 
 fn draw_band<DB: DrawingBackend>(chart: &Chart<'_, DB>, band: &Band, frame: &Frame<'_>) -> Drawn<DB> {
     let edges = band.points.rows().into_iter().map(|row| {
-        let (x, upper) = frame.place(row[0], row[2])?;
+        let Point { x, y: upper } = frame.place(row[0], row[2])?;
         // on a logarithmic axis a lower edge at or below zero lies below the panel
         let lower = if row[1].is_nan() { None } else { Some(frame.y.place(row[1]).unwrap_or(-1.0)) };
-        Some((x, lower?, upper))
+        Some(BandPoint { x, lower: lower?, upper })
     });
     for run in runs(edges) {
-        let above = run.iter().map(|(x, _, upper)| (*x, *upper));
-        let below = run.iter().rev().map(|(x, lower, _)| (*x, *lower));
+        let above = run.iter().map(|at| Point::new(at.x, at.upper));
+        let below = run.iter().rev().map(|at| Point::new(at.x, at.lower));
         let outline = clip::polygon(&above.chain(below).collect::<Vec<_>>());
         if outline.len() > 2 {
             let shape = Polygon::new(frame.values(&outline), Ink::Band(band.colour).style());
@@ -228,8 +228,8 @@ fn draw_band<DB: DrawingBackend>(chart: &Chart<'_, DB>, band: &Band, frame: &Fra
 
 fn draw_guide<DB: DrawingBackend>(chart: &Chart<'_, DB>, mark: &Mark, frame: &Frame<'_>) -> Drawn<DB> {
     let line = match mark {
-        Mark::Level { y, .. } => frame.y.place(*y).map(|y| [(0.0, y), (1.0, y)]),
-        Mark::Instant { x, .. } => frame.x.place(*x).map(|x| [(x, 0.0), (x, 1.0)]),
+        Mark::Level { y, .. } => frame.y.place(*y).map(|y| [Point::new(0.0, y), Point::new(1.0, y)]),
+        Mark::Instant { x, .. } => frame.x.place(*x).map(|x| [Point::new(x, 0.0), Point::new(x, 1.0)]),
         Mark::Point { .. } | Mark::Cross { .. } => None,
     };
     for part in line.into_iter().flat_map(|line| clip::polyline(&line)) {

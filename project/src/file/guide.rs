@@ -11,6 +11,16 @@ struct Section {
     rows: Vec<Row>,
 }
 
+/// A choice made before a key in its table, under some names of which the key exists.
+#[derive(Debug, Clone, PartialEq)]
+struct Condition {
+    key: &'static str,
+    /// How many names the choice has.
+    count: usize,
+    /// Those under which the key exists.
+    names: Vec<&'static str>,
+}
+
 /// A key of the reference.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
@@ -19,8 +29,8 @@ struct Row {
     allowed: String,
     absent: String,
     meaning: &'static str,
-    /// For every choice made before it in the table: its key, how many names it has, and those under which the key exists.
-    with: Vec<(&'static str, usize, Vec<&'static str>)>,
+    /// One for every choice made before it in the table.
+    conditions: Vec<Condition>,
 }
 
 /// A walk that describes what it meets. The number of a walk, read as digits, says which name each choice of a table takes,
@@ -112,11 +122,11 @@ impl Guide {
                 allowed: kind,
                 absent: absent(field),
                 meaning,
-                with: Vec::new(),
+                conditions: Vec::new(),
             });
         }
         for (key, count, name) in &frame.chosen {
-            note(&mut section.rows[at].with, key, *count, name);
+            note(&mut section.rows[at].conditions, key, *count, name);
         }
     }
 
@@ -152,18 +162,13 @@ fn heading(section: &Section) -> String {
     if path.is_empty() { format!("\n## {title}\n\n") } else { format!("\n## `[{path}]`: {title}\n\n") }
 }
 
-fn note(
-    with: &mut Vec<(&'static str, usize, Vec<&'static str>)>,
-    key: &'static str,
-    count: usize,
-    name: &'static str,
-) {
-    let at = with.iter().position(|(k, ..)| *k == key).unwrap_or(with.len());
-    if at == with.len() {
-        with.push((key, count, Vec::new()));
+fn note(conditions: &mut Vec<Condition>, key: &'static str, count: usize, name: &'static str) {
+    let at = conditions.iter().position(|one| one.key == key).unwrap_or(conditions.len());
+    if at == conditions.len() {
+        conditions.push(Condition { key, count, names: Vec::new() });
     }
-    if !with[at].2.contains(&name) {
-        with[at].2.push(name);
+    if !conditions[at].names.contains(&name) {
+        conditions[at].names.push(name);
     }
 }
 
@@ -185,8 +190,8 @@ fn table(rows: &[Row]) -> String {
 
 /// Under which choices a key exists, if it does not under all.
 fn condition(row: &Row) -> String {
-    let some = row.with.iter().filter(|(_, count, names)| names.len() < *count);
-    let words: Vec<String> = some.map(|(key, _, names)| format!("`{key}` {}", names.join(", "))).collect();
+    let some = row.conditions.iter().filter(|one| one.names.len() < one.count);
+    let words: Vec<String> = some.map(|one| format!("`{}` {}", one.key, one.names.join(", "))).collect();
     if words.is_empty() { String::new() } else { format!("; only with {}", words.join(" and ")) }
 }
 

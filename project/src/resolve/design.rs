@@ -3,6 +3,7 @@
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_controller::words::is_word;
 use counterpoise_export::{Options, Precision};
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{Discretisation, Timebase};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{Axis, Measured};
@@ -402,49 +403,62 @@ fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
     table(v, &TableField::required("control", "weight on the control"), &mut feedback.control, weight);
 }
 
+/// A key whose number belongs to an input or an output of the plant.
+struct SignalField {
+    field: Field,
+    /// Index of the input or output.
+    signal: usize,
+}
+
 /// Densities of white disturbances that no sensor announces, by the plant's inputs.
-const DISTURBANCES: [(Field, usize); 3] = [
-    (
-        Field::new("control_disturbance", "spectral density of a disturbance at the control")
+const DISTURBANCES: [SignalField; 3] = [
+    SignalField {
+        field: Field::new("control_disturbance", "spectral density of a disturbance at the control")
             .unit("V^2 s")
             .limit(AT_LEAST_0),
-        LinearPlant::CONTROL,
-    ),
-    (
-        Field::new("heave_disturbance", "spectral density of heave that is not measured")
+        signal: LinearPlant::CONTROL,
+    },
+    SignalField {
+        field: Field::new("heave_disturbance", "spectral density of heave that is not measured")
             .unit("(m/s^2)^2 s")
             .limit(AT_LEAST_0),
-        LinearPlant::HEAVE,
-    ),
-    (
-        Field::new("pitch_disturbance", "spectral density of pitch that is not measured")
+        signal: LinearPlant::HEAVE,
+    },
+    SignalField {
+        field: Field::new("pitch_disturbance", "spectral density of pitch that is not measured")
             .unit("(rad/s)^2 s")
             .limit(AT_LEAST_0),
-        LinearPlant::PITCH_RATE,
-    ),
+        signal: LinearPlant::PITCH_RATE,
+    },
 ];
 
 /// Constant weights on further outputs, summed into one signal, by the plant's outputs.
-const COMBINATION: [(Field, usize); 3] = [
-    (Field::new("hub_weight", "constant weight on the hub rate"), LinearPlant::HUB_RATE),
-    (
-        Field::new("tip_weight", "constant weight on the tip rate, added to that on the hub rate"),
-        LinearPlant::TIP_RATE,
-    ),
-    (
-        Field::new("motor_weight", "constant weight on the motor rate, added to those on hub and tip rate"),
-        LinearPlant::MOTOR_RATE,
-    ),
+const COMBINATION: [SignalField; 3] = [
+    SignalField {
+        field: Field::new("hub_weight", "constant weight on the hub rate"),
+        signal: LinearPlant::HUB_RATE,
+    },
+    SignalField {
+        field: Field::new("tip_weight", "constant weight on the tip rate, added to that on the hub rate"),
+        signal: LinearPlant::TIP_RATE,
+    },
+    SignalField {
+        field: Field::new(
+            "motor_weight",
+            "constant weight on the motor rate, added to those on hub and tip rate",
+        ),
+        signal: LinearPlant::MOTOR_RATE,
+    },
 ];
 
 /// Numbers by the index of a signal; those that are 0 are left out.
-fn indexed(v: &mut dyn Visit, fields: &[(Field, usize)], values: &mut Vec<(usize, f64)>) {
+fn indexed(v: &mut dyn Visit, fields: &[SignalField], values: &mut Vec<VectorEntry>) {
     let old = std::mem::take(values);
-    for (field, index) in fields {
-        let mut value = old.iter().find(|(i, _)| i == index).map_or(0.0, |(_, value)| *value);
+    for SignalField { field, signal } in fields {
+        let mut value = old.iter().find(|entry| entry.index == *signal).map_or(0.0, |entry| entry.value);
         v.number(&field.or(0.0), &mut value);
         if value != 0.0 {
-            values.push((*index, value));
+            values.push(VectorEntry::new(*signal, value));
         }
     }
 }

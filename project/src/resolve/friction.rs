@@ -238,34 +238,25 @@ fn parts(v: &mut dyn Visit, law: &mut FrictionLaw) {
     match law {
         FrictionLaw::None => {}
         FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, exponent } => {
-            three(
-                v,
-                [(&COULOMB, coulomb_nm), (&REST_STIFFNESS, rest_stiffness_nm_rad), (&EXPONENT, exponent)],
-            );
+            v.number(&COULOMB, coulomb_nm);
+            v.number(&REST_STIFFNESS, rest_stiffness_nm_rad);
+            v.number(&EXPONENT, exponent);
         }
         FrictionLaw::Lugre { coulomb_nm, bristle_stiffness_nm_rad, bristle_damping_nm_s_rad } => {
-            three(
-                v,
-                [
-                    (&COULOMB, coulomb_nm),
-                    (&BRISTLE_STIFFNESS, bristle_stiffness_nm_rad),
-                    (&BRISTLE_DAMPING, bristle_damping_nm_s_rad),
-                ],
-            );
+            v.number(&COULOMB, coulomb_nm);
+            v.number(&BRISTLE_STIFFNESS, bristle_stiffness_nm_rad);
+            v.number(&BRISTLE_DAMPING, bristle_damping_nm_s_rad);
         }
         FrictionLaw::Coulomb { coulomb_nm } => v.number(&COULOMB, coulomb_nm),
         FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
-            three(v, [(&COULOMB, coulomb_nm), (&DEFLECTION, deflection_rad), (&DAMPING, damping_nm_s_rad)]);
+            v.number(&COULOMB, coulomb_nm);
+            v.number(&DEFLECTION, deflection_rad);
+            v.number(&DAMPING, damping_nm_s_rad);
         }
         FrictionLaw::Walrath { coulomb_nm, time_constant_s, smoothing_rate_rad_s } => {
-            three(
-                v,
-                [
-                    (&COULOMB, coulomb_nm),
-                    (&TIME_CONSTANT, time_constant_s),
-                    (&SMOOTHING_RATE, smoothing_rate_rad_s),
-                ],
-            );
+            v.number(&COULOMB, coulomb_nm);
+            v.number(&TIME_CONSTANT, time_constant_s);
+            v.number(&SMOOTHING_RATE, smoothing_rate_rad_s);
         }
         FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s } => {
             v.number(&COULOMB, coulomb_nm);
@@ -282,12 +273,6 @@ fn parts(v: &mut dyn Visit, law: &mut FrictionLaw) {
             *bristles = count as usize;
             v.number(&BOND, bond_rad);
         }
-    }
-}
-
-fn three(v: &mut dyn Visit, fields: [(&Field, &mut f64); 3]) {
-    for (field, value) in fields {
-        v.number(field, value);
     }
 }
 

@@ -67,7 +67,7 @@ fn show_heading(ui: &mut Ui, chart: &Chart, theme: &Theme, limits: &PlotLimits) 
         let font = egui::FontId::proportional(size);
         ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE).size().x
     };
-    let legend_width: f32 = entries.iter().map(|(_, text)| width(ui, text, 11.0) + 28.0).sum();
+    let legend_width: f32 = entries.iter().map(|entry| width(ui, &entry.text, 11.0) + 28.0).sum();
     let fits = width(ui, &chart.title, 13.0) + legend_width + 60.0 < ui.available_width();
     ui.horizontal(|ui| {
         ui.set_height(HEADING_HEIGHT);
@@ -97,26 +97,37 @@ fn show_heading(ui: &mut Ui, chart: &Chart, theme: &Theme, limits: &PlotLimits) 
             ui.spacing_mut().item_spacing.x = 5.0;
             for entry in &entries {
                 ui.horizontal(|ui| {
-                    draw_swatch(ui, entry.0);
-                    ui.label(egui::RichText::new(&entry.1).small().color(theme.weak));
+                    draw_swatch(ui, entry.curve);
+                    ui.label(egui::RichText::new(&entry.text).small().color(theme.weak));
                 });
             }
         });
     }
 }
 
+/// A curve with its text in the legend.
+struct LegendEntry<'a> {
+    curve: &'a Curve,
+    text: String,
+}
+
 /// Returns the named curves with their names, and with their values at the cursor if there is one.
-fn legend_entries(chart: &Chart, cursor: Option<f64>) -> Vec<(&Curve, String)> {
+fn legend_entries(chart: &Chart, cursor: Option<f64>) -> Vec<LegendEntry<'_>> {
     let text = |curve: &Curve| match cursor.and_then(|x| curve.points.value_at(x)) {
         Some(value) => format!("{} {}", curve.name, format_short(value)),
         None => curve.name.clone(),
     };
-    chart.curves.iter().filter(|c| !c.name.is_empty()).map(|curve| (curve, text(curve))).collect()
+    chart
+        .curves
+        .iter()
+        .filter(|c| !c.name.is_empty())
+        .map(|curve| LegendEntry { curve, text: text(curve) })
+        .collect()
 }
 
 /// Shows a legend from the right to the left.
-fn show_legend<'a>(ui: &mut Ui, entries: impl Iterator<Item = &'a (&'a Curve, String)>, theme: &Theme) {
-    for (curve, text) in entries {
+fn show_legend<'a>(ui: &mut Ui, entries: impl Iterator<Item = &'a LegendEntry<'a>>, theme: &Theme) {
+    for LegendEntry { curve, text } in entries {
         ui.label(egui::RichText::new(text).small().color(theme.weak));
         draw_swatch(ui, curve);
     }

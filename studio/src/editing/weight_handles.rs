@@ -45,33 +45,52 @@ pub enum HandleEffect {
     Notch,
 }
 
-/// The numbers of a weight, by key.
-pub type Numbers = Vec<(&'static str, f64)>;
+/// A number of a weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightNumber {
+    /// Its key in the table of the weight.
+    pub key: &'static str,
+    /// Its value, in the unit of the project file.
+    pub value: f64,
+}
+
+const fn number(key: &'static str, value: f64) -> WeightNumber {
+    WeightNumber { key, value }
+}
 
 /// Returns the numbers of a weight as the project file has them; empty for a form without plain numbers.
-pub fn weight_numbers(weight: &Weight) -> Numbers {
+pub fn weight_numbers(weight: &Weight) -> Vec<WeightNumber> {
     match weight {
-        Weight::Constant { gain } => vec![("gain", *gain)],
+        Weight::Constant { gain } => vec![number("gain", *gain)],
         Weight::Integral { gain, time_s } | Weight::Lag { gain, time_s } | Weight::Lead { gain, time_s } => {
-            vec![("gain", *gain), ("time", *time_s)]
+            vec![number("gain", *gain), number("time", *time_s)]
         }
         Weight::Quadratic { gain, second_s2, first_s }
         | Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => {
-            vec![("gain", *gain), ("second", *second_s2), ("first", *first_s)]
+            vec![number("gain", *gain), number("second", *second_s2), number("first", *first_s)]
         }
         Weight::Shelf { low, high, corner_rad_s } => {
-            vec![("low", *low), ("high", *high), ("corner", *corner_rad_s)]
+            vec![number("low", *low), number("high", *high), number("corner", *corner_rad_s)]
         }
         Weight::Notch { gain, centre_rad_s, width, factor } => {
-            vec![("gain", *gain), ("centre", *centre_rad_s), ("width", *width), ("factor", *factor)]
+            vec![
+                number("gain", *gain),
+                number("centre", *centre_rad_s),
+                number("width", *width),
+                number("factor", *factor),
+            ]
         }
         Weight::ZeroPoleGain { zeros, poles, gain } => match (&zeros[..], &poles[..]) {
             ([zero], [pole]) if pole.norm() == 0.0 && zero.im == 0.0 => {
-                vec![("gain", *gain), ("corner", -zero.re)]
+                vec![number("gain", *gain), number("corner", -zero.re)]
             }
             ([], [a, _]) if a.norm() > 0.0 => {
                 let w = a.norm();
-                vec![("gain", gain / (w * w)), ("natural_frequency", w), ("damping_ratio", -a.re / w)]
+                vec![
+                    number("gain", gain / (w * w)),
+                    number("natural_frequency", w),
+                    number("damping_ratio", -a.re / w),
+                ]
             }
             _ => Vec::new(),
         },
@@ -100,8 +119,8 @@ pub fn form_name(weight: &Weight) -> &'static str {
     }
 }
 
-fn find_number(numbers: &Numbers, key: &str) -> Option<f64> {
-    numbers.iter().find(|(name, _)| *name == key).map(|(_, value)| *value)
+fn find_number(numbers: &[WeightNumber], key: &str) -> Option<f64> {
+    numbers.iter().find(|number| number.key == key).map(|number| number.value)
 }
 
 /// Returns the handles of a weight; a form without plain numbers has none.
@@ -119,35 +138,38 @@ pub fn weight_handles(weight: &Weight) -> Vec<WeightHandle> {
     let gain = gain.abs();
     match (form_name(weight), &numbers[..]) {
         ("constant", _) => vec![handle("gain", 10.0, gain, HandleEffect::Gain)],
-        ("integral" | "lag" | "lead", [_, (_, time)]) => {
+        ("integral" | "lag" | "lead", [_, WeightNumber { value: time, .. }]) => {
             vec![handle("corner and gain", 1.0 / time, gain, HandleEffect::TimeAndGain)]
         }
-        ("proportional-integral", [_, (_, corner)]) => {
+        ("proportional-integral", [_, WeightNumber { value: corner, .. }]) => {
             vec![handle("corner and gain", *corner, gain, HandleEffect::CornerAndGain("corner"))]
         }
-        ("quadratic", [_, (_, second), _]) if *second > 0.0 => {
+        ("quadratic", [_, WeightNumber { value: second, .. }, _]) if *second > 0.0 => {
             let natural = 1.0 / second.sqrt();
             vec![
                 at("gain", 0.1 * natural, HandleEffect::Gain),
                 at("corner and damping", natural, HandleEffect::Quadratic),
             ]
         }
-        ("quadratic-free-at-zero", [_, (_, second), (_, first)]) if *second > 0.0 && *first > 0.0 => {
+        (
+            "quadratic-free-at-zero",
+            [_, WeightNumber { value: second, .. }, WeightNumber { value: first, .. }],
+        ) if *second > 0.0 && *first > 0.0 => {
             let corner = first / second;
             vec![at("gain", 0.1 * corner, HandleEffect::Gain), at("corner", corner, HandleEffect::Second)]
         }
-        ("second-order", [_, (_, natural), _]) => {
+        ("second-order", [_, WeightNumber { value: natural, .. }, _]) => {
             vec![
                 at("gain", 0.1 * natural, HandleEffect::Gain),
                 at("corner and damping", *natural, HandleEffect::Resonance),
             ]
         }
-        ("shelf", [_, _, (_, corner)]) => vec![
+        ("shelf", [_, _, WeightNumber { value: corner, .. }]) => vec![
             at("low gain", 0.01 * corner, HandleEffect::Level("low")),
             at("corner", *corner, HandleEffect::Corner("corner")),
             at("high gain", 100.0 * corner, HandleEffect::Level("high")),
         ],
-        ("notch", [_, (_, centre), ..]) => {
+        ("notch", [_, WeightNumber { value: centre, .. }, ..]) => {
             vec![
                 at("gain", 0.1 * centre, HandleEffect::Gain),
                 at("centre and depth", *centre, HandleEffect::Notch),
@@ -161,29 +183,36 @@ pub fn weight_handles(weight: &Weight) -> Vec<WeightHandle> {
 const DAMPING: (f64, f64) = (0.02, 1.0);
 
 /// Returns the keys with their values that a handle sets when it is moved to a position.
-pub fn values_when_moved(weight: &Weight, handle: &WeightHandle, to: HandlePosition) -> Numbers {
+pub fn values_when_moved(weight: &Weight, handle: &WeightHandle, to: HandlePosition) -> Vec<WeightNumber> {
     let HandlePosition { rate_rad_s, magnitude } = to;
     let numbers = weight_numbers(weight);
     let now = |key: &str| find_number(&numbers, key).unwrap_or(1.0);
     let scale = magnitude / handle.position.magnitude;
-    let rounded =
-        |list: Numbers| list.into_iter().map(|(key, value)| (key, round_to_three_digits(value))).collect();
+    let rounded = |list: Vec<WeightNumber>| {
+        list.into_iter().map(|one| number(one.key, round_to_three_digits(one.value))).collect()
+    };
     rounded(match handle.effect {
-        HandleEffect::Gain => vec![("gain", now("gain") * scale)],
-        HandleEffect::Level(key) => vec![(key, now(key) * scale)],
-        HandleEffect::TimeAndGain => vec![("gain", now("gain") * scale), ("time", 1.0 / rate_rad_s)],
-        HandleEffect::CornerAndGain(key) => vec![("gain", now("gain") * scale), (key, rate_rad_s)],
-        HandleEffect::Corner(key) => vec![(key, rate_rad_s)],
+        HandleEffect::Gain => vec![number("gain", now("gain") * scale)],
+        HandleEffect::Level(key) => vec![number(key, now(key) * scale)],
+        HandleEffect::TimeAndGain => {
+            vec![number("gain", now("gain") * scale), number("time", 1.0 / rate_rad_s)]
+        }
+        HandleEffect::CornerAndGain(key) => {
+            vec![number("gain", now("gain") * scale), number(key, rate_rad_s)]
+        }
+        HandleEffect::Corner(key) => vec![number(key, rate_rad_s)],
         HandleEffect::Quadratic => {
             let damping = 0.5 * magnitude / now("gain").abs();
-            vec![("second", rate_rad_s.powi(-2)), ("first", 2.0 * damping / rate_rad_s)]
+            vec![number("second", rate_rad_s.powi(-2)), number("first", 2.0 * damping / rate_rad_s)]
         }
-        HandleEffect::Second => vec![("second", now("first") / rate_rad_s)],
+        HandleEffect::Second => vec![number("second", now("first") / rate_rad_s)],
         HandleEffect::Resonance => {
             let damping = (0.5 * now("gain").abs() / magnitude).clamp(DAMPING.0, DAMPING.1);
-            vec![("natural_frequency", rate_rad_s), ("damping_ratio", damping)]
+            vec![number("natural_frequency", rate_rad_s), number("damping_ratio", damping)]
         }
-        HandleEffect::Notch => vec![("centre", rate_rad_s), ("factor", magnitude / now("gain").abs())],
+        HandleEffect::Notch => {
+            vec![number("centre", rate_rad_s), number("factor", magnitude / now("gain").abs())]
+        }
     })
 }
 
@@ -217,7 +246,7 @@ mod tests {
         for weight in all() {
             let before = weight_numbers(&weight);
             for handle in weight_handles(&weight) {
-                for (key, value) in values_when_moved(&weight, &handle, handle.position) {
+                for WeightNumber { key, value } in values_when_moved(&weight, &handle, handle.position) {
                     let was = find_number(&before, key).unwrap();
                     assert!((value / was - 1.0).abs() < 6e-3, "{weight}: {key} {was} -> {value}");
                 }

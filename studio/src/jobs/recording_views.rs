@@ -216,8 +216,7 @@ fn replayed_view(
     let model = kept(modelled.map(|mut made| made.remove(0)));
     let improved = request.improved.as_deref();
     let improved = improved.and_then(|plant| kept(replay_one(plant, item, &control, length)));
-    let demand =
-        describe_played_back(&without_demand(&request.project, [(item.file.as_str(), &item.recording)]));
+    let demand = describe_played_back(&without_demand(&request.project, [item]));
     let found = model.as_ref().map_or(&item.remarks, |made| &made.remarks);
     let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.followed.replay));
     RecordingView {

@@ -15,7 +15,7 @@ use super::design_charts::{
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
 use super::{design_figures, loop_charts, no_controller, widgets};
 use crate::command::{Command, DesignTab};
-use crate::editing::weight_handles;
+use crate::editing::weight_handles::{self, WeightNumber};
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
@@ -133,7 +133,7 @@ fn show_weight(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, weight: &
         ui.label(RichText::new(weight_handles::form_name(weight.weight)).small().color(theme.weak));
     });
     egui::Grid::new(&weight.path).num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (key, value) in weight_handles::weight_numbers(weight.weight) {
+        for WeightNumber { key, value } in weight_handles::weight_numbers(weight.weight) {
             widgets::number_field(ui, view, queue, &format!("{}.{key}", weight.path), value);
         }
     });

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
 use counterpoise_pipeline::preview::DesignPreview;
-use counterpoise_report::bode::BodeCurve;
+use counterpoise_report::bode::{BodeCurve, ResponsePoint};
 use counterpoise_verify::linear::loop_shape::nichols;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, LoopShape, MarginKind, RootLocus,
@@ -52,8 +52,18 @@ pub fn show(
             cells[4],
         ),
         sensitivity_chart(view, design),
-        response_chart(view, design, "Hub for the demand", &[(LoopCause::Demand, LoopEffect::Hub)]),
-        response_chart(view, design, "Hub for 1 V on the control", &[(LoopCause::Control, LoopEffect::Hub)]),
+        response_chart(
+            view,
+            design,
+            "Hub for the demand",
+            &[LoopPath { cause: LoopCause::Demand, effect: LoopEffect::Hub }],
+        ),
+        response_chart(
+            view,
+            design,
+            "Hub for 1 V on the control",
+            &[LoopPath { cause: LoopCause::Control, effect: LoopEffect::Hub }],
+        ),
         control_chart(view, design),
     ];
     for (cell, chart) in cells.iter().zip(&charts) {
@@ -82,10 +92,10 @@ fn phase_chart(view: &View, design: &DesignPreview) -> Chart {
         let curve = BodeCurve::new(
             "",
             counterpoise_plot::Colour::First,
-            points.map(|(f, L)| (*f, L.re, L.im)).collect(),
+            points.map(|(f, L)| ResponsePoint::new(*f, L.re, L.im)).collect(),
         );
         let phase = curve.phase_deg().into_iter();
-        phase.map(|(f, deg)| [view.units.display_frequency(f * TAU), deg]).collect::<Vec<_>>()
+        phase.map(|at| [view.units.display_frequency(at.x * TAU), at.y]).collect::<Vec<_>>()
     };
     let mut chart = Chart::new("Loop phase", view.units.frequency_label(), "phase, deg");
     chart.scales = [Scale::Log, Scale::Linear];
@@ -223,14 +233,16 @@ fn cross([x, y]: [f64; 2], size: f64) -> Vec<[f64; 2]> {
     ]
 }
 
+/// A path through the closed loop: from where a signal enters to what it acts on.
+#[derive(Clone, Copy, PartialEq)]
+struct LoopPath {
+    cause: LoopCause,
+    effect: LoopEffect,
+}
+
 /// Returns responses of the closed loop.
-fn response_chart(
-    view: &View,
-    design: &DesignPreview,
-    title: &str,
-    wanted: &[(LoopCause, LoopEffect)],
-) -> Chart {
-    let is_wanted = |r: &&LoopResponse| wanted.contains(&(r.cause, r.effect));
+fn response_chart(view: &View, design: &DesignPreview, title: &str, wanted: &[LoopPath]) -> Chart {
+    let is_wanted = |r: &&LoopResponse| wanted.contains(&LoopPath { cause: r.cause, effect: r.effect });
     let mut chart = frequency_chart(view, title, "modulus");
     for (slot, kept) in &view.kept {
         for response in kept.curves.loop_responses.iter().filter(is_wanted).take(1) {
@@ -249,7 +261,7 @@ fn response_chart(
 /// Returns the control for the demand and for noise of every sensor that the feedback reads.
 fn control_chart(view: &View, design: &DesignPreview) -> Chart {
     let causes = design.curves.loop_responses.iter().filter(|r| r.effect == LoopEffect::Control);
-    let wanted: Vec<(LoopCause, LoopEffect)> = causes.map(|r| (r.cause, r.effect)).collect();
+    let wanted: Vec<LoopPath> = causes.map(|r| LoopPath { cause: r.cause, effect: r.effect }).collect();
     response_chart(view, design, "Control for demand and noise", &wanted)
 }
 

@@ -10,7 +10,7 @@ use super::widgets;
 use crate::charts::chart::{Chart, Dash, PlotAxis};
 use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
-use crate::editing::weight_handles::{self, HandlePosition, WeightHandle};
+use crate::editing::weight_handles::{self, HandlePosition, WeightHandle, WeightNumber};
 use crate::theme::Theme;
 use crate::view::{ControllerPart, View};
 
@@ -176,7 +176,8 @@ fn show_handle(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, plotted: 
     view.dragging |= response.dragged();
     if let Some(to) = moved {
         let position = plotted.position_at(view, to);
-        for (key, value) in weight_handles::values_when_moved(plotted.weight.weight, plotted.handle, position)
+        for WeightNumber { key, value } in
+            weight_handles::values_when_moved(plotted.weight.weight, plotted.handle, position)
         {
             let path = format!("{}.{key}", plotted.weight.path);
             queue.push(Command::Set { path, value, gesture: Some(view.gesture) });

@@ -15,6 +15,14 @@ const POLES_BETWEEN: [f64; 2] = [1.0e-4, 0.05];
 /// A zero of the plant beyond this radius makes a function that outlasts every other one.
 const LARGEST_ZERO: f64 = 0.99995;
 
+/// A function from which the basis is made.
+struct RawFunction {
+    /// Its values on the grid.
+    on_grid: Vec<C64>,
+    /// Its value at zero frequency.
+    at_zero: f64,
+}
+
 /// The basis.
 pub(crate) struct Basis {
     /// Each function on the grid: one column a function.
@@ -42,16 +50,17 @@ impl Basis {
     fn new(ground: &Ground, delays: usize, poles: usize) -> Result<Self, Error> {
         let z: Vec<C64> =
             ground.grid.rates.iter().map(|rate| C64::from_polar(1.0, rate * ground.period_s)).collect();
-        let mut raw: Vec<(Vec<C64>, f64)> = Vec::new();
+        let mut raw: Vec<RawFunction> = Vec::new();
         for k in 0..delays {
-            raw.push((z.iter().map(|z| z.powi(-(k as i32))).collect(), 1.0));
+            raw.push(RawFunction { on_grid: z.iter().map(|z| z.powi(-(k as i32))).collect(), at_zero: 1.0 });
         }
         let half = std::f64::consts::PI / ground.period_s;
         let [low, high] = POLES_BETWEEN;
         for k in 0..poles {
             let rate = half * low * (high / low).powf(k as f64 / (poles - 1) as f64);
             let p = (-rate * ground.period_s).exp();
-            raw.push((z.iter().map(|z| (1.0 - p) / (1.0 - p / z)).collect(), 1.0));
+            let on_grid = z.iter().map(|z| (1.0 - p) / (1.0 - p / z)).collect();
+            raw.push(RawFunction { on_grid, at_zero: 1.0 });
         }
         for zero in zeros(&ground.system)? {
             raw.extend(of_zero(zero, &z));
@@ -60,11 +69,11 @@ impl Basis {
     }
 
     /// The directions that the functions span, by a singular value decomposition on the grid.
-    fn orthonormal(ground: &Ground, raw: &[(Vec<C64>, f64)]) -> Result<Self, Error> {
+    fn orthonormal(ground: &Ground, raw: &[RawFunction]) -> Result<Self, Error> {
         let count = ground.grid.rates.len();
         let weights = weights(ground);
         let entry = |i: usize, j: usize| {
-            let value = raw[j].0[i % count] * weights[i % count];
+            let value = raw[j].on_grid[i % count] * weights[i % count];
             if i < count { value.re } else { value.im }
         };
         let decomposed = svd(&Mat::from_fn(2 * count, raw.len(), entry))?;
@@ -75,16 +84,16 @@ impl Basis {
             let parts = (0..raw.len()).map(|j| of(j) * decomposed.V[(j, k)] / decomposed.s[k]);
             parts.sum()
         };
-        let column = |k: usize| (0..count).map(|i| combine(k, &|j| raw[j].0[i])).collect();
+        let column = |k: usize| (0..count).map(|i| combine(k, &|j| raw[j].on_grid[i])).collect();
         Ok(Self {
             columns: kept.iter().map(|&k| column(k)).collect(),
-            at_zero: kept.iter().map(|&k| combine(k, &|j| C64::new(raw[j].1, 0.0)).re).collect(),
+            at_zero: kept.iter().map(|&k| combine(k, &|j| C64::new(raw[j].at_zero, 0.0)).re).collect(),
         })
     }
 }
 
 /// The functions whose poles are a stable zero of the plant and its conjugate: with them Q can be the plant's inverse there.
-fn of_zero(zero: C64, z: &[C64]) -> Vec<(Vec<C64>, f64)> {
+fn of_zero(zero: C64, z: &[C64]) -> Vec<RawFunction> {
     let radius = zero.norm();
     if !(SMALLEST_ZERO..LARGEST_ZERO).contains(&radius) || zero.im < 0.0 {
         return Vec::new();
@@ -92,13 +101,14 @@ fn of_zero(zero: C64, z: &[C64]) -> Vec<(Vec<C64>, f64)> {
     let one = C64::ONE;
     if zero.im == 0.0 {
         let gain = one - zero;
-        return vec![(z.iter().map(|z| gain / (one - zero / z)).collect(), 1.0)];
+        let on_grid = z.iter().map(|z| gain / (one - zero / z)).collect();
+        return vec![RawFunction { on_grid, at_zero: 1.0 }];
     }
     let denominator = |z: C64| (one - zero / z) * (one - zero.conj() / z);
     let scale = denominator(one);
     let first = z.iter().map(|&z| scale / denominator(z)).collect();
     let second = z.iter().map(|&z| scale / z / denominator(z)).collect();
-    vec![(first, 1.0), (second, 1.0)]
+    vec![RawFunction { on_grid: first, at_zero: 1.0 }, RawFunction { on_grid: second, at_zero: 1.0 }]
 }
 
 /// The weight of each frequency: half by the linear and half by the logarithmic axis, so that neither end is lost to rounding.

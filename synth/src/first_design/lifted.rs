@@ -13,7 +13,7 @@ use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffened;
-use super::scan::{PER_DECADE, Scan, Tried};
+use super::scan::{Candidate, PER_DECADE, Scan, Tried};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::{DesignPlant, Error, ParallelRun, Sampling};
@@ -247,8 +247,8 @@ fn has_loop(
 ) -> Result<bool, Error> {
     let Some(&aim) = aims.first() else { return Ok(false) };
     let usual = |aim: &f64| {
-        let aim = *aim;
-        (0..MORE_PHASE).map(move |shape| (aim, shape))
+        let aim_rad_s = *aim;
+        (0..MORE_PHASE).map(move |shape| Candidate { aim_rad_s, shape })
     };
     for shape in 0..SHAPES.len() {
         if shape < MORE_PHASE {

@@ -15,6 +15,15 @@ use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING};
 use crate::{Error, FeedbackWeights, ParallelRun, Reference, feedback};
 
+/// A feedback to be tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Candidate {
+    /// The bandwidth that it aims at, rad/s.
+    pub aim_rad_s: f64,
+    /// Number of its shape.
+    pub shape: usize,
+}
+
 /// A feedback that was tried.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tried {
@@ -24,6 +33,13 @@ pub(super) struct Tried {
     pub weights: FeedbackWeights,
     pub position_gain: Option<f64>,
     pub judgement: LoopJudgement,
+}
+
+impl Candidate {
+    /// The key by which a judged candidate is found again.
+    fn key(self) -> (u64, usize) {
+        (self.aim_rad_s.to_bits(), self.shape)
+    }
 }
 
 /// Aims per decade.
@@ -107,13 +123,14 @@ impl<'a> Scan<'a> {
     pub fn run(&mut self) -> Result<(), Error> {
         let highest = self.highest_aim();
         let descent = self.descent(highest);
-        for (at, &(aim, shape)) in descent.iter().enumerate() {
+        for (at, &Candidate { aim_rad_s: aim, shape }) in descent.iter().enumerate() {
             self.look_ahead(descent[at..].iter().copied());
             let Some(tried) = self.attempt(aim, shape)? else { continue };
             let keeps = self.keeps_all(&tried.judgement);
             self.tried.push(tried.clone());
             if keeps {
-                let above = descent[..at].iter().rev().map(|tried| tried.0).find(|other| *other != aim);
+                let above =
+                    descent[..at].iter().rev().map(|tried| tried.aim_rad_s).find(|other| *other != aim);
                 self.best = Some(self.close_in(tried, above)?);
                 break;
             }
@@ -134,7 +151,9 @@ impl<'a> Scan<'a> {
         let mut aim = highest_rad_s;
         while aim > self.reached() {
             self.look_ahead(
-                [aim, aim / step].into_iter().flat_map(|aim| DEAR.map(move |shape| (aim, shape))),
+                [aim, aim / step]
+                    .into_iter()
+                    .flat_map(|aim_rad_s| DEAR.map(move |shape| Candidate { aim_rad_s, shape })),
             );
             for shape in MORE_PHASE..SHAPES.len() {
                 let Some(found) = self.attempt_if_worthwhile(aim, shape)? else { continue };
@@ -168,28 +187,33 @@ impl<'a> Scan<'a> {
     }
 
     /// Aims from the highest downwards, each with the shapes that are tried there.
-    fn descent(&self, highest: f64) -> Vec<(f64, usize)> {
+    fn descent(&self, highest: f64) -> Vec<Candidate> {
         let far = FAR_ABOVE * self.ceiling();
         let aim = |k: i32| highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
-        let shapes = |aim: f64| (0..if aim > far { 1 } else { MORE_PHASE }).map(move |shape| (aim, shape));
+        let shapes = |aim_rad_s: f64| {
+            let count = if aim_rad_s > far { 1 } else { MORE_PHASE };
+            (0..count).map(move |shape| Candidate { aim_rad_s, shape })
+        };
         (0..DECADES * PER_DECADE).map(aim).flat_map(shapes).collect()
     }
 
     /// Judges the next candidates of a search side by side, as many as there are processors, if the first of them is not known yet.
-    pub fn look_ahead(&mut self, upcoming: impl Iterator<Item = (f64, usize)>) {
-        let is_known = |(aim, shape): &(f64, usize)| {
-            let key = (aim.to_bits(), *shape);
+    pub fn look_ahead(&mut self, upcoming: impl Iterator<Item = Candidate>) {
+        let is_known = |candidate: &Candidate| {
+            let key = candidate.key();
             self.attempts.contains_key(&key) || self.ahead.contains_key(&key)
         };
         let mut upcoming = upcoming.peekable();
         if self.processors.count < 2 || upcoming.peek().is_none_or(is_known) {
             return;
         }
-        let next: Vec<(f64, usize)> =
+        let next: Vec<Candidate> =
             upcoming.filter(|next| !is_known(next)).take(self.processors.count).collect();
         let found: Vec<OnceLock<_>> = next.iter().map(|_| OnceLock::new()).collect();
-        (self.processors.run)(next.len(), &|k| drop(found[k].set(self.judged(next[k].0, next[k].1))));
-        let keys = next.into_iter().map(|(aim, shape)| (aim.to_bits(), shape));
+        (self.processors.run)(next.len(), &|k| {
+            drop(found[k].set(self.judged(next[k].aim_rad_s, next[k].shape)))
+        });
+        let keys = next.into_iter().map(|candidate| candidate.key());
         let judged = keys.zip(found).filter_map(|(key, one)| Some((key, one.into_inner()?)));
         self.ahead.extend(judged);
     }
@@ -234,7 +258,7 @@ impl<'a> Scan<'a> {
                 None => self.most_missed == 1,
             };
             if lacks_phase {
-                self.look_ahead((shape..SHAPES.len()).map(|shape| (aim_rad_s, shape)));
+                self.look_ahead((shape..SHAPES.len()).map(|shape| Candidate { aim_rad_s, shape }));
                 return self.attempt(aim_rad_s, shape);
             }
         }

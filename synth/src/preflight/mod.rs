@@ -138,10 +138,10 @@ fn densities(weights: &FeedbackWeights) -> Vec<Finding> {
     if !positive(weights.loop_recovery) {
         refuse("the loop recovery", weights.loop_recovery);
     }
-    for &(_, density) in weights.disturbances.iter().filter(|(_, density)| !positive(*density)) {
-        refuse("a disturbance", density);
+    for disturbance in weights.disturbances.iter().filter(|one| !positive(one.value)) {
+        refuse("a disturbance", disturbance.value);
     }
-    if weights.loop_recovery == 0.0 && weights.disturbances.iter().all(|(_, density)| *density == 0.0) {
+    if weights.loop_recovery == 0.0 && weights.disturbances.iter().all(|one| one.value == 0.0) {
         findings.push(Finding::warning(Part::Feedback, Cause::NothingDisturbs));
     }
     findings
@@ -186,7 +186,8 @@ fn noise_reaches(
 ) -> Result<Vec<Finding>, Error> {
     let all = poles(system)?;
     let size = all.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    let mut inputs: Vec<usize> = weights.disturbances.iter().filter(|d| d.1 > 0.0).map(|d| d.0).collect();
+    let mut inputs: Vec<usize> =
+        weights.disturbances.iter().filter(|one| one.value > 0.0).map(|one| one.index).collect();
     if weights.loop_recovery > 0.0 {
         inputs.push(control);
     }

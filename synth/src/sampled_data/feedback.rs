@@ -1,6 +1,7 @@
 //! The feedback on the sampled problem.
 
 use counterpoise_linalg::Mat;
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
@@ -79,7 +80,7 @@ impl Held {
             direct[(0, 1)] = 1.0;
         }
         let mut entering = column.scale(weights.loop_recovery.sqrt());
-        for &(input, density) in &weights.disturbances {
+        for &VectorEntry { index: input, value: density } in &weights.disturbances {
             entering = entering.hstack(&system.B.block(0, input, n, 1).scale(density.sqrt()));
         }
         let problem = Problem {

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 use counterpoise_linalg::C64;
+use counterpoise_linalg::sparse::VectorEntry;
 
 use super::problem::Problem;
 use super::*;
@@ -205,7 +206,7 @@ fn servo_weights() -> Specification {
         control: Weight::Lead { gain: 1.0, time_s: 0.01 },
         combination: Vec::new(),
         measurement_noise: 1e-4,
-        disturbances: vec![(0, 1e-2)],
+        disturbances: vec![VectorEntry::new(0, 1e-2)],
         loop_recovery: 1e-3,
     };
     let (assembly, reference) = (Assembly::SimpleAdd, Reference::Error);

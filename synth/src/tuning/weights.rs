@@ -58,8 +58,8 @@ pub(crate) struct Weights<'a> {
     ranges: Vec<[f64; 2]>,
     recovers: bool,
     /// The last designs, and the last feedbacks without checks.
-    designs: RefCell<Vec<(Vec<f64>, StateSpace)>>,
-    plain: RefCell<Vec<(Vec<f64>, StateSpace)>>,
+    designs: RefCell<Vec<KeptSystem>>,
+    plain: RefCell<Vec<KeptSystem>>,
     /// The last observer, with the measurement noise and the loop recovery that it belongs to.
     observer: RefCell<Option<Observer>>,
 }
@@ -71,21 +71,27 @@ struct Observer {
     gain: Mat,
 }
 
+/// A system that is kept, and the point of the family that it belongs to.
+struct KeptSystem {
+    at: Vec<f64>,
+    system: StateSpace,
+}
+
 /// The system that a list keeps for a point, or the one that is computed and kept now.
 fn kept(
-    list: &RefCell<Vec<(Vec<f64>, StateSpace)>>,
+    list: &RefCell<Vec<KeptSystem>>,
     at: &[f64],
     compute: impl FnOnce() -> Result<StateSpace, Error>,
 ) -> Result<StateSpace, Error> {
-    if let Some((_, known)) = list.borrow().iter().find(|(of, _)| of == at) {
-        return Ok(known.clone());
+    if let Some(known) = list.borrow().iter().find(|known| known.at == at) {
+        return Ok(known.system.clone());
     }
     let system = compute()?;
     let mut list = list.borrow_mut();
     if list.len() == KEPT {
         list.remove(0);
     }
-    list.push((at.to_vec(), system.clone()));
+    list.push(KeptSystem { at: at.to_vec(), system: system.clone() });
     Ok(system)
 }
 

@@ -19,6 +19,7 @@
 //! The search is a second-order cone program at the points of a grid. It is heuristic: what it finds is shown to hold between the
 //! points by [`Multiplier::proves`].
 
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, CMat, Cone, ConeProgram};
 
 use crate::structured::taylor::{Interval, Taylor};
@@ -258,17 +259,24 @@ impl Kind {
     }
 }
 
+/// The kind of a term and the joint that it stands for: a term without its weight.
+#[derive(Debug, Clone, Copy)]
+struct JointKind {
+    joint: usize,
+    kind: Kind,
+}
+
 /// The terms that what is known allows, up to a criterion.
-fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<(usize, Kind)> {
+fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<JointKind> {
     let mut all = Vec::new();
     for (joint, known) in known.iter().enumerate() {
-        all.push((joint, Kind::Constant));
+        all.push(JointKind { joint, kind: Kind::Constant });
         match *known {
             Knowledge::Stiffness(most_nm_rad) if most >= Criterion::Circle => {
-                all.push((joint, Kind::Stiffness(most_nm_rad)));
+                all.push(JointKind { joint, kind: Kind::Stiffness(most_nm_rad) });
             }
             Knowledge::FunctionOfRate | Knowledge::Rises if most >= Criterion::Popov => {
-                all.extend([1.0, -1.0].map(|sign| (joint, Kind::Derivative(sign))));
+                all.extend([1.0, -1.0].map(|sign| JointKind { joint, kind: Kind::Derivative(sign) }));
             }
             _ => {}
         }
@@ -276,7 +284,10 @@ fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<(u
             for k in 0..KERNELS {
                 let corner_rad_s = reference_rad_s * 10f64.powf(4.0 * k as f64 / (KERNELS - 1) as f64 - 2.0);
                 for (ahead, sign) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-                    all.push((joint, Kind::Kernel { corner_rad_s: ahead * corner_rad_s, sign }));
+                    all.push(JointKind {
+                        joint,
+                        kind: Kind::Kernel { corner_rad_s: ahead * corner_rad_s, sign },
+                    });
                 }
             }
         }
@@ -319,12 +330,12 @@ pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rate
     let reference_rad_s = rates[peak].max(MULTIPLIER_START);
     let kinds = allowed(known, most, reference_rad_s);
     let joints = known.len();
-    let one = |(joint, kind): (usize, Kind)| Multiplier {
+    let one = |&JointKind { joint, kind }: &JointKind| Multiplier {
         terms: vec![Term { joint, kind, weight: 1.0 }],
         reference_rad_s,
         joints,
     };
-    let each: Vec<Multiplier> = kinds.iter().map(|term| one(*term)).collect();
+    let each: Vec<Multiplier> = kinds.iter().map(one).collect();
     let mut program = Program::new(kinds.len() + 1);
     program.normalise(kinds.len());
     for joint in 0..joints {
@@ -338,7 +349,7 @@ pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rate
     }
     let solved = program.0.solve().ok()?;
     let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
-    let terms = terms.map(|((joint, kind), weight)| Term { joint: *joint, kind: *kind, weight: *weight });
+    let terms = terms.map(|(of, weight)| Term { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
     // no multiplier has a larger least eigenvalue than the dual value with its sign changed
     Some(Best { multiplier, is_hopeless: -solved.dual < HOPELESS_EIGENVALUE })
@@ -355,28 +366,28 @@ impl Program {
     }
 
     /// Returns a row with the sum of some entries, the others 0.
-    fn row(&self, entries: &[(usize, f64)]) -> Vec<f64> {
+    fn row(&self, entries: &[VectorEntry]) -> Vec<f64> {
         let mut row = vec![0.0; self.0.variables()];
-        entries.iter().for_each(|(k, value)| row[*k] += value);
+        entries.iter().for_each(|entry| row[entry.index] += entry.value);
         row
     }
 
     /// The weights are 0 or more, and 1 in sum.
     fn normalise(&mut self, weights: usize) {
-        let all: Vec<(usize, f64)> = (0..weights).map(|k| (k, 1.0)).collect();
+        let all: Vec<VectorEntry> = (0..weights).map(|k| VectorEntry::new(k, 1.0)).collect();
         let sum = self.row(&all);
         self.0.push(vec![sum], vec![1.0], Cone::Zero);
-        let each = (0..weights).map(|k| self.row(&[(k, -1.0)])).collect();
+        let each = (0..weights).map(|k| self.row(&[VectorEntry::new(k, -1.0)])).collect();
         self.0.push(each, vec![0.0; weights], Cone::Nonnegative);
     }
 
     /// The kernels of a joint have together an absolute integral of at most its constant.
-    fn bound_kernels(&mut self, joint: usize, kinds: &[(usize, Kind)]) {
-        let own = kinds.iter().enumerate().filter(|(_, (at, _))| *at == joint);
-        let entries: Vec<(usize, f64)> = own
-            .filter_map(|(k, (_, kind))| match kind {
-                Kind::Constant => Some((k, -1.0)),
-                Kind::Kernel { .. } => Some((k, 1.0)),
+    fn bound_kernels(&mut self, joint: usize, kinds: &[JointKind]) {
+        let own = kinds.iter().enumerate().filter(|(_, of)| of.joint == joint);
+        let entries: Vec<VectorEntry> = own
+            .filter_map(|(k, of)| match of.kind {
+                Kind::Constant => Some(VectorEntry::new(k, -1.0)),
+                Kind::Kernel { .. } => Some(VectorEntry::new(k, 1.0)),
                 _ => None,
             })
             .collect();
@@ -389,17 +400,17 @@ impl Program {
     fn positive(&mut self, forms: &[[C64; 3]], share: f64, joints: usize) {
         let last = self.0.variables() - 1;
         let most = forms.iter().flatten().map(|entry| entry.norm()).fold(f64::MIN_POSITIVE, f64::max);
-        let of = |pick: &dyn Fn(&[C64; 3]) -> f64| -> Vec<(usize, f64)> {
-            forms.iter().enumerate().map(|(k, form)| (k, -pick(form) / most)).collect()
+        let of = |pick: &dyn Fn(&[C64; 3]) -> f64| -> Vec<VectorEntry> {
+            forms.iter().enumerate().map(|(k, form)| VectorEntry::new(k, -pick(form) / most)).collect()
         };
         if joints == 1 {
             let mut row = of(&|form| form[0].re);
-            row.push((last, share / most));
+            row.push(VectorEntry::new(last, share / most));
             let row = self.row(&row);
             return self.0.push(vec![row], vec![0.0], Cone::Nonnegative);
         }
         let mut sum = of(&|form| form[0].re + form[1].re);
-        sum.push((last, 2.0 * share / most));
+        sum.push(VectorEntry::new(last, 2.0 * share / most));
         let parts = [
             sum,
             of(&|form| form[0].re - form[1].re),

@@ -27,7 +27,7 @@ use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
 use crate::linear::{Closed, SampledPlant, arranged, disturbance, surge::acting_arrangement};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
-use crate::{Arrangement, Error, LineOfSight, Procedure, Source};
+use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
 
 /// The linear loop with what its noise makes.
 pub struct Propagation<'a> {
@@ -182,11 +182,12 @@ impl<'a> Propagation<'a> {
         let tangent = self.sampled.hub_angle_rad.tan();
         let road = self.procedure.road.as_ref();
         let motion = |time_s: f64| {
-            let (heave, pitch) = self.procedure.motion(ran, time_s);
+            let motion = self.procedure.motion(ran, time_s);
+            let of_surge = || -tangent * road.map_or(0.0, |road| road.surge_at(time_s));
             match source {
-                ErrorSource::Heave => (heave, 0.0),
-                ErrorSource::Pitch => (0.0, pitch),
-                _ => (-tangent * road.map_or(0.0, |road| road.surge_at(time_s)), 0.0),
+                ErrorSource::Heave => HeaveAndPitch { pitch_rate_rad_s: 0.0, ..motion },
+                ErrorSource::Pitch => HeaveAndPitch { heave_m_s2: 0.0, ..motion },
+                _ => HeaveAndPitch { heave_m_s2: of_surge(), pitch_rate_rad_s: 0.0 },
             }
         };
         let closed = if source == ErrorSource::Surge { &self.closed_for_surge } else { &self.closed };
@@ -199,7 +200,8 @@ impl<'a> Propagation<'a> {
         let at = |time_s: f64| {
             let k = (time_s / period_s).round() as usize;
             let torque = |all: &[f64]| all.get(k).copied().unwrap_or(0.0);
-            (torque(&torques.motor_nm), torque(&torques.hub_nm))
+            // the torqued plant has the motor's torque at the input of heave, and the hub's at that of the pitch rate
+            HeaveAndPitch { heave_m_s2: torque(&torques.motor_nm), pitch_rate_rad_s: torque(&torques.hub_nm) }
         };
         let duration_s = torques.motor_nm.len().saturating_sub(1) as f64 * period_s;
         let arrangement = Arrangement::Compensated;

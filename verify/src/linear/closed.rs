@@ -22,6 +22,15 @@ pub struct Closed {
     pub controller: Option<StateSpace>,
 }
 
+/// The loop of an arrangement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArrangedLoop {
+    /// How much of the controller acts.
+    pub arrangement: Arrangement,
+    /// The loop, closed.
+    pub closed: Closed,
+}
+
 impl Closed {
     /// Closes the loop with `controller`, or leaves it open where there is none.
     ///

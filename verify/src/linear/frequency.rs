@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, CMat};
 use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;
 use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold};
-use super::{Closed, SampledPlant};
+use super::{ArrangedLoop, Closed, SampledPlant};
 use crate::{Arrangement, Error, Source};
 
 /// One complex response over frequency.
@@ -59,29 +59,25 @@ pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
 }
 
 impl Curves {
-    /// The curves of `closed`, one loop an arrangement (the last one is the whole controller).
+    /// The curves of `loops`, one an arrangement (the last one is the whole controller).
     ///
     /// # Errors
     /// A response that does not exist because of a pole on the axis.
-    pub fn of(plant: &SampledPlant, closed: &[(Arrangement, Closed)]) -> Result<Self, Error> {
-        Self::with(plant, &PlantResponse::of(plant, grid_hz(plant.sample_period_s))?, closed)
+    pub fn of(plant: &SampledPlant, loops: &[ArrangedLoop]) -> Result<Self, Error> {
+        Self::with(plant, &PlantResponse::of(plant, grid_hz(plant.sample_period_s))?, loops)
     }
 
     /// As [`Curves::of`], with what the plant contributes already at hand.
     ///
     /// # Errors
     /// As [`Curves::of`].
-    pub fn with(
-        plant: &SampledPlant,
-        at: &PlantResponse,
-        closed: &[(Arrangement, Closed)],
-    ) -> Result<Self, Error> {
+    pub fn with(plant: &SampledPlant, at: &PlantResponse, loops: &[ArrangedLoop]) -> Result<Self, Error> {
         let truth = |input: usize| at.continuous.iter().map(|m| m[(port::HUB, input)]).collect();
         let names = ["control", "heave", "pitch"];
         let plant_curves = (0..3).map(|j| Curve { name: names[j].to_owned(), response: truth(j) }).collect();
         let (mut rejection, mut controller) = (Vec::new(), None);
-        for (arrangement, one) in closed {
-            let K = at.controller(one)?;
+        for ArrangedLoop { arrangement, closed } in loops {
+            let K = at.controller(closed)?;
             rejection.extend(rejection_of(plant, at, K.as_deref(), *arrangement));
             controller = K.or(controller);
         }

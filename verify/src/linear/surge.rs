@@ -1,8 +1,8 @@
 //! What surge adds to a history of the linear loop.
 
-use super::{Closed, SampledPlant};
+use super::{ArrangedLoop, SampledPlant};
 use crate::history::{Experiment, History};
-use crate::{Arrangement, Error, Procedure, Source};
+use crate::{Arrangement, Error, HeaveAndPitch, Procedure, Source};
 
 /// Adds the response to the road's surge to the history of a road; every other history is left as it is.
 ///
@@ -15,7 +15,7 @@ use crate::{Arrangement, Error, Procedure, Source};
 pub fn add(
     history: &mut History,
     plant: &SampledPlant,
-    loops: &[(Arrangement, Closed)],
+    loops: &[ArrangedLoop],
     procedure: &Procedure,
 ) -> Result<(), Error> {
     let Experiment::Disturbance(Source::Road, arrangement) = history.experiment else { return Ok(()) };
@@ -24,10 +24,11 @@ pub fn add(
         return Ok(());
     };
     let acting = acting_arrangement(plant, arrangement);
-    let Some((_, closed)) = loops.iter().find(|(of, _)| *of == acting) else { return Ok(()) };
-    let motion = |time_s: f64| (-tangent * road.surge_at(time_s), 0.0);
+    let Some(acting) = loops.iter().find(|one| one.arrangement == acting) else { return Ok(()) };
+    let motion =
+        |time_s: f64| HeaveAndPitch { heave_m_s2: -tangent * road.surge_at(time_s), pitch_rate_rad_s: 0.0 };
     let duration_s = procedure.duration_of(Source::Road);
-    let surge = super::disturbance(plant, closed, Source::Road, arrangement, duration_s, motion)?;
+    let surge = super::disturbance(plant, &acting.closed, Source::Road, arrangement, duration_s, motion)?;
     let columns = [
         (&mut history.hub_rate_rad_s, &surge.hub_rate_rad_s),
         (&mut history.tip_rate_rad_s, &surge.tip_rate_rad_s),

@@ -8,7 +8,7 @@ use counterpoise_simulate::Simulator;
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed::resolver_use;
-use crate::linear::{Closed, SampledPlant, arranged, surge};
+use crate::linear::{ArrangedLoop, Closed, SampledPlant, arranged, surge};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
 use crate::{Arrangement, Error, Figure, Model, Procedure, Unmeasured, nonlinear};
@@ -181,11 +181,11 @@ impl<'a> Linear<'a> {
     }
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.
-    fn surging(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<(Arrangement, Closed)>, Error> {
+    fn surging(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<ArrangedLoop>, Error> {
         let meets = surge::acting_arrangement(&self.sampled, arrangement);
-        let mut loops = vec![(arrangement, closed)];
+        let mut loops = vec![ArrangedLoop { arrangement, closed }];
         if meets != arrangement {
-            loops.push((meets, self.closed(meets)?));
+            loops.push(ArrangedLoop { arrangement: meets, closed: self.closed(meets)? });
         }
         Ok(loops)
     }

@@ -21,6 +21,15 @@ pub struct Factor {
     pub b: f64,
 }
 
+/// The deviations that a parameter may take, over its stated range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// The least, below 0; it may be infinite.
+    pub least: f64,
+    /// The largest, above 0; it may be infinite.
+    pub most: f64,
+}
+
 impl Factor {
     /// The factor over the range of a distribution.
     pub fn of(distribution: Distribution) -> Self {
@@ -39,16 +48,16 @@ impl Factor {
 
     /// The factor at a deviation, which is taken as the nearest within [`Self::reach`].
     pub fn at(self, delta: f64) -> f64 {
-        let (least, most) = self.reach();
+        let Reach { least, most } = self.reach();
         let delta = delta.clamp(least, most);
         self.centre * (1.0 + self.a * delta) / (1.0 + self.b * delta)
     }
 
     /// The deviations at which the factor is positive and finite: no parameter is 0 or less, however far its range is widened.
-    pub fn reach(self) -> (f64, f64) {
+    pub fn reach(self) -> Reach {
         let least = if self.a > 0.0 { -1.0 / self.a } else { f64::NEG_INFINITY };
         let most = if self.b < 0.0 { -1.0 / self.b } else { f64::INFINITY };
-        (INSIDE_REACH * least, INSIDE_REACH * most)
+        Reach { least: INSIDE_REACH * least, most: INSIDE_REACH * most }
     }
 }
 

@@ -132,7 +132,7 @@ impl UncertainLoop {
             if !own.is_empty() {
                 structure.blocks.push(Block::Real { repeated: own.len() });
             }
-            channels.extend(own.into_iter().map(|channel| (channel, one.factor)));
+            channels.extend(own.into_iter().map(|channel| UncertainChannel { channel, factor: one.factor }));
         }
         structure.blocks.extend(errors.iter().filter(|error| **error > 0.0).map(|_| Block::Complex));
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
@@ -250,15 +250,21 @@ impl UncertainLoop {
     }
 }
 
+/// A channel by which a parameter enters, with the factor of the parameter.
+struct UncertainChannel {
+    channel: Channel,
+    factor: Factor,
+}
+
 /// (w, control) -> (z, readings). Parameters at one place multiply; a factor (1 + a d) / (1 + b d) turns w = (f - 1) z into
 /// w = d ((a - b) z - b w).
-fn extended(base: &Base, channels: &[(Channel, Factor)]) -> Result<StateSpace, Error> {
+fn extended(base: &Base, channels: &[UncertainChannel]) -> Result<StateSpace, Error> {
     let (n, m) = (base.A.nrows(), channels.len());
-    let B = Mat::from_fn(n, m + 1, |i, j| channels.get(j).map_or(base.control[i], |c| c.0.column[i]));
+    let B = Mat::from_fn(n, m + 1, |i, j| channels.get(j).map_or(base.control[i], |c| c.channel.column[i]));
     let mut C = Mat::zeros(m + base.readings.len(), n);
     let mut D = Mat::zeros(m + base.readings.len(), m + 1);
     let mut before: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
-    for (k, (channel, factor)) in channels.iter().enumerate() {
+    for (k, UncertainChannel { channel, factor }) in channels.iter().enumerate() {
         let d = Mat::row(&channel.derivative);
         let (state, direct) = (&d * &base.A, &d * &B);
         (0..n).for_each(|j| C[(k, j)] = channel.row[j] + state[(0, j)]);
@@ -321,10 +327,10 @@ mod tests {
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];
         let base = base(&body, slope, Resolver::Unread, [0.0; 2]);
-        let channels: Vec<(Channel, Factor)> = places(varied)
+        let channels: Vec<UncertainChannel> = places(varied)
             .iter()
             .flat_map(|place| channels_of(*place, &body, &base, &Dry::default()))
-            .map(|channel| (channel, factor))
+            .map(|channel| UncertainChannel { channel, factor })
             .collect();
         let m = channels.len();
         let G = Response::of(&extended(&base, &channels).unwrap()).unwrap().at(rate).unwrap();

@@ -3,10 +3,8 @@
 use counterpoise_linalg::C64;
 
 use super::Perturbation;
-use super::factor::Factor;
-use super::problem::{Destabilising, Direction, Problem, Scanned};
+use super::problem::{Destabilising, Direction, Problem, Scanned, StatedRange};
 use crate::Error;
-use crate::robust::Varied;
 use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
 
 /// The least widening of the ranges that was found to destabilise, each perturbation closed with the sampled loop.
@@ -107,8 +105,7 @@ impl Search<'_, '_> {
 
     fn destabilising(&self, candidate: &Direction, scale: f64) -> Result<Destabilising, Error> {
         let pole = self.0.pole(candidate, scale)?;
-        let factor =
-            |((varied, factor), delta): (&(Varied, Factor), &f64)| (*varied, factor.at(scale * delta));
+        let factor = |(one, delta): (&StatedRange, &f64)| (one.varied, one.factor.at(scale * delta));
         let factors = self.0.entering.iter().zip(&candidate.deltas).map(factor).collect();
         let errors = [0, 1].map(|k| candidate.phases[k] * (scale * self.0.errors[k]));
         let period_s = self.0.pulled.sample_period_s();

@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, CMat};
 use counterpoise_models::parameters::Parameters;
 
 use super::closing::{ClosedWith, GainErrors, closed_with, outermost_pole};
-use super::factor::Factor;
+use super::factor::{Factor, Reach};
 use super::loops::{Uncertain, UncertainLoop};
 use super::places::{Dry, Joints, Place, dry_as_viscous, places, presliding, without_dry};
 use super::{Block, Perturbation, UpperBound, lower_bound, upper_bound, vertex_bound};
@@ -57,7 +57,13 @@ pub struct Destabilising {
 }
 
 /// A stated range of a parameter as a factor over a deviation between -1 and 1.
-pub type StatedRange = (Varied, Factor);
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StatedRange {
+    /// The parameter.
+    pub varied: Varied,
+    /// Its factor over the deviation.
+    pub factor: Factor,
+}
 
 /// A mechanism with the regime of its friction.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +79,7 @@ pub(super) struct Problem<'a> {
     procedure: &'a Procedure,
     pub(super) pulled: UncertainLoop,
     /// Parameters that enter the loop, in the order of its blocks.
-    pub(super) entering: Vec<(Varied, Factor)>,
+    pub(super) entering: Vec<StatedRange>,
     pub(super) left_out: Vec<Varied>,
     joints: Joints,
     /// Viscous friction in the place of dry friction, at motor and pivot.
@@ -131,10 +137,11 @@ impl<'a> Problem<'a> {
         let dry_at = dry_at.then_some(procedure.step.rate_rad_s.abs());
         let dry = dry_at.map_or([0.0; 2], |rate| dry_as_viscous(parameters, rate));
         let errors = [uncertainty.input_error, uncertainty.output_error];
-        let all: Vec<(Varied, Factor)> =
-            uncertainty.variations.iter().map(|one| (one.parameter, Factor::of(one.distribution))).collect();
-        let moves = |(_, factor): &&(Varied, Factor)| factor.a != factor.b;
-        let of = |one: &(Varied, Factor)| Uncertain { factor: one.1, places: places(one.0).to_vec() };
+        let range =
+            |one: &Variation| StatedRange { varied: one.parameter, factor: Factor::of(one.distribution) };
+        let all: Vec<StatedRange> = uncertainty.variations.iter().map(range).collect();
+        let moves = |one: &&StatedRange| one.factor.a != one.factor.b;
+        let of = |one: &StatedRange| Uncertain { factor: one.factor, places: places(one.varied).to_vec() };
         let mut problem = Self {
             parameters,
             controller,
@@ -155,7 +162,7 @@ impl<'a> Problem<'a> {
             errors,
         };
         let (nominal, dry) = problem.perturbed(&vec![0.0; all.len()], 1.0)?;
-        let loop_of = |some: &[(Varied, Factor)]| {
+        let loop_of = |some: &[StatedRange]| {
             let uncertain: Vec<Uncertain> = some.iter().map(of).collect();
             UncertainLoop::new(&nominal, dry, controller, &procedure.operating_point, &uncertain, errors)
         };
@@ -166,8 +173,7 @@ impl<'a> Problem<'a> {
                 entering.push(*one);
             }
         }
-        problem.left_out =
-            all.iter().filter(|one| !entering.contains(one)).map(|(varied, _)| *varied).collect();
+        problem.left_out = all.iter().filter(|one| !entering.contains(one)).map(|one| one.varied).collect();
         problem.pulled = loop_of(&entering)?;
         problem.entering = entering;
         Ok(problem)
@@ -177,7 +183,7 @@ impl<'a> Problem<'a> {
     fn perturbed(&self, deltas: &[f64], scale: f64) -> Result<(Parameters, Dry), Error> {
         let mut parameters = self.parameters.clone();
         let mut dry = self.dry;
-        for ((varied, factor), delta) in self.entering.iter().zip(deltas) {
+        for (StatedRange { varied, factor }, delta) in self.entering.iter().zip(deltas) {
             let by = factor.at(scale * delta);
             if is_dry(*varied) {
                 let here = |place| if places(*varied).contains(&place) { by } else { 1.0 };
@@ -239,7 +245,7 @@ impl<'a> Problem<'a> {
         order.sort_by(|a, b| all[*b].upper.beta.total_cmp(&all[*a].upper.beta));
         let mut best = all.iter().map(|at| at.bounds().lower).fold(0.0, f64::max);
         let (structure, count) = (&self.pulled.structure, self.entering.len());
-        let reach: Vec<(f64, f64)> = self.entering.iter().map(|(_, factor)| factor.reach()).collect();
+        let reach: Vec<Reach> = self.entering.iter().map(|one| one.factor.reach()).collect();
         for k in order.into_iter().take(MU_SEARCHED) {
             if all[k].upper.beta < best {
                 break;

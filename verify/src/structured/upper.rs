@@ -108,7 +108,18 @@ fn balanced(M: &CMat, structure: &Structure) -> Vec<f64> {
 }
 
 /// An entry of a sparse Hermitian matrix.
-type Entry = (usize, usize, C64);
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    row: usize,
+    col: usize,
+    value: C64,
+}
+
+impl Entry {
+    const fn new(row: usize, col: usize, value: C64) -> Self {
+        Self { row, col, value }
+    }
+}
 
 /// A direction of D or of G.
 #[derive(Debug, Clone)]
@@ -125,10 +136,13 @@ fn directions(structure: &Structure) -> Vec<Direction> {
         let kinds = if matches!(block, Block::Real { .. }) { &[false, true][..] } else { &[false][..] };
         for &of_G in kinds {
             for a in rows.clone() {
-                all.push(Direction { of_G, entries: vec![(a, a, C64::new(1.0, 0.0))] });
+                all.push(Direction { of_G, entries: vec![Entry::new(a, a, C64::new(1.0, 0.0))] });
                 for b in a + 1..rows.end {
                     for unit in [C64::new(1.0, 0.0), C64::new(0.0, 1.0)] {
-                        all.push(Direction { of_G, entries: vec![(a, b, unit), (b, a, unit.conj())] });
+                        all.push(Direction {
+                            of_G,
+                            entries: vec![Entry::new(a, b, unit), Entry::new(b, a, unit.conj())],
+                        });
                     }
                 }
             }
@@ -248,8 +262,8 @@ impl<'a> Search<'a> {
         let (mut D, mut G) = (self.D.clone(), self.G.clone());
         for (direction, amount) in self.directions.iter().zip(step) {
             let X = if direction.of_G { &mut G } else { &mut D };
-            for &(a, b, value) in &direction.entries {
-                X[(a, b)] += value * (length * amount);
+            for entry in &direction.entries {
+                X[(entry.row, entry.col)] += entry.value * (length * amount);
             }
         }
         (D, G)
@@ -274,7 +288,7 @@ impl<'a> Search<'a> {
             let mut slope = -trace(&P, &wide[i]);
             if one.of_G {
                 slope += SCALING_REGULAR
-                    * one.entries.iter().map(|e| (e.2.conj() * self.G[(e.0, e.1)]).re).sum::<f64>();
+                    * one.entries.iter().map(|e| (e.value.conj() * self.G[(e.row, e.col)]).re).sum::<f64>();
                 H[(i, i)] += SCALING_REGULAR * one.entries.len() as f64;
             } else {
                 slope += trace(&PR, &one.entries) - trace(&PD, &one.entries);
@@ -299,11 +313,11 @@ impl<'a> Search<'a> {
 /// The entries of a direction in Pi = [gamma D, -jG; jG, -D].
 fn multiplier(direction: &Direction, n: usize, gamma: f64) -> Vec<Entry> {
     let j = C64::new(0.0, 1.0);
-    let places = |&(a, b, value): &Entry| {
+    let places = |&Entry { row: a, col: b, value }: &Entry| {
         if direction.of_G {
-            [(a, n + b, -j * value), (n + a, b, j * value)]
+            [Entry::new(a, n + b, -j * value), Entry::new(n + a, b, j * value)]
         } else {
-            [(a, b, value * gamma), (n + a, n + b, -value)]
+            [Entry::new(a, b, value * gamma), Entry::new(n + a, n + b, -value)]
         }
     };
     direction.entries.iter().flat_map(places).collect()
@@ -311,12 +325,13 @@ fn multiplier(direction: &Direction, n: usize, gamma: f64) -> Vec<Entry> {
 
 /// trace(P X).
 fn trace(P: &CMat, X: &[Entry]) -> f64 {
-    X.iter().map(|&(r, c, value)| (P[(c, r)] * value).re).sum()
+    X.iter().map(|x| (P[(x.col, x.row)] * x.value).re).sum()
 }
 
 /// trace(P X P Y).
 fn product(P: &CMat, X: &[Entry], Y: &[Entry]) -> f64 {
-    let pair =
-        |&(r, c, v): &Entry| -> f64 { Y.iter().map(|&(s, t, w)| (P[(t, r)] * v * P[(c, s)] * w).re).sum() };
+    let pair = |x: &Entry| -> f64 {
+        Y.iter().map(|y| (P[(y.col, x.row)] * x.value * P[(x.col, y.row)] * y.value).re).sum()
+    };
     X.iter().map(pair).sum()
 }

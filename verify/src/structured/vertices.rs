@@ -12,6 +12,7 @@
 use counterpoise_linalg::{C64, CMat, csolve};
 
 use super::blocks::Block;
+use super::factor::Reach;
 use super::{Perturbation, Structure};
 use crate::tolerance::{
     ASCENT_ROUNDS, CROSSING_NEARNESS, CROSSING_RAISES, PHASE_NEARNESS, ROUGH_PHASE, SEARCH_BEGINNINGS,
@@ -24,7 +25,7 @@ pub fn vertex_bound(
     M: &CMat,
     structure: &Structure,
     start: &[f64],
-    reach: &[(f64, f64)],
+    reach: &[Reach],
     upper: f64,
 ) -> Option<Perturbation> {
     let search = Search::new(M, structure, reach)?;
@@ -42,11 +43,11 @@ struct Search<'a> {
     /// The block of each real row.
     owner: Vec<usize>,
     /// The least and the largest deviation of each parameter.
-    reach: &'a [(f64, f64)],
+    reach: &'a [Reach],
 }
 
 impl<'a> Search<'a> {
-    fn new(M: &'a CMat, structure: &Structure, reach: &'a [(f64, f64)]) -> Option<Self> {
+    fn new(M: &'a CMat, structure: &Structure, reach: &'a [Reach]) -> Option<Self> {
         let (mut real, mut complex, mut owner) = (Vec::new(), Vec::new(), Vec::new());
         for (block, rows) in structure.placed() {
             if block == Block::Complex {
@@ -77,7 +78,7 @@ impl<'a> Search<'a> {
     }
 
     fn deviation(&self, q: &[f64], k: usize, x: f64) -> f64 {
-        (x * q[k]).clamp(self.reach[k].0, self.reach[k].1)
+        (x * q[k]).clamp(self.reach[k].least, self.reach[k].most)
     }
 
     /// M_c(x q); `None` if I - M_rr x Q is singular.
