@@ -92,7 +92,7 @@ impl Asymptotes {
     }
 
     /// Returns the power of the frequency that the gain follows below the grid.
-    fn slope_at_zero(&self) -> f64 {
+    pub(crate) fn slope_at_zero(&self) -> f64 {
         let count = |roots: &[C64]| roots.iter().filter(|root| self.is_at_origin(**root)).count() as f64;
         count(&self.roots.zeros) - count(&self.roots.poles)
     }

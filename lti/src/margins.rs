@@ -118,7 +118,7 @@ impl Margins {
         Self {
             delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
             ms: sensitivity_peak(scan),
-            mt: peak(scan, |L| L.norm() / (L + 1.0).norm()),
+            mt: or_at_rest(scan, 1.0, peak(scan, |L| L.norm() / (L + 1.0).norm())),
             disk: disk(scan),
             closed_loop_stable: false,
             critical_pole: None,
@@ -261,12 +261,20 @@ pub(crate) fn peak(scan: &Scan, of: impl Fn(C64) -> f64) -> Peak {
     found.map_or(Peak { value: 0.0, rate_rad_s: 0.0 }, |p| Peak { value: of(p.value), rate_rad_s: p.rate })
 }
 
+/// Returns a peak, or the limit that the function has where the gain is infinite at rest, if that is larger.
+fn or_at_rest(scan: &Scan, limit: f64, found: Peak) -> Peak {
+    if scan.is_infinite_at_rest() && limit > found.value {
+        return Peak { value: limit, rate_rad_s: 0.0 };
+    }
+    found
+}
+
 fn sensitivity_peak(scan: &Scan) -> Peak {
     peak(scan, |L| 1.0 / (L + 1.0).norm())
 }
 
 pub(crate) fn disk(scan: &Scan) -> DiskMargin {
-    DiskMargin::of(peak(scan, |L| 0.5 * (L - 1.0).norm() / (L + 1.0).norm()))
+    DiskMargin::of(or_at_rest(scan, 0.5, peak(scan, |L| 0.5 * (L - 1.0).norm() / (L + 1.0).norm())))
 }
 
 impl DiskMargin {

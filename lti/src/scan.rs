@@ -21,6 +21,8 @@ pub(crate) struct Scan {
     /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one from the gain at that end of
     /// the grid.
     pub limits: Limits,
+    /// Whether the gain grows beyond all bounds towards rest: the roots have more poles than zeros at the origin.
+    grows_towards_rest: bool,
     pub points: Vec<Point>,
 }
 
@@ -44,8 +46,14 @@ impl Scan {
 
     fn with_zeros(g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
         let response = Response::of(g)?;
-        let mut scan =
-            Self { response, asymptotes: None, delay_s: 0.0, limits: Limits::default(), points: Vec::new() };
+        let mut scan = Self {
+            response,
+            asymptotes: None,
+            delay_s: 0.0,
+            limits: Limits::default(),
+            grows_towards_rest: false,
+            points: Vec::new(),
+        };
         let rates = starting_grid(g, zeros)?;
         scan.points = scan.evaluate(&rates);
         scan.refine();
@@ -106,6 +114,7 @@ impl Scan {
             return Ok(());
         };
         let asymptotes = Asymptotes::of(g, zeros, first.rate, last.rate)?;
+        self.grows_towards_rest = asymptotes.slope_at_zero() < 0.0;
         let mut rates = asymptotes.beyond(first, last, g.timebase);
         let goes_below = rates.first().is_some_and(|&rate| rate < first.rate);
         if goes_below && first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
@@ -188,6 +197,11 @@ impl Scan {
             .zip(values)
             .map(|(&rate, value)| Point { rate, value: turned(rate, exact(rate, value)) });
         points.filter(|point| point.value.re.is_finite() && point.value.im.is_finite()).collect()
+    }
+
+    /// Returns whether the gain is infinite at rest: it grows towards it, and no point of the scan has a finite response there.
+    pub fn is_infinite_at_rest(&self) -> bool {
+        self.grows_towards_rest && self.points.first().is_none_or(|first| first.rate > 0.0)
     }
 
     /// Returns how much rounding may change the response at a frequency.

@@ -44,6 +44,24 @@ fn the_peaks_are_the_h_infinity_norms_of_s_and_t() {
 }
 
 #[test]
+fn a_loop_that_integrates_has_a_complementary_sensitivity_of_at_least_one() {
+    // T = k/(s + k) falls from 1 at rest, where L is infinite; with the delay of a sample it does so too below a gain of a half
+    for gain in [1e-6, 1.0, 1e6] {
+        let found = margins(&zpk(&[], &[re(0.0)], gain)).unwrap();
+        assert_eq!(found.mt.value, 1.0, "{gain}");
+        assert_eq!(found.disk.alpha, 2.0);
+    }
+    let one = Mat::eye(1);
+    let timebase = Timebase::Discrete { period_s: 1e-3 };
+    let step = |gain: f64| Mat::from_fn(1, 1, |_, _| gain);
+    let sampled = StateSpace::new(one.clone(), step(0.2), one.clone(), Mat::zeros(1, 1), timebase).unwrap();
+    assert_eq!(margins(&sampled).unwrap().mt.value, 1.0);
+    // an integrator behind a zero at the origin has a finite gain at rest
+    let found = margins(&zpk(&[re(0.0)], &[re(0.0), re(-1.0)], 3.0)).unwrap();
+    assert!((found.mt.value - 0.75).abs() < 1e-6, "{:?}", found.mt);
+}
+
+#[test]
 fn a_triple_lag_has_the_closed_form_gain_margin() {
     // k/(s+1)^3 meets -180 degrees at sqrt(3), where (s+1)^3 = -8.
     let found = margins(&zpk(&[], &[re(-1.0); 3], 2.0)).unwrap();
