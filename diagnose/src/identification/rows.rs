@@ -92,6 +92,8 @@ enum RateNoise {
     White,
     /// A sensor of the position: its noise is differentiated, and the low-pass takes nearly all of it.
     Differentiated,
+    /// The motor's tachometer, white; and a sensor of the torque, whose noise is differentiated.
+    WhiteOfMotor,
 }
 
 impl Maker<'_> {
@@ -113,6 +115,7 @@ impl Maker<'_> {
         let variance = |series: &[f64]| match channels.noise {
             RateNoise::White => noise_variance(series),
             RateNoise::Differentiated => 0.0,
+            RateNoise::WhiteOfMotor => noise_variance(&driven),
         };
         let noise = variance(&channels.hub);
         let [kept, steep] = kernel.noise_gains();
@@ -308,6 +311,14 @@ fn presliding_rad(p: &Parameters) -> f64 {
     joints.into_iter().filter(|x| x.is_finite()).fold(LEAST_PRESLIDING_RAD, f64::max)
 }
 
+/// Returns the rate of the load, rad/s, from that of the motor and the torque that the transmission passes: it stays behind by the rate at
+/// which the transmission is wound up, T'/k.
+fn behind_the_gear(motor_rad_s: &[f64], torque_nm: &[f64], period_s: f64, p: &Parameters) -> Vec<f64> {
+    let (ratio, stiffness) = (p.gearbox.ratio, p.gearbox.stiffness_nm_rad);
+    let winding = derivative(torque_nm, period_s);
+    motor_rad_s.iter().zip(winding).map(|(motor, steep)| motor / ratio - steep / stiffness).collect()
+}
+
 /// Variance of white noise, from second differences: they keep little of what moves.
 fn noise_variance(series: &[f64]) -> f64 {
     let squares = series.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2));
@@ -344,8 +355,12 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         Measured::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
         Measured::RelativeRate | Measured::MotorRate => reading.clone(),
         Measured::HubPosition | Measured::MotorPosition => derivative(&reading, r.sample_period_s),
-        // A torque and a current show no motion; the motor's tachometer does.
-        Measured::Torque | Measured::Current => {
+        // A torque and a current show no motion; the motor's tachometer does, and a torque how far the load stays behind.
+        Measured::Torque => {
+            let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
+            behind_the_gear(&chain.as_gyro(motor), &reading, r.sample_period_s, p)
+        }
+        Measured::Current => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
             motor.iter().map(|rate| rate / p.gearbox.ratio).collect()
         }
@@ -362,6 +377,10 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         None if measured.is_position() => reading,
         None => turned(),
     };
-    let noise = if measured.is_position() { RateNoise::Differentiated } else { RateNoise::White };
+    let noise = match measured {
+        Measured::Torque => RateNoise::WhiteOfMotor,
+        _ if measured.is_position() => RateNoise::Differentiated,
+        _ => RateNoise::White,
+    };
     Ok(Channels { control, hub, platform, heave, motor, relative, noise, position, whole })
 }
