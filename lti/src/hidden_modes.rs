@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use crate::components::components;
 use crate::error::During;
 use crate::roots::poles_on_boundary;
 use crate::tolerance::{
     ABSENT_RESIDUE, CONTOUR_POINTS, CONTOUR_RADIUS, MOST_HIDDEN_MODES, SAME_BOUNDARY_POLE,
 };
-use crate::{C64, Error, Mat, StateSpace};
+use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation, Schur};
 
 /// Returns the system without its modes on the boundary of stability if the response contains none of them; `None` if it contains one, or if the
@@ -38,6 +39,17 @@ pub(crate) fn without_hidden_modes(g: &StateSpace) -> Result<Option<StateSpace>,
     }
     let count = form.reorder(is_apart).during("modes on the boundary")?;
     leading_part(g, &form, count).map(Some)
+}
+
+/// Returns whether a pole that can be read off A, that of a state that acts on no state that acts on it, is exactly on the boundary of stability. An
+/// eigenvalue iteration on the whole of A leaves a rounding error of it, on either side.
+pub(crate) fn has_lone_boundary_pole(g: &StateSpace) -> bool {
+    let is_candidate = |i: usize| match g.timebase {
+        Timebase::Continuous => g.A[(i, i)] == 0.0,
+        Timebase::Discrete { .. } => g.A[(i, i)].abs() == 1.0,
+    };
+    (0..g.order()).any(is_candidate)
+        && components(&g.A).iter().any(|group| group.len() == 1 && is_candidate(group[0]))
 }
 
 /// Returns whether the response contains no mode at a centre, where `hidden` are the poles near any centre and `kept` the others.

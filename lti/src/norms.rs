@@ -3,7 +3,7 @@
 use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::During;
-use crate::hidden_modes::without_hidden_modes;
+use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
@@ -38,6 +38,9 @@ pub fn h2norm(g: &StateSpace) -> Result<f64, Error> {
 
 /// Returns the H2 norm of a stable balanced system; `None` for another.
 fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
+    if has_lone_boundary_pole(g) {
+        return Ok(None);
+    }
     let factor = match g.timebase {
         Timebase::Continuous => linalg::lyap_square_factor(&g.A, &g.B),
         Timebase::Discrete { .. } => linalg::dlyap_square_factor(&g.A, &g.B),
@@ -293,6 +296,14 @@ mod tests {
         };
         assert!((sampled(0.0) - (4.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(sampled(1e-12), f64::INFINITY);
+    }
+
+    #[test]
+    fn an_integrator_that_can_be_read_off_is_not_a_slow_lag() {
+        let A = Mat::from_rows(&[&[0.0, 0.0, 0.0], &[-2.0, -1.0, -2.0], &[-3.0, 0.0, -3.0]]);
+        let (B, C) = (Mat::col(&[-1.0, 0.0, 1.5]), Mat::row(&[0.0, 1.0, -1.5]));
+        let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+        assert_eq!(h2norm(&g).unwrap(), f64::INFINITY);
     }
 
     #[test]
