@@ -55,6 +55,7 @@ mod smith;
 pub mod sparse;
 mod spectrum;
 pub mod stability;
+pub mod staircase;
 mod stein_leaf;
 pub mod sylvester;
 pub mod tolerance;
@@ -83,4 +84,5 @@ pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, d
 pub use schur::{Schur, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};
 pub use stability::{Boundary, boundary_eigenvalues, is_clear_of_boundary};
+pub use staircase::{MinimalPart, minimal_part};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};

@@ -165,6 +165,17 @@ impl Precise {
         Self { high: self.high.block(0, from, rows, count), low: self.low.block(0, from, rows, count) }
     }
 
+    /// The block of `rows` x `cols` entries whose first one is at (top, left).
+    pub(crate) fn block(&self, top: usize, left: usize, rows: usize, cols: usize) -> Self {
+        Self { high: self.high.block(top, left, rows, cols), low: self.low.block(top, left, rows, cols) }
+    }
+
+    /// Writes `block` over the entries from (top, left) on.
+    pub(crate) fn set_block(&mut self, top: usize, left: usize, block: &Self) {
+        self.high.set_block(top, left, &block.high);
+        self.low.set_block(top, left, &block.low);
+    }
+
     /// The product, every entry to about 2^-100 of the sum of the moduli of its terms.
     pub(crate) fn times(&self, other: &Self) -> Self {
         let (rows, cols) = (self.high.nrows(), other.high.ncols());

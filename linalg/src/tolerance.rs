@@ -292,6 +292,9 @@ pub const GENERALISED_SYLVESTER_REFINEMENTS: usize = 4;
 /// Refinements of a transfer matrix at most: each gains as many digits as the condition number leaves of sixteen.
 pub const TRANSFER_REFINEMENTS: usize = 10;
 
+/// States up to which a transfer matrix is computed in 32 digits if the corrections of doubles do not settle: the largest takes some ten milliseconds.
+pub const PRECISE_TRANSFER_STATES: usize = 32;
+
 /// The states of a transfer matrix are settled if a refinement is below this share of them: they are then known to 32 digits.
 pub const TRANSFER_SETTLED: f64 = 1e-20;
 

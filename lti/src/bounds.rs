@@ -4,7 +4,7 @@ use crate::error::During;
 use crate::level::Level;
 use crate::peak::Peak;
 use crate::response::point;
-use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_WIDTHS, PRECISE_SIZE};
+use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_STEP, PEAK_WIDTHS, PRECISE_SIZE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation};
 
@@ -59,7 +59,8 @@ fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
             }
         }
     }
-    let width = if width > 0.0 { 3.0 * width } else { PEAK_WIDTHS[0] };
+    // The top lies before the next step, which was not higher.
+    let width = if width > 0.0 { PEAK_STEP * width } else { PEAK_WIDTHS[0] };
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = (top.rate_rad_s * (1.0 - width), top.rate_rad_s * (1.0 + width));
     let (mut left, mut right) = (at(high - ratio * (high - low))?, at(low + ratio * (high - low))?);

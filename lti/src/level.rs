@@ -5,7 +5,7 @@ use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::tolerance::{
     CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, HIGHEST_RISE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS,
-    NEAR_AXIS_NORM, PRECISE_SIZE, SUMMITS,
+    NEAR_AXIS_NORM, PRECISE_SIZE, SAME_POINT, SUMMITS,
 };
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
@@ -185,10 +185,11 @@ impl Hill {
         (room > 0.0).then(|| offsets.map(|share| vertex + share * room).to_vec())
     }
 
-    /// Narrows the hill by a point.
+    /// Narrows the hill by a point, unless it is so close to the top that rounding decides which of the two is higher.
     fn insert(&mut self, point: Peak) {
         let rate = point.rate_rad_s;
-        if rate <= self.low.rate_rad_s || rate >= self.high.rate_rad_s || rate == self.top.rate_rad_s {
+        let is_top = (rate - self.top.rate_rad_s).abs() <= SAME_POINT * self.width();
+        if rate <= self.low.rate_rad_s || rate >= self.high.rate_rad_s || is_top {
             return;
         }
         let is_right = rate > self.top.rate_rad_s;

@@ -41,6 +41,7 @@ mod entrywise;
 pub mod error;
 pub mod gramians;
 mod hessenberg_sweep;
+mod hidden_modes;
 mod level;
 pub mod margins;
 pub mod multiloop;

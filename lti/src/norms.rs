@@ -3,6 +3,7 @@
 use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::During;
+use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
@@ -15,26 +16,42 @@ use counterpoise_linalg as linalg;
 /// Returns the H2 norm, sqrt(trace(C P C' + D D' where sampled)): the rms output for white noise of unit
 /// intensity.
 ///
-/// Infinite for an unstable system, and for a continuous one with a direct path: that is its value, not an error.
+/// Infinite for an unstable system, and for a continuous one with a direct path: that is its value, not an error. A mode on the boundary of
+/// stability makes the norm infinite if the response contains it; one that no input reaches or no output sees, the entries of the system taken as
+/// exact, does not count.
 ///
 /// # Errors
-/// [`Error::Matrix`] where the Lyapunov equation fails.
+/// [`Error::Matrix`] if the Lyapunov equation fails.
 pub fn h2norm(g: &StateSpace) -> Result<f64, Error> {
     if g.timebase == Timebase::Continuous && g.D.norm_max() > 0.0 {
         return Ok(f64::INFINITY);
     }
     let scaled = balance(g).0;
+    match square_norm(&scaled)? {
+        Some(norm) => Ok(norm),
+        None => match without_hidden_modes(&scaled)? {
+            Some(visible) => Ok(square_norm(&visible)?.unwrap_or(f64::INFINITY)),
+            None => Ok(f64::INFINITY),
+        },
+    }
+}
+
+/// Returns the H2 norm of a stable balanced system; `None` for another.
+fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
+    if has_lone_boundary_pole(g) {
+        return Ok(None);
+    }
     let factor = match g.timebase {
-        Timebase::Continuous => linalg::lyap_square_factor(&scaled.A, &scaled.B),
-        Timebase::Discrete { .. } => linalg::dlyap_square_factor(&scaled.A, &scaled.B),
+        Timebase::Continuous => linalg::lyap_square_factor(&g.A, &g.B),
+        Timebase::Discrete { .. } => linalg::dlyap_square_factor(&g.A, &g.B),
     };
     match factor {
-        Err(linalg::Error::NotStable { .. }) => Ok(f64::INFINITY),
+        Err(linalg::Error::NotStable { .. }) => Ok(None),
         other => {
-            let norm = (&scaled.C * &other.during("Gramian")?).norm_fro().hypot(g.D.norm_fro());
+            let norm = (&g.C * &other.during("Gramian")?).norm_fro().hypot(g.D.norm_fro());
             let known =
                 if norm.is_nan() { Err(linalg::Error::OutOfRange { what: "the H2 norm" }) } else { Ok(norm) };
-            known.during("H2 norm")
+            known.map(Some).during("H2 norm")
         }
     }
 }
@@ -230,6 +247,63 @@ mod tests {
         let at = crate::response_at(&sampled, b.rate_rad_s).unwrap()[(0, 0)].norm();
         assert!((at / b.value - 1.0).abs() < 1e-9);
         assert!((hankelnorm(&g).unwrap() / hankelnorm(&sampled).unwrap() - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn a_peak_beside_a_point_of_the_grid_is_climbed() {
+        // Two lags that nearly cancel: the first climb starts from the frequency of a pole, meets the double next to it with the same gain and
+        // must not take it for the far side of the hill.
+        let A = Mat::diag(&[-0.8329486557027962, -0.8330319505683664]);
+        let g = |b: f64| {
+            let (B, C) = (Mat::col(&[b, b]), Mat::row(&[-1.0, 1.0001]));
+            StateSpace::new(A.clone(), B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap()
+        };
+        let peak = linfnorm(&g(0.0566), 1e-10).unwrap();
+        let near = |share: f64| {
+            let at = crate::response_at(&g(0.0566), peak.rate_rad_s * (1.0 + share)).unwrap()[(0, 0)].norm();
+            1.0 - at / peak.value
+        };
+        for share in [-1e-4, -3e-5, 3e-5, 1e-4] {
+            assert!(near(share) > 0.0, "{peak:?} {share} {}", near(share));
+        }
+    }
+
+    #[test]
+    fn a_mode_on_the_boundary_that_no_input_reaches_leaves_the_norm_finite() {
+        // An integrator and a lag at -2 in rotated whole numbers: the input acts on the lag alone, so that the response is -1.5 / (s + 2).
+        let A = Mat::from_rows(&[&[2.0, 2.0], &[-4.0, -4.0]]);
+        let C = Mat::row(&[0.0, 1.5]);
+        let norm = |B: &[f64], C: &Mat| {
+            let g =
+                StateSpace::new(A.clone(), Mat::col(B), C.clone(), Mat::zeros(1, 1), Timebase::Continuous);
+            h2norm(&g.unwrap()).unwrap()
+        };
+        assert!((norm(&[0.5, -1.0], &C) - 0.75).abs() < 1e-15);
+        // One that no output sees, and one that is reached by a rounding of the input.
+        assert!(norm(&[1.0, 0.0], &Mat::row(&[1.0, 1.0])).is_finite());
+        assert_eq!(norm(&[0.5 + f64::EPSILON, -1.0], &C), f64::INFINITY);
+        // A sum of the input in sampled time that the output does not see, or hardly sees.
+        let A = Mat::from_rows(&[&[1.0, 0.0], &[0.0, 0.5]]);
+        let sampled = |c: f64| {
+            let g = StateSpace::new(
+                A.clone(),
+                Mat::col(&[1.0, 1.0]),
+                Mat::row(&[c, 1.0]),
+                Mat::zeros(1, 1),
+                Timebase::Discrete { period_s: 0.1 },
+            );
+            h2norm(&g.unwrap()).unwrap()
+        };
+        assert!((sampled(0.0) - (4.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(sampled(1e-12), f64::INFINITY);
+    }
+
+    #[test]
+    fn an_integrator_that_can_be_read_off_is_not_a_slow_lag() {
+        let A = Mat::from_rows(&[&[0.0, 0.0, 0.0], &[-2.0, -1.0, -2.0], &[-3.0, 0.0, -3.0]]);
+        let (B, C) = (Mat::col(&[-1.0, 0.0, 1.5]), Mat::row(&[0.0, 1.0, -1.5]));
+        let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+        assert_eq!(h2norm(&g).unwrap(), f64::INFINITY);
     }
 
     #[test]

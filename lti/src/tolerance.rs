@@ -62,6 +62,10 @@ pub const LOW_SUMMIT: f64 = 0.1;
 /// even distances rises by an eighth of it at most; the rest is for uneven distances and for hills that are no parabolas.
 pub const HIGHEST_RISE: f64 = 3.0;
 
+/// A point closer to the top of a hill than this share of its width, 2^-20, is that top: a parabola changes between the two by the square of the share,
+/// 1e-12 of its height, so that rounding decides which is higher.
+pub const SAME_POINT: f64 = 1.0 / 1_048_576.0;
+
 /// Rounds of a climb at most: an even one shrinks the interval at least fourfold, so that the peak is flat to rounding at the end; rounds
 /// about the vertex of a parabola take three or four.
 pub const CLIMB_ROUNDS: usize = 15;
@@ -112,6 +116,25 @@ pub const LARGEST_EXCESS: f64 = 10.0;
 
 /// Poles this near to the border of stability, relative to the largest, are on it.
 pub const NORM_POLE_ON_AXIS: f64 = 1e-14;
+
+// ---- modes on the boundary that the response does not contain ----
+
+/// Poles closer to one on the boundary than this share of the largest belong to it: rounding splits a triple one by the cube root of the unit roundoff.
+pub const SAME_BOUNDARY_POLE: f64 = 1e-5;
+
+/// Radius of the circle about such a pole, as a share of the distance to the nearest other one. The linear equations on the circle stay regular to
+/// three digits beyond what the system itself costs, and a residue stands out as much beside the other poles.
+pub const CONTOUR_RADIUS: f64 = 1e-3;
+
+/// Points on the circle: the contribution of the other poles to a moment falls with the radius to the power of the points that are left, so that
+/// sixteen leave it at rounding for [`MOST_HIDDEN_MODES`].
+pub const CONTOUR_POINTS: usize = 16;
+
+/// Poles on the boundary at most for which the question is asked.
+pub const MOST_HIDDEN_MODES: usize = 8;
+
+/// A moment below this share of the response on the circle is zero: a few roundings of the response, of which the mean is taken.
+pub const ABSENT_RESIDUE: f64 = 1e-15;
 
 // ---- pole placement ----
 
@@ -269,9 +292,10 @@ pub const DELAYED_BOUNDARY_POLE: f64 = 1e-3;
 /// A sweep over the scalings that gains less than this share of the norm is the last one.
 pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;
 
-/// Scales of states that differ by more than this cost Tustin's method digits: a third of those that a double has. Below, the operations stay
-/// those on the system as it is given.
-pub const SPREAD_UNITS: f64 = 1e6;
+/// Scales of states that differ by more than this cost Tustin's method digits: its linear equations are solved with errors relative to the norm of
+/// A, so that a response loses as many digits as the ratio of the scales has, here three of sixteen. Below, the operations stay those on the system
+/// as it is given.
+pub const SPREAD_UNITS: f64 = 1e3;
 
 /// A solution of the Riccati equation of a level proves the level if its error, as estimated, is below this share of it: six digits of a
 /// solution that does not exist are not settled by Newton's method.
@@ -282,6 +306,9 @@ pub const CLEAR_OF_AXIS: f64 = 2e-14;
 
 /// Shares of the frequency by which the top of a hill is looked for beside a place that rounding has made uncertain.
 pub const PEAK_WIDTHS: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+
+/// Ratio of one of [`PEAK_WIDTHS`] to the one before it.
+pub const PEAK_STEP: f64 = 10.0;
 
 /// States of a delay at most: its matrices are dense, and take 128 MiB each at this size.
 pub const MOST_DELAY_STATES: usize = 4096;

@@ -1,7 +1,7 @@
 //! Minimal realisation: the states that the input reaches and the output sees, with the gap at which it was cut.
 
 use crate::error::During;
-use crate::tolerance::SAFE_GAP;
+use crate::tolerance::{CERTAIN_GAP, PRECISE_STATES, SAFE_GAP};
 use crate::{Error, Warning};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::Mat;
@@ -25,7 +25,8 @@ pub struct Minimal {
     pub warnings: Vec<Warning>,
 }
 
-/// Returns the part of a system that is reachable and seen, by orthogonal staircases on the scaled system.
+/// Returns the part of a system that is reachable and seen, by orthogonal staircases on the scaled system; if they leave a gap of less than eight
+/// decades, a system of at most [`PRECISE_STATES`] states is taken apart again in 32 digits ([`linalg::minimal_part`]).
 ///
 /// A coupling counts where its singular value exceeds `tolerance` times the norm of \[A B\] (or \[A; C\]); 1e-11 suits most
 /// systems. Unstable systems too. The gap between the smallest value kept and the largest dropped is returned: a clear
@@ -46,16 +47,35 @@ pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
     let unreachable = g.order() - reached.order();
     let seen = reachable(&reached.dual(), sizes.0, sizes.2, tolerance, &mut gap)?.dual();
     let unseen = reached.order() - seen.order();
-    let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
-    let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };
-    Ok(Minimal {
-        system: seen,
-        unreachable,
-        unseen,
-        smallest_kept: gap.kept,
-        largest_dropped: gap.dropped,
-        warnings: if doubtful { vec![warning] } else { Vec::new() },
-    })
+    if g.order() <= PRECISE_STATES && gap.kept < CERTAIN_GAP * gap.dropped.max(f64::EPSILON) {
+        return in_32_digits(&scaled, tolerance);
+    }
+    Ok(Minimal::with_gap(seen, unreachable, unseen, &gap))
+}
+
+/// Returns the part of a scaled system that is reachable and seen, by staircases in 32 digits.
+fn in_32_digits(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
+    let part = linalg::minimal_part(&g.A, &g.B, &g.C, tolerance).during("staircase")?;
+    let gap = Gap { kept: part.smallest_kept, dropped: part.largest_dropped };
+    let (unreachable, unseen) = (g.order() - part.reached, part.reached - part.A.nrows());
+    let system = StateSpace::new(part.A, part.B, part.C, g.D.clone(), g.timebase)?;
+    Ok(Minimal::with_gap(system, unreachable, unseen, &gap))
+}
+
+impl Minimal {
+    /// Returns a realisation with a warning if the gap leaves its order in doubt.
+    fn with_gap(system: StateSpace, unreachable: usize, unseen: usize, gap: &Gap) -> Self {
+        let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
+        let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };
+        Self {
+            system,
+            unreachable,
+            unseen,
+            smallest_kept: gap.kept,
+            largest_dropped: gap.dropped,
+            warnings: if doubtful { vec![warning] } else { Vec::new() },
+        }
+    }
 }
 
 struct Gap {

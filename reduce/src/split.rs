@@ -39,16 +39,38 @@ pub fn split(g: &StateSpace) -> Result<Split, Error> {
     let (scaled, _) = balance(g);
     let form = block_schur(&scaled.A)?;
     let (boundary, timebase) = (boundary(g.timebase), g.timebase);
-    let near = BORDER_NORM * scaled.A.norm_max();
+    let rounding = Rounding::of(&scaled.A, &form);
     let radius = cluster_radius(&scaled.A, &form, boundary)?;
     let is_stable = |pole: C64| {
         let border = match timebase {
-            Timebase::Continuous => BORDER * pole.norm() + near,
+            Timebase::Continuous => BORDER * pole.norm() + BORDER_NORM * rounding.size(pole),
             Timebase::Discrete { .. } => BORDER,
         };
         boundary.excess(pole) < -border && boundary.excess(pole) < -radius
     };
     split_form(scaled, form, is_stable)
+}
+
+/// The size of the numbers from which each pole is computed.
+struct Rounding {
+    poles: Vec<(C64, f64)>,
+}
+
+impl Rounding {
+    /// Returns the sizes of the poles of a block Schur form: a group of states that act on each other owes its poles to its own entries, however
+    /// large those of another group are.
+    fn of(A: &Mat, form: &Schur) -> Self {
+        let size = |group: &Vec<usize>| vec![A.select(group, group).norm_max(); group.len()];
+        let sizes = components(A).iter().flat_map(size).collect::<Vec<f64>>();
+        Self { poles: form.eigenvalues().into_iter().zip(sizes).collect() }
+    }
+
+    /// Returns the size that belongs to a pole, which reordering may have moved by rounding.
+    fn size(&self, pole: C64) -> f64 {
+        let distance = |known: &C64| (known - pole).norm();
+        let nearest = self.poles.iter().min_by(|a, b| distance(&a.0).total_cmp(&distance(&b.0)));
+        nearest.map_or(0.0, |known| known.1)
+    }
 }
 
 /// Returns the boundary of stability in a timebase.
@@ -156,4 +178,25 @@ fn block_schur(A: &Mat) -> Result<Schur, Error> {
     let mut T = &U.t() * &(&ordered * &U);
     blocks.iter().for_each(|(top, block)| T.set_block(*top, *top, block));
     Ok(Schur { T, U: &P * &U })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_slow_mode_beside_a_fast_one_is_stable() {
+        // Damping 1e-8 of the critical one at 0.01 rad/s, and a mode at 1e4 rad/s whose entries say nothing about it.
+        let mode = |w: f64, zeta: f64| Mat::from_rows(&[&[0.0, 1.0], &[-w * w, -2.0 * zeta * w]]);
+        let g = StateSpace::new(
+            mode(0.01, 1e-8).block_diag(&mode(1e4, 1e-3)),
+            Mat::col(&[0.0, 1.0, 0.0, 1.0]),
+            Mat::row(&[1.0, 0.0, 1.0, 0.0]),
+            Mat::zeros(1, 1),
+            Timebase::Continuous,
+        );
+        let parts = split(&g.unwrap()).unwrap();
+        assert_eq!((parts.first.order(), parts.second.order()), (4, 0));
+    }
 }

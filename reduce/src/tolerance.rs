@@ -23,6 +23,13 @@ pub const GRID_BEYOND: f64 = 100.0;
 /// A ratio of kept to dropped singular values smaller than this leaves the order in doubt.
 pub const SAFE_GAP: f64 = 1e3;
 
+/// A smallest value kept that is not so many times the largest one dropped, or the unit roundoff, may be rounding that small couplings before it have
+/// magnified: eight of sixteen digits.
+pub const CERTAIN_GAP: f64 = 1e8;
+
+/// States up to which such a staircase is computed again in 32 digits: that of the largest takes some hundred milliseconds.
+pub const PRECISE_STATES: usize = 32;
+
 // ---- pairs of values ----
 
 /// Values closer than this, relative, are a pair (a mode of damping 0.05 has two values so far apart).
@@ -47,7 +54,7 @@ pub const MOST_STEPS: usize = 200;
 /// A pole counts as on the border of stability within this share of its size.
 pub const BORDER: f64 = 1e-9;
 
-/// ... or within this share of the norm of the scaled A.
+/// ... or within this share of the norm of the entries of the scaled A among which it is computed.
 pub const BORDER_NORM: f64 = 1e-13;
 
 /// Reordering moves a pole by less than this share of the norm of A: fifty times the unit roundoff, as its swaps are backward stable

@@ -328,18 +328,21 @@ def rate(x, problem):
 
 
 def normwise(problem, w):
-    """The sum of the products of norms that make the response at a rate, of balanced matrices."""
+    """The sum of the products of norms that make the response at a rate, of balanced matrices. In long numbers: far below rigid-body poles that
+    rounding the data has moved, solutions in doubles are too small by many decades."""
     A, B, C, D = (np.atleast_2d(np.array(problem[k], float)) for k in 'ABCD')
     A, T = sla.matrix_balance(A, permute=False)
-    d = np.diag(T)
+    d, n = np.diag(T), len(A)
     B, C = B / d[:, None], C * d
-    s = np.exp(1j * float(w) * problem['period']) if 'period' in problem else 1j * float(w)
-    M = s * np.eye(len(A)) - A
+    w = flint.arb(w)
+    s = flint.acb(0, w * flint.arb(problem['period'])).exp() if 'period' in problem else flint.acb(0, w)
+    M = flint.acb_mat([[(s if i == j else flint.acb(0)) - A[i, j] for j in range(n)] for i in range(n)])
+    size = lambda X: float(sum((abs(X[i, 0]) ** 2 for i in range(n)), flint.arb(0)).sqrt().mid())
     try:
-        x, y = np.linalg.norm(np.linalg.solve(M, B)), np.linalg.norm(np.linalg.solve(M.T, C.T))
-    except np.linalg.LinAlgError:
+        x, y = (size(N.solve(flint.acb_mat(b.tolist())).mid()) for N, b in ((M, B), (M.transpose(), C.T)))
+    except ZeroDivisionError:
         return np.inf
-    return y * (np.linalg.norm(A) + abs(s)) * x + np.linalg.norm(C) * x + y * np.linalg.norm(B) + abs(D[0, 0])
+    return y * (np.linalg.norm(A) + float(abs(s).mid())) * x + np.linalg.norm(C) * x + y * np.linalg.norm(B) + abs(D[0, 0])
 
 
 def zeros_reference(problem):
