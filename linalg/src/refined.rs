@@ -43,7 +43,7 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
     let mut X = (Precise::from(&Mat::zeros(n, m)), Precise::from(&Mat::zeros(n, m)));
     let mut last = f64::INFINITY;
     for _ in 0..=TRANSFER_REFINEMENTS {
-        let (re, im) = (rest.0.rounded(), rest.1.rounded());
+        let (re, im) = (rest.0.round(), rest.1.round());
         let step = factors.solve(CMat::from_fn(n, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))?;
         let size = step.as_slice().iter().map(C64::norm_sqr).sum::<f64>().sqrt();
         if size.is_nan() || size >= 0.5 * last {
@@ -60,7 +60,7 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
         }
     }
     let C = Precise::from(C);
-    let (re, im) = (C.times(&X.0).plus(&Precise::from(D)).rounded(), C.times(&X.1).rounded());
+    let (re, im) = (C.times(&X.0).plus(&Precise::from(D)).round(), C.times(&X.1).round());
     Ok(CMat::from_fn(p, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))
 }
 
