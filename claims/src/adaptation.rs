@@ -43,7 +43,7 @@ fn heaving(bench: &Bench<'_>, initial: Initial) -> Scenario {
         pitch_rate_rad_s: sine(&bench.procedure.pitch),
         ..PlatformMotion::STILL
     };
-    Scenario { platform, initial, ..Scenario::still(INTERVAL_S) }
+    Scenario { platform, initial, ..Scenario::at_rest(INTERVAL_S) }
 }
 
 /// Returns volts that hold one kg m at one m/s^2, and what the drive makes of a control.
@@ -122,7 +122,7 @@ fn intervals(bench: &Bench<'_>, base: &Parameters, telling: Telling) -> Result<V
             Some(adaptive) => adaptive,
             None => &mut controller,
         };
-        let run = Simulator::new(&Plant::lumped(&machine)?)?.run(acting, &heaving(bench, initial))?;
+        let run = Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heaving(bench, initial))?;
         let rates = &run.truth.hub_rate_rad_s;
         let first = ((1.0 - JUDGED) * rates.len() as f64) as usize;
         found.push(1e3 * rms(&rates[first..]));
@@ -196,7 +196,7 @@ fn adaptation_criteria(name: &str, adapted: f64, truth: f64, unadapted: f64) -> 
             RETURNED,
             "half more is 3.5 dB",
         )
-        .explained_by(RETURNED, RETURNED * truth),
+        .with_explained_range(RETURNED, RETURNED * truth),
         Criterion::at_least(
             &format!("{name}: not adapted, smallest hub rate at a changed out-of-balance over the default"),
             "does not return",
@@ -247,7 +247,7 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
         let estimation = estimation(bench, scale(bench, &machine, 0.0), 0.0, Telling::Squares)?;
         let mut adaptive = Adaptive::new(no_bias.runner(), estimation);
         let initial = Initial::Rest { hub_angle_rad: 0.0 };
-        Simulator::new(&Plant::lumped(&machine)?)?.run(&mut adaptive, &heaving(bench, initial))?;
+        Simulator::new(&Plant::from_lumped(&machine)?)?.run(&mut adaptive, &heaving(bench, initial))?;
         let history = adaptive.history_kg_m();
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);

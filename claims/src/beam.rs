@@ -194,15 +194,15 @@ pub fn uniform_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 4.0,
                 "the thesis' own bound",
             ),
-            Criterion::within(
+            Criterion::with_range(
                 "3 elements of equal length, mode 1 off, %",
                 "+0.9",
                 first,
                 [-1.0, 1.0],
                 "the thesis' own bound",
             )
-            .explained_by(found.range[0], found.range[1]),
-            Criterion::within(
+            .with_explained_range(found.range[0], found.range[1]),
+            Criterion::with_range(
                 "3 elements, best place of the nodes, mode 1 off, %",
                 "+0.9",
                 found.range[2],
@@ -290,22 +290,22 @@ fn column_criteria(column: &Printed, tapered: &[f64], uniform: &[f64]) -> [Crite
             1.0,
             "at least as close",
         )
-        .explained_by(1.0, 1.0 + 3.0 * (own - 1.0).max(0.5)),
+        .with_explained_range(1.0, 1.0 + 3.0 * (own - 1.0).max(0.5)),
     ]
 }
 
 /// Returns what is asked of three tapered elements, in % off in mode 1: of equal length on the beam, and on one smooth cone.
 fn smooth_criteria(equal: f64, cone: f64) -> Vec<Criterion> {
     vec![
-        Criterion::within(
+        Criterion::with_range(
             "3 tapered elements of equal length, mode 1 off, %",
             "+0.2",
             equal,
             [-0.2, 0.2],
             "the thesis' own bound",
         )
-        .explained_by(-3.0, 3.0),
-        Criterion::within(
+        .with_explained_range(-3.0, 3.0),
+        Criterion::with_range(
             "3 tapered elements on one smooth cone, mode 1 off, %",
             "+0.2",
             cone,

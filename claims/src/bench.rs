@@ -73,7 +73,7 @@ pub struct NamedLevel<'a> {
 }
 
 /// Overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
-pub fn over_factor(
+pub fn plot_over_factor(
     what: &str,
     factors: &[f64],
     found: &[Behaviour],
@@ -153,7 +153,7 @@ impl<'a> Bench<'a> {
         controller: &Controller,
         wanted: &[Figure],
     ) -> Result<Vec<f64>, PipelineError> {
-        let values = figures_of(&Plant::lumped(parameters)?, controller, &self.procedure, wanted)?;
+        let values = figures_of(&Plant::from_lumped(parameters)?, controller, &self.procedure, wanted)?;
         Ok(values
             .iter()
             .map(|value| if let Value::Is(number) = value { *number } else { f64::NAN })
@@ -232,7 +232,7 @@ impl<'a> Bench<'a> {
         controller: &Controller,
         experiment: Experiment,
     ) -> Result<History, PipelineError> {
-        let mut simulator = Simulator::new(&Plant::lumped(parameters)?)?;
+        let mut simulator = Simulator::new(&Plant::from_lumped(parameters)?)?;
         Ok(nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?)
     }
 }

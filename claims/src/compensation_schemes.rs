@@ -148,8 +148,8 @@ fn moved(bench: &Bench<'_>, controller: &mut dyn SampledController) -> Result<Ve
         pitch_rate_rad_s: sine(&bench.procedure.pitch),
         ..PlatformMotion::STILL
     };
-    let scenario = Scenario { platform, ..Scenario::still(DURATION_S.0) };
-    let run = Simulator::new(&Plant::lumped(bench.parameters())?)?.run(controller, &scenario)?;
+    let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
+    let run = Simulator::new(&Plant::from_lumped(bench.parameters())?)?.run(controller, &scenario)?;
     Ok(run.truth.hub_rate_rad_s)
 }
 

@@ -32,7 +32,7 @@ pub enum Agreement {
 
 impl Criterion {
     /// Returns a criterion that accepts the range from `low` to `high`.
-    pub fn within(what: &str, thesis: &str, measured: f64, [low, high]: [f64; 2], reason: &str) -> Self {
+    pub fn with_range(what: &str, thesis: &str, measured: f64, [low, high]: [f64; 2], reason: &str) -> Self {
         Self {
             what: what.to_owned(),
             thesis: thesis.to_owned(),
@@ -45,16 +45,16 @@ impl Criterion {
 
     /// Returns a criterion that accepts everything up to a value.
     pub fn at_most(what: &str, thesis: &str, measured: f64, most: f64, reason: &str) -> Self {
-        Self::within(what, thesis, measured, [f64::NEG_INFINITY, most], reason)
+        Self::with_range(what, thesis, measured, [f64::NEG_INFINITY, most], reason)
     }
 
     /// Returns a criterion that accepts everything from a value on.
     pub fn at_least(what: &str, thesis: &str, measured: f64, least: f64, reason: &str) -> Self {
-        Self::within(what, thesis, measured, [least, f64::INFINITY], reason)
+        Self::with_range(what, thesis, measured, [least, f64::INFINITY], reason)
     }
 
     /// Returns the same criterion with the range that an explanation predicts.
-    pub fn explained_by(self, low: f64, high: f64) -> Self {
+    pub fn with_explained_range(self, low: f64, high: f64) -> Self {
         Self { explained: Some((low, high)), ..self }
     }
 
@@ -85,7 +85,8 @@ mod tests {
     #[test]
     fn a_value_agrees_is_explained_or_disagrees() {
         let of = |measured| {
-            Criterion::within("ratio", "5", measured, [2.5, 10.0], "a factor of two").explained_by(10.0, 20.0)
+            Criterion::with_range("ratio", "5", measured, [2.5, 10.0], "a factor of two")
+                .with_explained_range(10.0, 20.0)
         };
         assert_eq!(of(5.0).agreement(), Agreement::Agrees);
         assert_eq!(of(15.0).agreement(), Agreement::Explained);

@@ -4,7 +4,7 @@
 //! comes from the triangle-wave identification, the stiffness from replays of the recording.
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::identification::{identify, improved};
+use counterpoise_diagnose::identification::{apply_identified, identify};
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_pipeline::PipelineError;
@@ -46,7 +46,7 @@ pub fn identify_friction(truth: &Parameters) -> Result<IdentifiedFriction, Pipel
     scale_stiffness(&mut wrong, WRONG[1]);
     let (recording, control) = recorded(truth)?;
     let found = identify(&wrong, &[std::slice::from_ref(&recording)])?;
-    let level = improved(&wrong, &found);
+    let level = apply_identified(&wrong, &found);
     let parameters = with_fitted_stiffness(&level, &recording, &control)?;
     let total =
         |p: &Parameters| p.pivot_friction.coulomb_nm() + p.gearbox.ratio * p.motor_friction.coulomb_nm();
@@ -74,7 +74,7 @@ pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
 }
 
 fn recorded(truth: &Parameters) -> Result<(Recording, Loop), PipelineError> {
-    let plant = Plant::lumped(truth)?;
+    let plant = Plant::from_lumped(truth)?;
     let sample_period_s = truth.interface.sample_period_s;
     let bias_v = plant.equilibrium(&Default::default()).control_v;
     let mut controller =
@@ -84,7 +84,7 @@ fn recorded(truth: &Parameters) -> Result<(Recording, Loop), PipelineError> {
         demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },
         imperfections: Imperfections::NoiseAndQuantisation { seed: SEED },
         detail: Detail::Recording,
-        ..Scenario::still(TRIANGLE.2)
+        ..Scenario::at_rest(TRIANGLE.2)
     };
     let run = Simulator::new(&plant)?.run(&mut controller, &scenario)?;
     Ok((run.readings.recording("triangle", sample_period_s), control))

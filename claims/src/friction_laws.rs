@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnected, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnect_motor, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 
 use super::drawing::{Curve, drawing, frequency_axis, panel};
@@ -84,7 +84,7 @@ fn free(bench: &Bench<'_>) -> Result<Parameters, PipelineError> {
         lumped.out_of_balance_kg_m = 0.0;
         lumped.vertical_offset_kg_m = 0.0;
     }
-    Ok(disconnected(&parameters)?)
+    Ok(disconnect_motor(&parameters)?)
 }
 
 /// Returns what the pivot's law shares with the others; `None` if it is not Dahl's.
@@ -106,7 +106,7 @@ fn with_law(parameters: &Parameters, law: FrictionLaw) -> Parameters {
 
 /// Platform gyroscope to hub gyroscope over amplitudes and frequencies.
 fn map(parameters: &Parameters) -> Result<Map, PipelineError> {
-    let plant = Plant::lumped(parameters)?;
+    let plant = Plant::from_lumped(parameters)?;
     let settings = Settings { least_duration_s: 1.0, settled_below: 1e-3, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<C64, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * PITCH_RAD_S };
@@ -202,7 +202,7 @@ fn friction_laws_over_amplitude_criteria(rows: &[LawDistances], large: f64) -> V
             AGREES_DB,
             "1 dB is the width of a line in the figures",
         )
-        .explained_by(AGREES_DB, 2.0),
+        .with_explained_range(AGREES_DB, 2.0),
         Criterion::at_least(
             "smallest amplitude: nearest static law over farthest dynamic law",
             "the static ones differ",
@@ -327,23 +327,23 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
 /// Returns what is asked of the work over Dahl's: in the closed loop for the reset integrator and LuGre, and by the explicit solver.
 fn cost_criteria(own: [f64; 2], damped: f64) -> Vec<Criterion> {
     vec![
-        Criterion::within(
+        Criterion::with_range(
             "closed loop: work with the reset integrator over Dahl",
             "1.5",
             own[0],
             [1.25, 1.8],
             "a fifth: the thesis rounds to halves",
         )
-        .explained_by(0.8, 1.25),
-        Criterion::within(
+        .with_explained_range(0.8, 1.25),
+        Criterion::with_range(
             "closed loop: work with LuGre over Dahl",
             "3",
             own[1],
             [2.4, 3.6],
             "a fifth: the thesis rounds to halves",
         )
-        .explained_by(0.8, 1.25),
-        Criterion::within(
+        .with_explained_range(0.8, 1.25),
+        Criterion::with_range(
             "explicit solver: work with LuGre of a hundred times the bristle damping over Dahl",
             "3",
             damped,
@@ -381,10 +381,10 @@ fn cost_of_friction_laws_figure(counts: [[usize; 3]; 2]) -> Drawing {
 fn work(bench: &Bench<'_>, parameters: &Parameters) -> Result<usize, PipelineError> {
     let sine =
         |s: &counterpoise_verify::Sine| Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz);
-    let mut scenario = Scenario::still(10.0);
+    let mut scenario = Scenario::at_rest(10.0);
     scenario.platform.heave_m_s2 = sine(&bench.procedure.heave);
     scenario.platform.pitch_rate_rad_s = sine(&bench.procedure.pitch);
-    let mut simulator = Simulator::new(&Plant::lumped(parameters)?)?;
+    let mut simulator = Simulator::new(&Plant::from_lumped(parameters)?)?;
     let run = simulator.run(&mut bench.controller().runner(), &scenario)?;
     Ok(run.effort.iterations + run.effort.rejected)
 }

@@ -55,11 +55,11 @@ fn moved(bench: &Bench<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>,
         pitch_rate_rad_s: Signal::sine(pitch.amplitude, TAU * pitch.frequency_hz),
         ..PlatformMotion::STILL
     };
-    let scenario = Scenario { platform, ..Scenario::still(DURATION_S.0) };
+    let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
     let runner = bench.observed.runner();
     let period_s = p.interface.sample_period_s;
     let mut controller = Misaligned { runner, hub_rad, platform_rad, period_s, sample: 0 };
-    let run = Simulator::new(&Plant::lumped(p)?)?.run(&mut controller, &scenario)?;
+    let run = Simulator::new(&Plant::from_lumped(p)?)?.run(&mut controller, &scenario)?;
     Ok(run.truth.hub_rate_rad_s)
 }
 
@@ -127,7 +127,7 @@ pub fn misaligned_gyroscopes(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
 /// Returns what is asked of the shares of the misread roll rate that reach the hub by either gyroscope.
 fn criteria(of_hub: f64, of_platform: f64, complementary: f64) -> Vec<Criterion> {
     vec![
-        Criterion::within(
+        Criterion::with_range(
             "hub gyroscope: hub rate over misread roll rate, over |T| of the linear loop",
             "the loop holds what the gyroscope reads",
             of_hub / complementary,

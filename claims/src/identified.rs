@@ -40,7 +40,7 @@ const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
 
 /// Returns a PI controller that holds a machine's weight.
 fn holding(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
-    let bias_v = Plant::lumped(machine)?.equilibrium(&Default::default()).control_v;
+    let bias_v = Plant::from_lumped(machine)?.equilibrium(&Default::default()).control_v;
     let sample_period_s = machine.interface.sample_period_s;
     Ok(ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 })
 }
@@ -51,13 +51,13 @@ fn recorded(
     controller: &mut dyn SampledController,
     seed: u64,
 ) -> Result<Recording, PipelineError> {
-    let plant = Plant::lumped(machine)?;
+    let plant = Plant::from_lumped(machine)?;
     let sample_period_s = machine.interface.sample_period_s;
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(TRIANGLE.2)
+        ..Scenario::at_rest(TRIANGLE.2)
     };
     let run = Simulator::new(&plant)?.run(controller, &scenario)?;
     Ok(run.readings.recording("triangle", sample_period_s))
@@ -119,7 +119,7 @@ pub fn triangle_identification(bench: &Bench<'_>) -> Result<Claim, PipelineError
                 let allowed = if k == 0 { 2.0 } else { 10.0 };
                 let off = 100.0 * (all[k].value / truth[k] - 1.0);
                 let name = format!("{}: identified off the truth, %", names[k]);
-                Criterion::within(
+                Criterion::with_range(
                     &name,
                     "read from the picture",
                     off,

@@ -15,9 +15,12 @@ use counterpoise_plot::{Axis, Figure as Drawing, Point};
 /// Band in which controllers are compared, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 10.0];
 
-pub(super) fn configured(bench: &Bench<'_>, name: &str) -> Result<Option<Parameters>, PipelineError> {
+pub(super) fn apply_configuration(
+    bench: &Bench<'_>,
+    name: &str,
+) -> Result<Option<Parameters>, PipelineError> {
     let found: Option<&Configuration> = bench.parameters().configurations.iter().find(|c| c.name == name);
-    Ok(found.map(|configuration| bench.parameters().configured(configuration)).transpose()?)
+    Ok(found.map(|configuration| bench.parameters().with_configuration(configuration)).transpose()?)
 }
 
 fn moment(parameters: &Parameters) -> f64 {
@@ -52,7 +55,7 @@ pub fn other_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let (mut words, mut criteria) = (Vec::new(), Vec::new());
     let mut members = vec![normal_member(bench)];
     for name in CONFIGURATIONS {
-        let Some(parameters) = configured(bench, name)? else { continue };
+        let Some(parameters) = apply_configuration(bench, name)? else { continue };
         members.push(Member {
             name: name.to_owned(),
             parameters: parameters.clone(),
@@ -111,14 +114,14 @@ fn imbalance_criteria(
             3.0,
             "the masses also change the inertia by up to a tenth",
         ),
-        Criterion::within(
+        Criterion::with_range(
             &format!("{name}: compensated error over the normal"),
             &format!("{thesis}"),
             growth,
             [0.5 * thesis, 2.0 * thesis],
             "a factor of two: the ratio has the rig's own normal error below it",
         )
-        .explained_by(0.7 * expected, 1.3 * expected),
+        .with_explained_range(0.7 * expected, 1.3 * expected),
     ]
 }
 
@@ -172,7 +175,7 @@ pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineErro
         all.push(redesigned(bench, &format!("out-of-balance x{factor} alone"), &parameters, Source::Heave)?);
     }
     for name in CONFIGURATIONS {
-        let Some(parameters) = configured(bench, name)? else { continue };
+        let Some(parameters) = apply_configuration(bench, name)? else { continue };
         all.push(redesigned(bench, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
@@ -220,19 +223,19 @@ fn redesigned(
             0.5,
             "half a decibel cannot be seen in the figure",
         )
-        .explained_by(0.5, 2.0 * by_inertia + 0.5)
+        .with_explained_range(0.5, 2.0 * by_inertia + 0.5)
     };
     let criteria = vec![
         stays("feedback", changes[0]),
         stays("pitch feedforward", changes[2]),
-        Criterion::within(
+        Criterion::with_range(
             &format!("{name}: change of the heave feedforward, dB"),
             &format!("{law:.2} by the gain law"),
             changes[1],
             [law - 0.5, law + 0.5],
             "half a decibel cannot be seen in the figure",
         )
-        .explained_by(law - 2.0 * by_inertia - 0.5, law + 2.0 * by_inertia + 0.5),
+        .with_explained_range(law - 2.0 * by_inertia - 0.5, law + 2.0 * by_inertia + 0.5),
         Criterion::at_most(
             &format!("{name}: error after the redesign over the normal"),
             "restored",
@@ -329,7 +332,7 @@ pub fn gravity_over_elevation(bench: &Bench<'_>) -> Result<Claim, PipelineError>
                 1e-3,
                 "a plane mechanism with its centre of mass on the beam has no other term",
             ),
-            Criterion::within(
+            Criterion::with_range(
                 "holding drive at 60 deg over that at level",
                 "0.5",
                 at(60.0) / level,

@@ -144,15 +144,15 @@ fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Crit
     let predicted = all.iter().min_by(near).map_or(f64::NAN, |point| point.1);
     let equal_hz = all.iter().find(|point| point.1 < PITCH_FACTOR).map_or(f64::NAN, |point| point.0);
     vec![
-        Criterion::within(
+        Criterion::with_range(
             "peak without control over peak by feedback",
             "13",
             by_feedback,
             [0.75 * PITCH_FACTOR, 1.33 * PITCH_FACTOR],
             "read from a figure; a quarter covers its resolution",
         )
-        .explained_by(0.9 * predicted, 1.1 * predicted),
-        Criterion::within(
+        .with_explained_range(0.9 * predicted, 1.1 * predicted),
+        Criterion::with_range(
             "frequency at which the loop reduces pitch 13 times, Hz",
             "not printed",
             equal_hz,

@@ -352,7 +352,7 @@ fn criteria(found: &Measured) -> Vec<Criterion> {
             5.0,
             "what takes 25 times as long to measure is difficult to obtain",
         ),
-        Criterion::within(
+        Criterion::with_range(
             "Bliman and Sorine: torque of a slow first displacement over the Coulomb level",
             "other dynamic models show stiction",
             found.peaks[1],
@@ -366,7 +366,7 @@ fn criteria(found: &Measured) -> Vec<Criterion> {
             1.001,
             "no peak may show",
         ),
-        Criterion::within(
+        Criterion::with_range(
             "Bliman and Sorine: stiffness of a small displacement over the one asked for",
             "another dynamic law",
             found.stiffness,

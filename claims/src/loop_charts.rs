@@ -47,14 +47,14 @@ pub fn nyquist_and_nichols(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 0.5,
                 "the usual circle of Ms = 2",
             ),
-            Criterion::within(
+            Criterion::with_range(
                 "distance read from the curve over 1/Ms",
                 "the same loop",
                 nearest * ms,
                 [0.99, 1.01],
                 "the curve has 700 points",
             ),
-            Criterion::within(
+            Criterion::with_range(
                 "closed-loop peak read from the curve over Mt",
                 "the same loop",
                 closed / mt,

@@ -5,14 +5,18 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
-use super::bench::{Behaviour, Member, NamedLevel, over_factor};
+use super::bench::{Behaviour, Member, NamedLevel, plot_over_factor};
 use super::drawing::{Curve, drawing, hub_from, hub_panel, hub_rates, time_axis};
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Figure as Drawing, Point};
 
 /// Returns the mechanism with a parameter changed by a factor.
-pub(super) fn changed(bench: &Bench<'_>, varied: Varied, factor: f64) -> Result<Parameters, PipelineError> {
+pub(super) fn change_parameter(
+    bench: &Bench<'_>,
+    varied: Varied,
+    factor: f64,
+) -> Result<Parameters, PipelineError> {
     let mut parameters = bench.parameters().clone();
     varied.scale(&mut parameters, factor)?;
     Ok(parameters)
@@ -20,7 +24,10 @@ pub(super) fn changed(bench: &Bench<'_>, varied: Varied, factor: f64) -> Result<
 
 /// Step and stabilisation with the observed controller at factors of a parameter.
 fn family(bench: &Bench<'_>, varied: Varied, factors: &[f64]) -> Result<Vec<Behaviour>, PipelineError> {
-    factors.iter().map(|&factor| bench.behaviour(&changed(bench, varied, factor)?, &bench.observed)).collect()
+    factors
+        .iter()
+        .map(|&factor| bench.behaviour(&change_parameter(bench, varied, factor)?, &bench.observed))
+        .collect()
 }
 
 /// Returns the mechanisms of a family with the observed controller.
@@ -30,7 +37,7 @@ fn members<'a>(
     factors: &[f64],
 ) -> Result<Vec<Member<'a>>, PipelineError> {
     let one = |&factor: &f64| {
-        let parameters = changed(bench, varied, factor)?;
+        let parameters = change_parameter(bench, varied, factor)?;
         Ok(Member { name: format!("x{factor}"), parameters, controller: &bench.observed })
     };
     factors.iter().map(one).collect()
@@ -70,7 +77,7 @@ pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             1e3 * plain.residual_rad_s
         ),
         criteria: vec![
-            Criterion::within(
+            Criterion::with_range(
                 "overshoot above that of the linear plant, percentage points",
                 "+2 (15 against 13)",
                 observed.overshoot_percent - linear,
@@ -84,7 +91,7 @@ pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 1.0,
                 "friction holds the hub within 1 %",
             ),
-            Criterion::within(
+            Criterion::with_range(
                 "RMS hub rate over that of the linear plant",
                 "slightly more",
                 observed.residual_rad_s / linear_rate,
@@ -144,7 +151,7 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 / (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2));
     // the hub's factor that doubles the inertia of hub and beam together
     let doubled =
-        bench.behaviour(&changed(bench, Varied::HubInertia, 1.0 + 1.0 / share)?, &bench.observed)?;
+        bench.behaviour(&change_parameter(bench, Varied::HubInertia, 1.0 + 1.0 / share)?, &bench.observed)?;
     let criteria = inertia_criteria(&found, &doubled, share);
     Ok(Claim {
         id: "C10",
@@ -171,7 +178,7 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             bench,
             Varied::HubInertia,
             "hub inertia",
-            over_factor(
+            plot_over_factor(
                 "hub inertia",
                 &[0.5, 1.0, 2.0],
                 &found,
@@ -191,22 +198,22 @@ fn inertia_criteria(found: &[Behaviour], doubled: &Behaviour, share: f64) -> Vec
     let whole = above(doubled);
     let stays = |b: &Behaviour| (b.residual_rad_s / found[1].residual_rad_s - 1.0).abs();
     vec![
-        Criterion::within(
+        Criterion::with_range(
             "hub inertia doubled: overshoot above the normal, percentage points",
             "+5.5 (20.5 against 15)",
             above(&found[2]),
             [2.75, 11.0],
             "a factor of two: the inertia that the thesis doubles is not printed",
         )
-        .explained_by(0.5 * share * whole, 1.5 * share * whole),
-        Criterion::within(
+        .with_explained_range(0.5 * share * whole, 1.5 * share * whole),
+        Criterion::with_range(
             "inertia of hub and beam doubled: overshoot above the normal, percentage points",
             "+5.5 (20.5 against 15)",
             whole,
             [2.75, 16.5],
             "from half to three times: the loop of the thesis has another crossover",
         ),
-        Criterion::within(
+        Criterion::with_range(
             "hub inertia halved: overshoot above the normal, percentage points",
             "-2 (13 against 15)",
             above(&found[0]),
@@ -248,7 +255,7 @@ fn with_family(
 fn beam_inertia_range(bench: &Bench<'_>) -> Result<(f64, f64), PipelineError> {
     let radius = [Figure::Loop(LoopFigure::PoleRadius)];
     let stable = |factor: f64| -> Result<bool, PipelineError> {
-        let parameters = changed(bench, Varied::BeamInertia, factor)?;
+        let parameters = change_parameter(bench, Varied::BeamInertia, factor)?;
         Ok(bench.figures(&parameters, bench.controller(), &radius)?[0] < 1.0)
     };
     let (mut low, mut high) = (1.0, 1.0);
@@ -270,11 +277,11 @@ pub fn other_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let found = family(bench, Varied::Friction, &factors)?;
     let mut controllers = Vec::new();
     for factor in [0.5, 2.0] {
-        controllers.push(bench.observing_on(&changed(bench, Varied::Friction, factor)?)?);
+        controllers.push(bench.observing_on(&change_parameter(bench, Varied::Friction, factor)?)?);
     }
     let mut updated = Vec::new();
     for (factor, controller) in [0.5, 2.0].into_iter().zip(&controllers) {
-        updated.push(bench.behaviour(&changed(bench, Varied::Friction, factor)?, controller)?);
+        updated.push(bench.behaviour(&change_parameter(bench, Varied::Friction, factor)?, controller)?);
     }
     let nominal = found[1].residual_rad_s;
     let over = |b: &Behaviour| b.residual_rad_s / nominal;
@@ -293,20 +300,20 @@ pub fn other_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         criteria: vec![
             Criterion::at_least("friction doubled: RMS hub rate over the normal", "degrades", over(&found[2]), 1.2, "20 % can be seen in a figure"),
             Criterion::at_least("friction halved: RMS hub rate over the normal", "degrades", over(&found[0]), 1.2, "20 % can be seen in a figure"),
-            Criterion::within(
+            Criterion::with_range(
                 "doubled, observer identified anew: RMS hub rate over the normal", "restored",
                 over(&updated[1]),
                 [0.9, 1.1],
                 "restored means within 10 %",
             )
-            .explained_by(1.0, 2.2),
-            Criterion::within(
+            .with_explained_range(1.0, 2.2),
+            Criterion::with_range(
                 "halved, observer identified anew: RMS hub rate over the normal", "restored",
                 over(&updated[0]),
                 [0.9, 1.1],
                 "restored means within 10 %",
             )
-            .explained_by(0.45, 1.0),
+            .with_explained_range(0.45, 1.0),
         ],
         why: "what an observer leaves is in proportion to the friction that it cancels: it follows a reversal as late as the gyroscope does. With twice the friction up to twice as much is left, with half the friction down to half".to_owned(),
         drawings: other_friction_figures(bench, &factors, &found, &controllers, &updated)?,
@@ -328,10 +335,10 @@ fn other_friction_figures(
         vec![Curve::points(name, after(&|b| b.overshoot_percent))],
         vec![Curve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
     ];
-    let figures = over_factor("friction", factors, found, &[], others);
+    let figures = plot_over_factor("friction", factors, found, &[], others);
     let mut all = members(bench, Varied::Friction, factors)?;
     for (factor, controller) in [0.5, 2.0].into_iter().zip(controllers) {
-        let parameters = changed(bench, Varied::Friction, factor)?;
+        let parameters = change_parameter(bench, Varied::Friction, factor)?;
         all.push(Member { name: format!("x{factor}, observer identified anew"), parameters, controller });
     }
     let mut drawings = vec![figures];
@@ -388,7 +395,7 @@ pub fn other_backlash(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             bench,
             Varied::Backlash,
             "backlash",
-            over_factor("backlash", &factors, &found, &[], Default::default()),
+            plot_over_factor("backlash", &factors, &found, &[], Default::default()),
             &factors,
         )?,
     })

@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn every_row_is_on_the_first_screen_in_the_table_and_on_a_page_with_its_figure_and_command() {
         let of = |measured| Criterion::at_most("overshoot", "13 %", measured, 13.0, "the thesis' own figure");
-        let rows = [claim(of(10.0), ""), claim(of(14.0).explained_by(13.0, 15.0), "of a reason")];
+        let rows = [claim(of(10.0), ""), claim(of(14.0).with_explained_range(13.0, 15.0), "of a reason")];
         let page =
             claims_report(&rows, Context::default(), &|id| format!("counterpoise claims RIG --only {id}"));
         assert_eq!((page.tiles.len(), page.verdicts.rows.len(), page.sections.len()), (2, 2, 2));

@@ -9,8 +9,8 @@ use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
 
 use super::drawing::{Curve, drawing, factor_axis, frequency_axis, panel, time_axis};
-use super::imbalance::configured;
-use super::nonlinear::changed;
+use super::imbalance::apply_configuration;
+use super::nonlinear::change_parameter;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -52,7 +52,7 @@ impl Run {
 pub fn balanced_against_compensated(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let (id, title, source) = ("C22", "as good as balanced", "7.4.2, figs 7-15, 7-16");
     let says = "out of balance with both feedforwards is stabilised as well as balanced; on the balanced plant that heave feedforward makes things worse";
-    let Some(balanced) = configured(bench, "balanced")? else {
+    let Some(balanced) = apply_configuration(bench, "balanced")? else {
         return Ok(Claim::not_measured(
             [id, title, source, says],
             "the project has no configuration \"balanced\"",
@@ -284,7 +284,7 @@ fn ratios_db(bench: &Bench<'_>, varied: Varied, factors: &[f64], hz: f64) -> Res
     let pitch_rms = small.pitch.amplitude.abs() / std::f64::consts::SQRT_2;
     let mut ratios = Vec::new();
     for &factor in factors {
-        let plant = Plant::lumped(&changed(bench, varied, factor)?)?;
+        let plant = Plant::from_lumped(&change_parameter(bench, varied, factor)?)?;
         let values = figures_of(&plant, &bench.observed, &small, &[figure])?;
         let rms = if let Value::Is(rms) = values[0] { rms } else { f64::NAN };
         ratios.push(20.0 * (rms / pitch_rms).log10());

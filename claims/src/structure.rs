@@ -3,7 +3,7 @@
 use counterpoise_lti::{StateSpace, poles};
 use counterpoise_models::Lumped;
 use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
-use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned};
+use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned_modes};
 use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
 
 use super::bench::{largest_db, rate_grid};
@@ -53,7 +53,7 @@ fn condensed(bench: &Bench) -> Result<StateSpace, PipelineError> {
     masters.sort_unstable();
     masters.dedup();
     let small = condense(&fe, &masters)?;
-    with_body(bench, pinned(&small, ratios, KEPT_MODES)?.body)
+    with_body(bench, pinned_modes(&small, ratios, KEPT_MODES)?.body)
 }
 
 /// Guyan's condensation of finite elements onto some of their degrees of freedom, hub and tip among them.
@@ -210,7 +210,7 @@ pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError
     };
     let criteria = vec![
         at_low("control", 0),
-        at_low("heave", 1).explained_by(1.0, 3.0),
+        at_low("heave", 1).with_explained_range(1.0, 3.0),
         at_low("pitch", 2),
         Criterion::at_most(
             "the same for heave, with the load where the elements put it, dB",
@@ -260,7 +260,7 @@ fn heave_explained(
 ) -> Result<(String, [Shared; 2], f64), PipelineError> {
     let body = bench.designed.modelled.plant.body();
     let (fe, ratios) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
-    let elements = pinned(&fe, ratios, 1)?.body;
+    let elements = pinned_modes(&fe, ratios, 1)?.body;
     let share = |load_share_kg_m: f64| {
         let mut body = body.clone();
         body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m = load_share_kg_m);

@@ -9,7 +9,7 @@ use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
-use super::imbalance::configured;
+use super::imbalance::apply_configuration;
 use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -184,7 +184,7 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         "7.2.1",
         "on the balanced rig, where the backlash acts, friction at one end of the gearbox alone reproduces the triangle test badly; split between motor and load it fits",
     ];
-    let Some(mut balanced) = configured(bench, "balanced")? else {
+    let Some(mut balanced) = apply_configuration(bench, "balanced")? else {
         return Ok(Claim::not_measured(named, "the project has no configuration \"balanced\""));
     };
     balanced.gearbox.backlash_rad *= SPACER;
@@ -236,7 +236,7 @@ fn place_criteria(right: f64, least: f64, most: f64) -> Vec<Criterion> {
             100.0 * BADLY,
             "a tenth of what friction does can be seen in the loop",
         )
-        .explained_by(2.0, 100.0 * BADLY),
+        .with_explained_range(2.0, 100.0 * BADLY),
         Criterion::at_most("the rig's own split: off, %", "fits", right, 2.0, "the simulator repeats itself"),
         Criterion::at_least(
             "best wrong end over the right split",
@@ -339,9 +339,9 @@ fn split(parameters: &Parameters, motor_nm: f64, pivot_nm: f64) -> Parameters {
 /// Returns the control of the recording's controller, or the design's, while the demand is a triangle.
 fn triangle(bench: &Bench<'_>, parameters: &Parameters) -> Result<Triangle, PipelineError> {
     let demand_rad_s = Signal::Triangle { amplitude: DEMAND_RAD_S, period_s: 4.0 };
-    let scenario = Scenario { demand_rad_s, ..Scenario::still(8.0) };
+    let scenario = Scenario { demand_rad_s, ..Scenario::at_rest(8.0) };
     let run =
-        Simulator::new(&Plant::lumped(parameters)?)?.run(&mut bench.controller().runner(), &scenario)?;
+        Simulator::new(&Plant::from_lumped(parameters)?)?.run(&mut bench.controller().runner(), &scenario)?;
     Ok(Triangle {
         period_s: run.sample_period_s,
         hub_rate_rad_s: run.truth.hub_rate_rad_s,

@@ -264,7 +264,7 @@ struct MethodLoop {
 /// Returns the loop of a continuous design on the design plant.
 fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
     let plant = &bench.designed.synthesised.design.plant;
-    let seen = plant.measured()?.select(&[0], &[plant.control]);
+    let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
     Ok(series(&part.controller.select(&[0], &[0]), &seen)?)
 }
 
@@ -285,7 +285,7 @@ fn judged_loop(name: &str, broken: &StateSpace) -> Result<(String, [Criterion; 3
             45.0,
             reason,
         ),
-        Criterion::within(
+        Criterion::with_range(
             &format!("{name}: Ms"),
             "an alternative",
             stable(found.ms.value),

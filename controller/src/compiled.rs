@@ -114,9 +114,11 @@ impl<N: Number> Compiled<N> {
                 memory[*into] = sum(constant.as_ref(), &self.terms[*first..*last], memory);
             }
             Flat::Product { into, a, b } => memory[*into] = memory[*a].times(&memory[*b]),
-            Flat::Quotient { into, above, below } => memory[*into] = memory[*above].over(&memory[*below]),
+            Flat::Quotient { into, above, below } => {
+                memory[*into] = memory[*above].divide_by(&memory[*below])
+            }
             Flat::Magnitude { into, of } => memory[*into] = memory[*of].magnitude(),
-            Flat::Clamp { into, of, low, high } => memory[*into] = memory[*of].clamped(low, high),
+            Flat::Clamp { into, of, low, high } => memory[*into] = memory[*of].clamp_to(low, high),
         }
     }
 }

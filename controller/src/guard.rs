@@ -14,7 +14,7 @@ use crate::{Number, Parts, READINGS};
 /// Flag of the first reading: bit i says that reading i was replaced at the last sample.
 pub const REPLACED: u32 = 0x3f;
 /// Bit 8 + i says that reading i has not changed for a second. A controller that takes a seventh reading has one more bit in both masks:
-/// [`GuardSettings::replaced`] and [`GuardSettings::unchanged`].
+/// [`GuardSettings::replaced_mask`] and [`GuardSettings::unchanged_mask`].
 pub const UNCHANGED: u32 = 0x3f00;
 /// The states left every plausible size and were put back to their start; kept until a reset.
 pub const RESTARTED: u32 = 0x1_0000;
@@ -76,13 +76,13 @@ impl GuardSettings {
     }
 
     /// Returns the mask of the flags of replaced readings.
-    pub fn replaced(&self) -> u32 {
+    pub fn replaced_mask(&self) -> u32 {
         (1 << self.readings) - 1
     }
 
     /// Returns the mask of the flags of unchanged readings.
-    pub fn unchanged(&self) -> u32 {
-        self.replaced() << 8
+    pub fn unchanged_mask(&self) -> u32 {
+        self.replaced_mask() << 8
     }
 }
 
@@ -156,7 +156,7 @@ impl<N: Number> Guard<N> {
         self.status.flags &= STICKY;
         let step =
             if self.is_alone() { N::from_f64(-1.0).times(&self.share_step) } else { self.share_step.clone() };
-        self.share = self.share.plus(&step).clamped(&N::from_f64(0.0), &N::from_f64(1.0));
+        self.share = self.share.plus(&step).clamp_to(&N::from_f64(0.0), &N::from_f64(1.0));
         std::array::from_fn(|i| {
             if i >= self.readings {
                 return N::from_f64(0.0);
@@ -181,7 +181,7 @@ impl<N: Number> Guard<N> {
             self.status.flags |= 0x100 << i;
         }
         self.good[i] = taken.clone();
-        taken.flushed()
+        taken.flush()
     }
 
     /// Takes the control that the step gave and whether its states are plausible; returns the control to put out. When
@@ -234,10 +234,10 @@ pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[Kept<N>]) -> Plausible {
     let mut total = N::from_f64(0.0);
     for state in states.iter_mut() {
         total = total.plus(&state.magnitude());
-        *state = state.flushed();
+        *state = state.flush();
     }
     for each in kept {
-        states[each.place] = states[each.place].clamped(&each.low, &each.high);
+        states[each.place] = states[each.place].clamp_to(&each.low, &each.high);
     }
     plausible(&total)
 }

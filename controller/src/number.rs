@@ -16,14 +16,14 @@ pub trait Number: Clone + std::fmt::Debug {
     /// Returns the product, rounded.
     fn times(&self, other: &Self) -> Self;
     /// Quotient, rounded.
-    fn over(&self, other: &Self) -> Self;
+    fn divide_by(&self, other: &Self) -> Self;
     /// Returns the magnitude, exact.
     fn magnitude(&self) -> Self;
     /// Returns the number if it lies between the limits, `high` if it is above, and `low` otherwise: also if it is not a
     /// number.
-    fn clamped(&self, low: &Self, high: &Self) -> Self;
+    fn clamp_to(&self, low: &Self, high: &Self) -> Self;
     /// Returns the number, or a 0 of its sign if its magnitude is below [`Number::FLUSHED_BELOW`].
-    fn flushed(&self) -> Self {
+    fn flush(&self) -> Self {
         if self.magnitude().to_f64() < Self::FLUSHED_BELOW {
             self.times(&Self::from_f64(0.0))
         } else {
@@ -53,7 +53,7 @@ macro_rules! machine_number {
                 self * other
             }
             #[inline]
-            fn over(&self, other: &Self) -> Self {
+            fn divide_by(&self, other: &Self) -> Self {
                 self / other
             }
             #[inline]
@@ -61,7 +61,7 @@ macro_rules! machine_number {
                 if *self < 0.0 { -*self } else { *self }
             }
             #[inline]
-            fn clamped(&self, low: &Self, high: &Self) -> Self {
+            fn clamp_to(&self, low: &Self, high: &Self) -> Self {
                 if self >= low { if self <= high { *self } else { *high } } else { *low }
             }
         }
@@ -107,7 +107,7 @@ impl Number for Dual {
         self.blend(other.value, other, self.value, self.value * other.value)
     }
 
-    fn over(&self, other: &Self) -> Self {
+    fn divide_by(&self, other: &Self) -> Self {
         let value = self.value / other.value;
         self.blend(1.0 / other.value, other, -value / other.value, value)
     }
@@ -119,7 +119,7 @@ impl Number for Dual {
         Self { value: self.value.abs(), slope }
     }
 
-    fn clamped(&self, low: &Self, high: &Self) -> Self {
+    fn clamp_to(&self, low: &Self, high: &Self) -> Self {
         if self.value >= low.value {
             if self.value <= high.value { self.clone() } else { high.clone() }
         } else {

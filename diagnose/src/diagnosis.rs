@@ -11,7 +11,7 @@ use crate::findings::axis_units::set_axis_units;
 use crate::findings::instrument_findings::make_finding;
 use crate::findings::similarity::Scale;
 use crate::findings::verdict::Evidence;
-use crate::identification::{Amplifier, identify, improved};
+use crate::identification::{Amplifier, apply_identified, identify};
 use crate::library::{
     Component, Effect, EffectName, find_effects, list_effects, list_textbook_effects, make_free_gain_curve,
 };
@@ -152,13 +152,13 @@ fn diagnose_scaled(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    let (scaled, measured) = (scale.applied(base), base.sensors.measured);
+    let (scaled, measured) = (scale.apply_to(base), base.sensors.measured);
     let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r, measured)).collect();
     let control = scale.replayed_loop(control, measured);
     let mut found = diagnose_of(scale.sizes(), &scaled, control, &resized, pool)?;
     found.recordings = recordings.to_vec();
     scale.bring_back(&mut found.answer, &scaled);
-    found.improved = scale.inverse().applied(&found.improved);
+    found.improved = scale.inverse().apply_to(&found.improved);
     Ok(found)
 }
 
@@ -193,7 +193,7 @@ fn diagnose_of(
     effects.retain(|effect| can_show(base, recordings, effect));
     let searcher = Searcher { simulator: &simulator, pool, base, effects, seeds, sizes };
     let search = searcher.search();
-    if pool.cancelled() {
+    if pool.is_cancelled() {
         return Err(Error::Cancelled);
     }
     let search = search.ok_or(Error::NotSimulated)?;
@@ -219,7 +219,7 @@ fn where_and_when(
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
     let replayed = map(pool, simulator.count(), |index| {
-        let (measured, assessment) = (simulator.measured_at(index)?, simulator.assess(base, index)?);
+        let (measured, assessment) = (simulator.signals_of(index)?, simulator.assess(base, index)?);
         Some(ReplayedRecording { measured, assessment })
     });
     localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
@@ -288,7 +288,7 @@ fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, V
     let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
     match found.amplifier {
         Amplifier::Curve { .. } => {
-            vec![(make_free_gain_curve(), make_free_gain_curve().values(&improved(base, &found)))]
+            vec![(make_free_gain_curve(), make_free_gain_curve().values(&apply_identified(base, &found)))]
         }
         _ => Vec::new(),
     }

@@ -36,10 +36,10 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
     for _ in 0..=NAMED_FROM_CURVES {
         let now = Evidence { search: &search, map: evidence.map.clone(), ..copy_of(&evidence) };
         learned = None;
-        if !matches!(now.verdict(), Verdict::Unknown | Verdict::Incomplete) || searcher.pool.cancelled() {
+        if !matches!(now.verdict(), Verdict::Unknown | Verdict::Incomplete) || searcher.pool.is_cancelled() {
             break;
         }
-        let named = now.named().cloned();
+        let named = now.named_model().cloned();
         let Some(rest) = Rest::of(searcher, &now) else { break };
         let task = rest.task(searcher, &now);
         let Some(first) = task.one_function() else { break };
@@ -56,7 +56,7 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
         search = evidence.search.clone();
     }
     let evidence = Evidence { search: &search, ..evidence };
-    let improved = evidence.improved();
+    let improved = evidence.improved_mechanism();
     let even = comparison.filter(Comparison::is_even);
     let answer = evidence.answer();
     match learned {
@@ -80,7 +80,7 @@ fn copy_of<'e>(evidence: &Evidence<'e>) -> Evidence<'e> {
 
 /// Returns the named effects if they are flexible enough to imitate an error that is none of them.
 fn flexible(searcher: &Searcher, evidence: &Evidence) -> Option<Candidate> {
-    let named = evidence.named()?;
+    let named = evidence.named_model()?;
     is_flexible(named, searcher.simulator.travel_rad()).then(|| named.clone())
 }
 
@@ -103,14 +103,14 @@ struct Rest {
 
 impl Rest {
     fn of(searcher: &Searcher, evidence: &Evidence) -> Option<Self> {
-        let base = evidence.improved();
-        let before = match evidence.named() {
+        let base = evidence.improved_mechanism();
+        let before = match evidence.named_model() {
             Some(named) => searcher.assess_model(&base, &|r| named.assessments.get(r))?,
             None => evidence.search.baseline.fitted.clone(),
         };
         let simulator = evidence.simulator;
         let signals: Vec<MeasuredSignals> =
-            (0..simulator.count()).filter_map(|r| simulator.measured(r)).collect();
+            (0..simulator.count()).filter_map(|r| simulator.measured_signals(r)).collect();
         let visited = Visited::of(&base, &signals);
         Some(Self { base, before, components: rank_components(&evidence.map), visited })
     }

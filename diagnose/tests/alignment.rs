@@ -45,7 +45,7 @@ fn platform(of: f64) -> PlatformMotion {
 }
 
 fn recording(machine: &Parameters, seed: u64) -> Recording {
-    let mut simulator = Simulator::new(&Plant::lumped(machine).unwrap()).unwrap();
+    let mut simulator = Simulator::new(&Plant::from_lumped(machine).unwrap()).unwrap();
     let platform = platform(1.0 + 0.17 * seed as f64);
     let further = platform.further.clone().unwrap();
     let scenario = Scenario {
@@ -53,7 +53,7 @@ fn recording(machine: &Parameters, seed: u64) -> Recording {
         platform,
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(DURATION_S)
+        ..Scenario::at_rest(DURATION_S)
     };
     let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
     let name = format!("moving {seed}");

@@ -47,7 +47,7 @@ fn machine(law: &FrictionLaw) -> Parameters {
 
 /// The control of the rig's test controller under a triangle of demand.
 fn control_v(machine: &Parameters) -> Vec<f64> {
-    let plant = Plant::lumped(machine).unwrap();
+    let plant = Plant::from_lumped(machine).unwrap();
     let mut controller = ProportionalIntegral {
         kp_v_s_rad: 18.0,
         ki_v_rad: 80.0,
@@ -59,7 +59,7 @@ fn control_v(machine: &Parameters) -> Vec<f64> {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 0.4 },
         imperfections: Imperfections::None,
         detail: Detail::Recording,
-        ..Scenario::still(0.4)
+        ..Scenario::at_rest(0.4)
     };
     Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap().readings.control_v
 }
@@ -77,7 +77,7 @@ fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
         for (name, law) in every_law() {
             let model = machine(&law);
             let level = effect.values(&model)[0];
-            let changed = effect.applied(&model, &[GROWTH * level]);
+            let changed = effect.apply_to(&model, &[GROWTH * level]);
             assert_eq!(effect.values(&changed), [GROWTH * level], "{component:?}, {name}");
             let (before, after) = (control_v(&model), control_v(&changed));
             let apart = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -96,7 +96,7 @@ fn another_presliding_stiffness_is_an_effect_on_machines_with_presliding() {
     for (name, law) in every_law() {
         let model = machine(&law);
         let stiffness = effect.values(&model)[0];
-        let changed = effect.applied(&model, &[2.0 * stiffness]);
+        let changed = effect.apply_to(&model, &[2.0 * stiffness]);
         if model.pivot_friction.presliding_stiffness_nm_rad().is_some() {
             let read = effect.values(&changed)[0];
             assert!((read / (2.0 * stiffness) - 1.0).abs() < 1e-14, "{name}: {read}");

@@ -33,12 +33,12 @@ fn recording(seed: u64, period_s: f64) -> Recording {
 
 /// The recording of a run, and the hose's torque at its end.
 fn run(seed: u64, period_s: f64, duration_s: f64) -> (Recording, f64) {
-    let mut simulator = Simulator::new(&Plant::lumped(&machine()).unwrap()).unwrap();
+    let mut simulator = Simulator::new(&Plant::from_lumped(&machine()).unwrap()).unwrap();
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s },
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(duration_s)
+        ..Scenario::at_rest(duration_s)
     };
     let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
     let torque_nm = history.final_state.friction.hose;

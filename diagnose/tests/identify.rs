@@ -4,7 +4,9 @@
 use crate::common;
 
 use common::controller;
-use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, Note, identify, improved};
+use counterpoise_diagnose::identification::{
+    Amplifier, Estimate, Identified, Note, apply_identified, identify,
+};
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::{Channel, Mapping, Recording, Table};
@@ -36,14 +38,14 @@ fn triangle(simulator: &mut Simulator, bias_v: f64, seed: u64) -> Recording {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 2.0 },
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(10.0)
+        ..Scenario::at_rest(10.0)
     };
     let history = simulator.run(&mut controller(bias_v), &scenario).unwrap();
     history.readings.recording("triangle", 1e-3)
 }
 
 fn simulator(p: &Parameters) -> Simulator {
-    Simulator::new(&Plant::lumped(p).unwrap()).unwrap()
+    Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap()
 }
 
 /// A machine that is not what its project says.
@@ -120,9 +122,9 @@ fn the_gain_curve_is_recovered_from_balanced_and_midpoint_runs() {
     assert!((found.balances[0].out_of_balance_kg_m.value - 10.0).abs() < 0.5);
     assert!((found.balances[1].out_of_balance_kg_m.value / 75.0 - 1.0).abs() < 0.02);
     assert!((found.coulomb_nm.value / 130.0 - 1.0).abs() < 0.10);
-    let better = improved(&reference::rig(), &found);
+    let better = apply_identified(&reference::rig(), &found);
     assert!(better.amplifier.map.len() > 5);
-    assert!(Plant::lumped(&better).is_ok());
+    assert!(Plant::from_lumped(&better).is_ok());
 }
 
 #[test]
@@ -149,10 +151,10 @@ fn hub_rate_and_control_alone_are_enough() {
 fn the_improved_mechanism_is_found_again_as_it_is() {
     let recording = triangle(&mut simulator(&other_machine()), 2.88, 5);
     let found = identify(&reference::rig(), &[std::slice::from_ref(&recording)]).unwrap();
-    let better = improved(&reference::rig(), &found);
+    let better = apply_identified(&reference::rig(), &found);
     let again = identify(&better, &[&[recording]]).unwrap();
     assert!(four(&again).iter().all(|e| e.holds(e.before)), "{:?}", four(&again));
-    assert_eq!(improved(&better, &again), better);
+    assert_eq!(apply_identified(&better, &again), better);
 }
 
 #[test]
@@ -225,7 +227,7 @@ fn on_a_moving_base(machine: &Parameters, seed: u64) -> Recording {
         platform,
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(20.0)
+        ..Scenario::at_rest(20.0)
     };
     let recording =
         simulator(machine).run(&mut controller(2.88), &scenario).unwrap().readings.recording("base", 1e-3);
@@ -251,7 +253,7 @@ fn lever_arm_and_misalignment_are_identified_on_a_moving_base() {
     near(found.sensors.lever_arm_m, 0.8, 0.08);
     near(found.sensors.roll_misalignment_rad, 0.03, 2e-3);
     near(found.sensors.yaw_misalignment_rad, -0.02, 2e-3);
-    let improved = improved(&project, &found);
+    let improved = apply_identified(&project, &found);
     assert!((improved.sensors.accelerometer_lever_arm_m - 0.8).abs() < 0.08);
     assert!((improved.sensors.hub_gyro.alignment.roll_sensitivity - 0.03).abs() < 2e-3);
 

@@ -54,7 +54,7 @@ fn truth(p: &Parameters) -> [f64; 4] {
 
 /// A triangle wave of 0.15 rad/s and 2 s for 10 s, in closed loop, with noise and quantisation.
 fn triangle(p: &Parameters, seed: u64) -> Recording {
-    let mut simulator = Simulator::new(&Plant::lumped(p).unwrap()).unwrap();
+    let mut simulator = Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap();
     let (kp_v_s_rad, ki_v_rad, sample_period_s) = (18.0, 80.0, 1e-3);
     let mut controller =
         ProportionalIntegral { kp_v_s_rad, ki_v_rad, bias_v: 2.88, sample_period_s, integral_v: 0.0 };
@@ -62,7 +62,7 @@ fn triangle(p: &Parameters, seed: u64) -> Recording {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 2.0 },
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(10.0)
+        ..Scenario::at_rest(10.0)
     };
     let history = simulator.run(&mut controller, &scenario).unwrap();
     history.readings.recording("triangle", sample_period_s)

@@ -33,12 +33,12 @@ fn over_angle(quantity: LearnedQuantity, of: impl Fn(f64) -> f64) -> LearnedElem
 /// Triangle waves of two periods, and a slower one of another size, from rest.
 fn recordings(machine: &Parameters) -> Vec<Recording> {
     let one = |(k, (amplitude, period_s)): (usize, (f64, f64))| {
-        let mut simulator = Simulator::new(&Plant::lumped(machine).unwrap()).unwrap();
+        let mut simulator = Simulator::new(&Plant::from_lumped(machine).unwrap()).unwrap();
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude, period_s },
             imperfections: Imperfections::NoiseAndQuantisation { seed: 11 + k as u64 },
             detail: Detail::Recording,
-            ..Scenario::still(4.0)
+            ..Scenario::at_rest(4.0)
         };
         let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
         history.readings.recording("triangle", 1e-3)
@@ -60,7 +60,7 @@ fn modelled(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
         sizes: Sizes::TYPICAL,
     };
     let before = assess(&simulator, &Serial, &base).unwrap();
-    let signals: Vec<_> = (0..recordings.len()).filter_map(|r| simulator.measured(r)).collect();
+    let signals: Vec<_> = (0..recordings.len()).filter_map(|r| simulator.measured_signals(r)).collect();
     let visited = Visited::of(&base, &signals);
     let components = [Component::Pivot];
     learn(&LearningTask {

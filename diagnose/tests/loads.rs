@@ -19,13 +19,13 @@ use counterpoise_simulate::{Detail, Firing, Imperfections, Scenario, Signal, Sim
 const BIAS_V: f64 = 2.88;
 
 fn recording(machine: &Parameters, seed: u64, period_s: f64) -> Recording {
-    let mut simulator = Simulator::new(&Plant::lumped(machine).unwrap()).unwrap();
+    let mut simulator = Simulator::new(&Plant::from_lumped(machine).unwrap()).unwrap();
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s },
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
         firing: Firing::Stated,
-        ..Scenario::still(6.0)
+        ..Scenario::at_rest(6.0)
     };
     let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
     history.readings.recording("triangle", 1e-3)

@@ -4,9 +4,9 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{OnRestart, Operation, Program, Programs, Slot, StateGroup};
 use minijinja::{Environment, context};
 
-use crate::guard::{flags, guard, guard_bytes, guard_instructions, marked};
+use crate::guard::{flags, guard, guard_bytes, guard_instructions, mark_files};
 use crate::print::{Dialect, Printer, literal, meaning, state};
-use crate::vectors::{Vector, shipped};
+use crate::vectors::{Vector, shipped_vectors};
 use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
 
 /// Returns the controller as C99 source
@@ -51,7 +51,7 @@ pub fn c99<'a>(
         let text = environment.render_str(template, &data)?;
         Ok(File { name: format!("{}{ending}", options.name), text: text.trim_end().to_owned() + "\n" })
     };
-    Ok(marked(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
+    Ok(mark_files(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
 /// Adds the texts that the files of floating and fixed point share.
@@ -105,7 +105,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         flags => flags(controller),
         guard => guard(controller, options.precision, Dialect::C),
         needed => needed(controller),
-        vectors => shipped(controller, options.precision).iter().map(|v| row(v, controller, options.precision)).collect::<Vec<_>>(),
+        vectors => shipped_vectors(controller, options.precision).iter().map(|v| row(v, controller, options.precision)).collect::<Vec<_>>(),
     }
 }
 

@@ -53,9 +53,9 @@ pub struct FormFigures {
 /// left out.
 ///
 /// Where a run leaves all range the figures are infinite.
-pub fn by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
+pub fn figures_by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
     let of = |form: PathForm| {
-        let other = in_form(controller, form)?;
+        let other = convert_to_form(controller, form)?;
         let double = || Box::new(other.runner()) as Box<dyn Adjustable>;
         let single = || Box::new(other.runner_in::<f32>()) as Box<dyn Adjustable>;
         Some(FormFigures {
@@ -69,7 +69,7 @@ pub fn by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
 }
 
 /// Returns the controller with every path in `form`, or `None` if a path has no such form.
-pub fn in_form(controller: &Controller, form: PathForm) -> Option<Controller> {
+pub fn convert_to_form(controller: &Controller, form: PathForm) -> Option<Controller> {
     let paths = controller.parts().paths.iter().map(|path| brought(path, form));
     let paths: Option<Vec<Path>> = paths.collect();
     controller

@@ -35,7 +35,7 @@ pub(crate) fn flags(controller: &Controller) -> Value {
     let settings = GuardSettings::of(controller.parts());
     let bit = |mask: u32| format!("0x{mask:X}");
     context! {
-        replaced => bit(settings.replaced()), unchanged => bit(settings.unchanged()), restarted => bit(RESTARTED),
+        replaced => bit(settings.replaced_mask()), unchanged => bit(settings.unchanged_mask()), restarted => bit(RESTARTED),
         refused => bit(REFUSED), alone => bit(ALONE), sticky => bit(STICKY),
         unchanged_samples => settings.unchanged_samples,
     }
@@ -75,7 +75,7 @@ pub(crate) const MARK: &str = "@SET@";
 
 /// Puts the mark of a set into its files: a hash of all of them (FNV-1a, 64 bits). A file that is compiled with one of another
 /// set finds another mark and stops the compiler.
-pub(crate) fn marked(mut files: Vec<File>) -> Vec<File> {
+pub(crate) fn mark_files(mut files: Vec<File>) -> Vec<File> {
     let bytes = files.iter().flat_map(|file| file.name.bytes().chain([0]).chain(file.text.bytes()));
     let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)

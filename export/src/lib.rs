@@ -52,7 +52,7 @@ pub use check::{Checked, check_file};
 pub use converters::Converters;
 pub use error::Error;
 pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
-pub use forms::{FormFigures, PathForm, by_form};
+pub use forms::{FormFigures, PathForm, figures_by_form};
 pub use provenance::Provenance;
 pub use ranges::{Adjustable, Measured, Ranges};
 pub use rounding::{Deviation, single_precision};

@@ -17,7 +17,7 @@ pub trait Adjustable: SampledController {
     /// Sets the out-of-balance, kg m.
     fn adjust(&mut self, out_of_balance_kg_m: f64);
     /// Returns a copy with the states of this moment.
-    fn copied(&self) -> Box<dyn Adjustable>;
+    fn clone_boxed(&self) -> Box<dyn Adjustable>;
 }
 
 impl<N: Number + 'static> Adjustable for Runner<N> {
@@ -25,7 +25,7 @@ impl<N: Number + 'static> Adjustable for Runner<N> {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn copied(&self) -> Box<dyn Adjustable> {
+    fn clone_boxed(&self) -> Box<dyn Adjustable> {
         Box::new(self.clone())
     }
 }
@@ -68,7 +68,7 @@ impl Run {
 
 impl Clone for Box<dyn Adjustable> {
     fn clone(&self) -> Self {
-        (**self).copied()
+        (**self).clone_boxed()
     }
 }
 

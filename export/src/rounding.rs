@@ -84,7 +84,7 @@ pub(crate) trait Arithmetic {
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
     /// Returns what an operation of a line rounds as it was executed.
-    fn rounded(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded;
+    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded;
 }
 
 /// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse
@@ -129,7 +129,7 @@ fn along(coefficients: Vec<f64>, track: Track) -> (f64, f64) {
 
 /// Returns what an operation adds to a state, where it does: the state lies on the grid of its numbers already, so that
 /// what is rounded is the summand, the same way whenever the summand is the same.
-pub(crate) fn added(operation: &Operation, read: &[f64]) -> Option<(usize, f64)> {
+pub(crate) fn state_increment(operation: &Operation, read: &[f64]) -> Option<(usize, f64)> {
     let Operation::Sum { constant, terms, .. } = operation else { return None };
     let (first, rest) = terms.split_first()?;
     let Slot::State(state) = first.of else { return None };
@@ -150,7 +150,11 @@ pub(crate) fn is_kept(controller: &Controller, slot: Slot) -> bool {
 }
 
 /// Returns the error of each operation that comes from operands which a setting left wrong by `error`.
-pub(crate) fn left_wrong(controller: &Controller, ranges: &Ranges, error: &dyn Fn(&Slot) -> f64) -> Vec<f64> {
+pub(crate) fn setting_errors(
+    controller: &Controller,
+    ranges: &Ranges,
+    error: &dyn Fn(&Slot) -> f64,
+) -> Vec<f64> {
     let size = |slot: &Slot| ranges.of(*slot);
     let of = |operation: &Operation| match operation {
         Operation::Sum { terms, .. } => {

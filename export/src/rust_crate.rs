@@ -4,9 +4,9 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{OnRestart, Operation, Program, Slot, StateGroup};
 use minijinja::{Environment, context};
 
-use crate::guard::{flags, guard, marked};
+use crate::guard::{flags, guard, mark_files};
 use crate::print::{Dialect, Printer, literal, meaning, state};
-use crate::vectors::{Vector, shipped};
+use crate::vectors::{Vector, shipped_vectors};
 use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
 
 /// Returns the controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`,
@@ -34,7 +34,7 @@ pub fn rust_crate<'a>(
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
         Ok(File { name: format!("{}/{name}", options.name), text })
     };
-    Ok(marked(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
+    Ok(mark_files(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
 fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
@@ -65,7 +65,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         reads_input => reads_input(&programs.step),
         period => literal(controller.sample_period_s(), precision, Dialect::Rust),
         limit => literal(controller.limit_v(), precision, Dialect::Rust),
-        vectors => shipped(controller, precision).iter().map(|v| row(v, controller, precision)).collect::<Vec<_>>(),
+        vectors => shipped_vectors(controller, precision).iter().map(|v| row(v, controller, precision)).collect::<Vec<_>>(),
     }
 }
 

@@ -6,7 +6,7 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, by_form,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, figures_by_form,
     plan_fixed_point, single_precision,
 };
 
@@ -85,7 +85,7 @@ pub fn compare_targets(
     allowed_v: f64,
 ) -> Result<Targets, counterpoise_verify::Error> {
     let runs = TargetRuns::record(verified, plant, procedure)?;
-    Ok(Targets::of(&runs, runs.single()?, runs.fixed(allowed_v)?))
+    Ok(Targets::of(&runs, runs.single()?, runs.fixed_point_form(allowed_v)?))
 }
 
 impl Targets {
@@ -181,7 +181,7 @@ impl<'a> TargetRuns<'a> {
     ///
     /// # Errors
     /// Those of the simulator.
-    pub fn fixed(&self, allowed_v: f64) -> Result<FixedFigures, counterpoise_verify::Error> {
+    pub fn fixed_point_form(&self, allowed_v: f64) -> Result<FixedFigures, counterpoise_verify::Error> {
         let fixed = plan_fixed_point(self.controller, &self.known, allowed_v, self.samples);
         let figures = match &fixed {
             Err(_) => None,
@@ -196,8 +196,8 @@ impl<'a> TargetRuns<'a> {
     }
 
     /// Returns the controller with its paths in every form, in double and in single precision.
-    pub fn by_form(&self) -> Vec<FormFigures> {
-        by_form(self.controller, &self.known)
+    pub fn figures_by_form(&self) -> Vec<FormFigures> {
+        figures_by_form(self.controller, &self.known)
     }
 
     fn figures(

@@ -48,7 +48,7 @@ pub fn self_test_vectors<N: Number>(controller: &Controller, samples: usize) -> 
 }
 
 /// Returns the vectors that travel with code of a precision.
-pub(crate) fn shipped(controller: &Controller, precision: Precision) -> Vec<Vector> {
+pub(crate) fn shipped_vectors(controller: &Controller, precision: Precision) -> Vec<Vector> {
     match precision {
         Precision::Double => self_test_vectors::<f64>(controller, SHIPPED_SAMPLES),
         Precision::Single => self_test_vectors::<f32>(controller, SHIPPED_SAMPLES),

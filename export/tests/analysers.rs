@@ -84,7 +84,7 @@ fn misra_deviations_are_the_ones_listed() {
 
 /// Returns the units of controller and plant, each in a folder; the plant has every law that its C knows.
 fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
-    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let asked = PlantUnit { plant: &plant, name: "rig" };
     let kinds = [
         ("axis", controller_unit(Unverified(&complete()), &provenance(), &Options::double("axis")).unwrap()),

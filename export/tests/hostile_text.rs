@@ -38,7 +38,7 @@ fn generated(text: &str) -> Vec<File> {
     };
     let controller = typical();
     let options = Options::double("axis");
-    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let mut files = c99(Unverified(&controller), &provenance, &options).unwrap();
     files.extend(rust_crate(Unverified(&controller), &provenance, &options).unwrap());
     files.extend(controller_unit(Unverified(&controller), &provenance, &options).unwrap());

@@ -53,7 +53,7 @@ const COLUMNS: usize = 9;
 fn machine(name: &str, change: impl FnOnce(&mut Parameters)) -> Machine {
     let mut parameters = reference::rig();
     change(&mut parameters);
-    Machine { name: name.to_owned(), plant: Plant::lumped(&parameters).unwrap(), control_v: 0.8 }
+    Machine { name: name.to_owned(), plant: Plant::from_lumped(&parameters).unwrap(), control_v: 0.8 }
 }
 
 /// Returns a drive through rest and both directions around the control that holds the machine.
@@ -91,7 +91,7 @@ fn simulated(machine: &Machine, parts: usize) -> Columns {
     parameters.interface.output_delay_samples *= parts;
     let plant = Plant::with_whole_body(&parameters, machine.plant.body().clone()).unwrap();
     let duration_s = (SAMPLES * parts) as f64 * parameters.interface.sample_period_s;
-    let scenario = Scenario { platform: motion, firing: Firing::Stated, ..Scenario::still(duration_s) };
+    let scenario = Scenario { platform: motion, firing: Firing::Stated, ..Scenario::at_rest(duration_s) };
     let tolerance = counterpoise_simulate::tolerance::TOLERANCE / parts.pow(3) as f64;
     let mut simulator = Simulator::with_tolerance(&plant, tolerance).unwrap();
     let run = simulator.run(&mut Playback::new(&held.collect::<Vec<_>>()), &scenario).unwrap();
@@ -246,7 +246,7 @@ fn all_equal(machines: &[Machine]) {
 
 #[test]
 fn every_law_of_friction_and_contact() {
-    let rig = Plant::lumped(&reference::rig()).unwrap();
+    let rig = Plant::from_lumped(&reference::rig()).unwrap();
     let of = |case: counterpoise_simulate::convergence::Case| Machine {
         name: format!("pivot: {}", case.name),
         plant: case.plant,
@@ -520,7 +520,7 @@ fn structure_and_sensors() {
 
 /// The rig's structure with more modes than the lumped one has.
 fn twelve_modes() -> Machine {
-    let lumped = Plant::lumped(&reference::rig()).unwrap();
+    let lumped = Plant::from_lumped(&reference::rig()).unwrap();
     let first = lumped.body().modes[0];
     let mode = |k: u32| {
         let n = f64::from(k);
@@ -541,7 +541,7 @@ fn twelve_modes() -> Machine {
 fn what_the_unit_s_memory_cannot_hold_is_refused_with_its_limit() {
     let mut parameters = reference::rig();
     parameters.interface.output_delay_samples = 20_000;
-    let plant = Plant::lumped(&parameters).unwrap();
+    let plant = Plant::from_lumped(&parameters).unwrap();
     let refused = plant_unit(PlantUnit { plant: &plant, name: "rig" }, &provenance());
     let expected =
         PlantUnitError::Memory { what: "delay in samples", value: 20_002.0, most: MOST_DELAY_SAMPLES };

@@ -29,7 +29,7 @@ struct State {
 
 impl Pace {
     /// Of a campaign of `count` samples, shown as a bar on a terminal and as a line now and then elsewhere.
-    pub fn shown(count: usize) -> Result<Self> {
+    pub fn with_bar(count: usize) -> Result<Self> {
         let terminal = std::io::stderr().is_terminal();
         let bar = if terminal { ProgressBar::new(count as u64) } else { ProgressBar::hidden() };
         bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} samples, {elapsed} gone{msg}")?);
@@ -48,7 +48,7 @@ impl Pace {
     }
 
     /// Samples were found done by an earlier run.
-    pub fn kept(&self, samples: usize) {
+    pub fn count_kept(&self, samples: usize) {
         self.bar.inc(samples as u64);
         if let Ok(mut state) = self.state.lock() {
             state.kept += samples;
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn samples_of_an_earlier_run_say_nothing_of_the_pace() {
         let pace = Pace::silent(100);
-        pace.kept(100);
+        pace.count_kept(100);
         assert_eq!(pace.finish(), None);
         pace.count_run();
         assert!(pace.finish().is_some_and(|told| told.starts_with("1 sample run in")));

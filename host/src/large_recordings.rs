@@ -25,7 +25,7 @@ pub struct BySize {
 
 /// Tells the recordings that are read at once from those that are read in parts, which are text above `limit` bytes. A folder with such a
 /// text becomes the recordings in it.
-pub fn by_size(paths: &[PathBuf], limit: u64) -> BySize {
+pub fn split_by_size(paths: &[PathBuf], limit: u64) -> BySize {
     let expanded = paths.iter().flat_map(|path| {
         let inside = recording_files(std::slice::from_ref(path));
         if inside.iter().any(|file| is_large_text(file, limit)) { inside } else { vec![path.clone()] }

@@ -21,7 +21,7 @@ struct Said {
 
 impl Progress {
     /// Returns the text of the last message.
-    pub fn said(&self) -> String {
+    pub fn last_message(&self) -> String {
         self.0.lock().map(|said| said.text.clone()).unwrap_or_default()
     }
 
@@ -67,7 +67,7 @@ impl Pool for Watch<'_> {
         std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
     }
 
-    fn cancelled(&self) -> bool {
+    fn is_cancelled(&self) -> bool {
         self.token.is_cancelled()
     }
 

@@ -215,7 +215,7 @@ impl World for Surroundings {
         self.stages.begins(step.name());
     }
 
-    fn ended(&self, _step: Step) {
-        self.stages.ended();
+    fn ends(&self, _step: Step) {
+        self.stages.ends();
     }
 }

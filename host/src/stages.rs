@@ -35,7 +35,7 @@ impl Stages {
     }
 
     /// The stage that began last has ended.
-    pub fn ended(&self) {
+    pub fn ends(&self) {
         let Ok(mut state) = self.state.lock() else { return };
         let milliseconds = 1e3 * state.0.elapsed().as_secs_f64();
         if let Some(last) = state.1.last_mut() {

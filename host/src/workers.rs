@@ -65,7 +65,7 @@ impl Pool for Workers {
         (0..count).into_par_iter().for_each(job);
     }
 
-    fn cancelled(&self) -> bool {
+    fn is_cancelled(&self) -> bool {
         interrupt::is_stop_requested()
     }
 

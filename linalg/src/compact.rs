@@ -116,7 +116,7 @@ vectorised! {
         let reflectors = reduce(A);
         let mut Q = Mat::eye(n);
         for (k, reflector) in reflectors.iter().enumerate().rev() {
-            reflector.left(&mut Q.as_mut_slice()[(k + 1) * n..], n, k + 1);
+            reflector.apply_left(&mut Q.as_mut_slice()[(k + 1) * n..], n, k + 1);
         }
         Q
     }
@@ -137,8 +137,8 @@ fn reduce(A: &mut Mat) -> Vec<Reflector> {
     for k in 0..n.saturating_sub(2) {
         let (done, rest) = A.as_mut_slice().split_at_mut((k + 1) * n);
         let reflector = Reflector::of(&mut done[k * n + k + 1..]);
-        reflector.left(rest, n, k + 1);
-        reflector.right(rest, n);
+        reflector.apply_left(rest, n, k + 1);
+        reflector.apply_right(rest, n);
         reflectors.push(reflector);
     }
     reflectors
@@ -171,7 +171,7 @@ impl Reflector {
 
     /// Applied to the rows from `from` on of each column of length `ld`.
     #[inline(always)]
-    pub(crate) fn left(&self, columns: &mut [f64], ld: usize, from: usize) {
+    pub(crate) fn apply_left(&self, columns: &mut [f64], ld: usize, from: usize) {
         if self.tau == 0.0 {
             return;
         }
@@ -184,7 +184,7 @@ impl Reflector {
 
     /// Applied from the right to all rows of the columns of length `ld`, as many as `v` has entries.
     #[inline(always)]
-    pub(crate) fn right(&self, columns: &mut [f64], ld: usize) {
+    pub(crate) fn apply_right(&self, columns: &mut [f64], ld: usize) {
         if self.tau == 0.0 {
             return;
         }

@@ -4,7 +4,7 @@ use faer::linalg::evd::hessenberg as householder;
 
 use crate::compact;
 use crate::dense::{copy, solve, view};
-use crate::error::{Error, check_finite, check_shape, check_square, check_symmetric, in_range};
+use crate::error::{Error, check_finite, check_range, check_shape, check_square, check_symmetric};
 use crate::mat::{C64, CMat, Mat};
 use crate::tolerance::EPS;
 
@@ -347,7 +347,7 @@ pub fn rcond_one(A: &Mat) -> f64 {
 /// Wrong shapes, entries that are not finite.
 pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     check_shape("B", B, A.nrows(), B.ncols())?;
-    in_range("the solution by least squares", pinv(A)? * B)
+    check_range("the solution by least squares", pinv(A)? * B)
 }
 
 /// The Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
@@ -358,7 +358,7 @@ pub fn pinv(A: &Mat) -> Result<Mat, Error> {
     let parts = svd(A)?;
     let floor = A.nrows().max(A.ncols()) as f64 * EPS * parts.s.first().copied().unwrap_or(0.0);
     let reciprocal: Vec<f64> = parts.s.iter().map(|&s| if s > floor { 1.0 / s } else { 0.0 }).collect();
-    in_range("the pseudoinverse", &parts.V * &Mat::diag(&reciprocal) * parts.U.t())
+    check_range("the pseudoinverse", &parts.V * &Mat::diag(&reciprocal) * parts.U.t())
 }
 
 fn no_convergence(what: &'static str) -> Error {

@@ -170,7 +170,7 @@ pub(crate) fn check_finite<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> 
 }
 
 /// Returns a computed matrix if every entry is finite.
-pub(crate) fn in_range<T: Scalar>(what: &'static str, matrix: Dense<T>) -> Result<Dense<T>, Error> {
+pub(crate) fn check_range<T: Scalar>(what: &'static str, matrix: Dense<T>) -> Result<Dense<T>, Error> {
     if matrix.is_finite() { Ok(matrix) } else { Err(Error::OutOfRange { what }) }
 }
 

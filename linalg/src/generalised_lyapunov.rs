@@ -5,7 +5,7 @@
 
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
-use crate::error::{Error, check_shape, check_square, in_range};
+use crate::error::{Error, check_range, check_shape, check_square};
 use crate::extended::{Extended, exact_product};
 use crate::lyapunov::{dlyap, lyap};
 use crate::mat::Mat;
@@ -184,8 +184,8 @@ impl Generalised<'_> {
             certificate.forward_error = step.map(f64::abs);
         }
         certificate.bound_unknown();
-        found.X = in_range("the solution of the Riccati equation", found.X)?;
-        found.F = in_range("the gain of the Riccati equation", found.F)?;
+        found.X = check_range("the solution of the Riccati equation", found.X)?;
+        found.F = check_range("the gain of the Riccati equation", found.F)?;
         Ok(found)
     }
 
@@ -270,13 +270,13 @@ mod tests {
         let S = B.scale(0.1);
         let weights = Weights { Q: &Q, R: &R, S: Some(&S) };
         for answer in [gcare(&A, &E, &B, &weights).unwrap(), gdare(&A, &E, &B, &weights).unwrap()] {
-            let found = answer.solved().unwrap();
+            let found = answer.solution().unwrap();
             assert!(found.certificate.relative_residual < 1e-15, "{:?}", found.certificate);
             assert!(found.certificate.forward_error.norm_max() < 1e-14 * found.X.norm_max());
         }
         // E = I is the standard equation.
-        let plain = care(&A, &B, &Q, &R, Some(&S)).unwrap().solved().unwrap();
-        let same = gcare(&A, &Mat::eye(5), &B, &weights).unwrap().solved().unwrap();
+        let plain = care(&A, &B, &Q, &R, Some(&S)).unwrap().solution().unwrap();
+        let same = gcare(&A, &Mat::eye(5), &B, &weights).unwrap().solution().unwrap();
         assert!((plain.F - same.F).norm_max() < 1e-14);
     }
 }

@@ -5,7 +5,7 @@
 //! continuous equation stays real, the sampled one goes through complex triangular form.
 
 use crate::dense::qr_r;
-use crate::error::{Error, check_shape, check_square, in_range};
+use crate::error::{Error, check_range, check_shape, check_square};
 use crate::hammarling_leaf;
 use crate::kernel::vectorised;
 use crate::mat::{C64, CMat, Mat};
@@ -89,7 +89,7 @@ impl Prepared {
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
         let spectrum = Spectrum::from_form(balanced.A, form, balanced.scale);
-        let found = spectrum.on_boundary(|l| excess(l, kind)).pop();
+        let found = spectrum.eigenvalues_on_boundary(|l| excess(l, kind)).pop();
         if let Some(eigenvalue) = found {
             return Err(Error::NotStable { what: "A", eigenvalue });
         }
@@ -102,7 +102,7 @@ impl Prepared {
         check_shape("B", B, self.scale.len(), B.ncols())?;
         let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
         let inner = inner(&self.form.T, &narrow(&(self.form.U.t() * &scaled))?, self.kind)?;
-        in_range("the factor of a Gramian", self.outer(&inner, |i| self.scale[i]))
+        check_range("the factor of a Gramian", self.outer(&inner, |i| self.scale[i]))
     }
 
     /// A square factor of the solution of the equation with `A'` and `C' C`: its triangular form is `T'` with rows and
@@ -114,7 +114,7 @@ impl Prepared {
         let reduced = narrow(&(self.form.U.t() * &scaled))?;
         let T = Mat::from_fn(n, n, |i, j| self.form.T[(n - 1 - j, n - 1 - i)]);
         let inner = inner(&T, &upside_down(&reduced), self.kind)?;
-        in_range("the factor of a Gramian", self.outer(&upside_down(&inner), |i| 1.0 / self.scale[i]))
+        check_range("the factor of a Gramian", self.outer(&upside_down(&inner), |i| 1.0 / self.scale[i]))
     }
 
     /// `diag(scale) U inner`

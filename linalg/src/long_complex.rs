@@ -19,7 +19,7 @@ impl LongComplex {
     }
 
     /// Returns the nearest number of a double's digits.
-    pub(crate) fn rounded(self) -> C64 {
+    pub(crate) fn round(self) -> C64 {
         C64::new(self.re.high + self.re.low, self.im.high + self.im.low)
     }
 

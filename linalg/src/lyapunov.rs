@@ -1,7 +1,7 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
 use crate::dense::{LARGE_SYMMETRIC, symmetric_product, view};
-use crate::error::{Error, check_shape, check_square, in_range};
+use crate::error::{Error, check_range, check_shape, check_square};
 use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
@@ -62,7 +62,7 @@ const POWER_STEPS: usize = 3;
 fn separation(A: &Mat, kind: Kind) -> Result<f64, Error> {
     check_square("A", A)?;
     let form = schur(A)?;
-    let adjoint = Operator::new(transposed(&form), kind)?;
+    let adjoint = Operator::new(transpose_form(&form), kind)?;
     let operator = Operator::new(form, kind)?;
     let mut X = Mat::eye(A.nrows());
     let mut gain = 0.0_f64;
@@ -91,7 +91,7 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
         Growth::Magnified | Growth::Benign => X,
     };
     let X = Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]);
-    in_range("the solution of the Lyapunov equation", X)
+    check_range("the solution of the Lyapunov equation", X)
 }
 
 /// How a solution compares with the data.
@@ -281,7 +281,7 @@ fn against_transpose(T: &Mat, S: &Mat, C: &Mat) -> Mat {
 }
 
 /// The Schur form of `A'`: rows, columns and blocks in reverse order.
-pub(crate) fn transposed(form: &Schur) -> Schur {
+pub(crate) fn transpose_form(form: &Schur) -> Schur {
     let n = form.T.nrows();
     let T = Mat::from_fn(n, n, |i, j| form.T[(n - 1 - j, n - 1 - i)]);
     let U = Mat::from_fn(n, n, |i, j| form.U[(i, n - 1 - j)]);

@@ -48,7 +48,7 @@ pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<V
             settled[k] = step.size() <= PENCIL_CONVERGED * roots[k].size();
         }
         if settled.iter().all(|s| *s) {
-            return Some(paired(roots.into_iter().map(LongComplex::rounded).collect()));
+            return Some(paired(roots.into_iter().map(LongComplex::round).collect()));
         }
     }
     None

@@ -118,7 +118,7 @@ impl Precise {
     }
 
     /// The nearest matrix of doubles.
-    pub(crate) fn rounded(&self) -> Mat {
+    pub(crate) fn round(&self) -> Mat {
         &self.high + &self.low
     }
 
@@ -298,7 +298,7 @@ mod tests {
         };
         let exact = Precise::from(&Mat::from_fn(n, 3, |i, j| (i * i + 7 * j) as f64 - 20.0));
         let found = H.solve(&H.times(&exact)).unwrap();
-        assert!(found.minus(&exact).rounded().norm_max() < 1e-11, "{:?}", found.minus(&exact).high);
+        assert!(found.minus(&exact).round().norm_max() < 1e-11, "{:?}", found.minus(&exact).high);
         assert!(Precise::from(&Mat::zeros(2, 2)).solve(&Precise::identity(2, 1.0)).is_none());
     }
 

@@ -83,7 +83,7 @@ vectorised! {
         for k in 0..cols {
             let (done, rest) = A.as_mut_slice().split_at_mut((k + 1) * rows);
             let reflector = Reflector::of(&mut done[k * rows + k..]);
-            reflector.left(rest, rows, k);
+            reflector.apply_left(rest, rows, k);
             reflectors.push(reflector);
         }
         reflectors
@@ -95,7 +95,7 @@ vectorised! {
     fn reflect_rows<'a>(reflectors: &'a [Reflector], A: &'a mut Mat) -> () {
         let rows = A.nrows();
         for (k, reflector) in reflectors.iter().enumerate() {
-            reflector.left(A.as_mut_slice(), rows, k);
+            reflector.apply_left(A.as_mut_slice(), rows, k);
         }
     }
 }
@@ -108,7 +108,7 @@ vectorised! {
             return;
         }
         for (k, reflector) in reflectors.iter().enumerate() {
-            reflector.right(&mut A.as_mut_slice()[k * rows..], rows);
+            reflector.apply_right(&mut A.as_mut_slice()[k * rows..], rows);
         }
     }
 }

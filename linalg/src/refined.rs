@@ -47,7 +47,7 @@ pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
         false => return Err(singular),
     };
     let C = Precise::from(C);
-    let (re, im) = (C.times(&X.0).plus(&Precise::from(D)).rounded(), C.times(&X.1).rounded());
+    let (re, im) = (C.times(&X.0).plus(&Precise::from(D)).round(), C.times(&X.1).round());
     Ok(CMat::from_fn(p, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))
 }
 
@@ -63,7 +63,7 @@ fn refined_states(
     let mut X = (Precise::from(&Mat::zeros(n, m)), Precise::from(&Mat::zeros(n, m)));
     let (mut last, mut is_settled) = (f64::INFINITY, false);
     for _ in 0..=TRANSFER_REFINEMENTS {
-        let (re, im) = (rest.0.rounded(), rest.1.rounded());
+        let (re, im) = (rest.0.round(), rest.1.round());
         let step = factors.solve(CMat::from_fn(n, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))?;
         let size = step.as_slice().iter().map(C64::norm_sqr).sum::<f64>().sqrt();
         let known = X.0.high.norm_fro().hypot(X.1.high.norm_fro());

@@ -65,7 +65,7 @@ fn corrected(M: &Mat, E: &[f64], start: C64) -> Option<C64> {
     let mut s = LongComplex::of(start);
     let mut last = f64::INFINITY;
     for _ in 0..PENCIL_CORRECTIONS {
-        let step = bordered.solve(residual(M, E, s, &x).into_iter().map(LongComplex::rounded).collect());
+        let step = bordered.solve(residual(M, E, s, &x).into_iter().map(LongComplex::round).collect());
         let size = step[largest].norm() / start.norm();
         let moved = (0..n).filter(|&j| j != largest).map(|j| step[j].norm()).fold(0.0, f64::max);
         if !(size.is_finite() && moved.is_finite()) || size > PENCIL_APPROACH * last {
@@ -76,7 +76,7 @@ fn corrected(M: &Mat, E: &[f64], start: C64) -> Option<C64> {
             x[j] = x[j] - LongComplex::of(step[j]);
         }
         if size <= PENCIL_CONVERGED && moved <= PENCIL_VECTOR {
-            return Some(s.rounded());
+            return Some(s.round());
         }
         last = size.max(PENCIL_CONVERGED / PENCIL_APPROACH);
     }

@@ -69,7 +69,7 @@ impl Spectrum {
     /// `excess` is the signed distance of an eigenvalue from the boundary. A change of each entry by a share e moves a
     /// simple eigenvalue by at most `e |y|'|A||x| / |y'x|` with its eigenvectors `x` and `y`, whatever the units of the
     /// states; only eigenvalues near the boundary are examined.
-    pub(crate) fn on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<C64> {
+    pub(crate) fn eigenvalues_on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<C64> {
         let near = |l: &C64| excess(*l).abs() <= BOUNDARY_SUSPECT * self.size.max(l.norm());
         self.modes().into_iter().filter(near).filter(|&l| excess(l).abs() <= self.movement(l)).collect()
     }
@@ -272,7 +272,10 @@ mod tests {
             last[(n - 1, 0)] = 1.0;
             let reach = spectrum.reach(&last, C64::default());
             assert!((reach.normwise - 1.0).abs() < 1e-12, "{n}: {}", reach.normwise);
-            assert!(spectrum.movement(C64::default()) >= 0.0 && spectrum.on_boundary(|l| l.re).len() <= n);
+            assert!(
+                spectrum.movement(C64::default()) >= 0.0
+                    && spectrum.eigenvalues_on_boundary(|l| l.re).len() <= n
+            );
         }
     }
 
@@ -287,7 +290,7 @@ mod tests {
 
     #[test]
     fn the_boundary_is_judged_mode_by_mode() {
-        let found = |A: &Mat| Spectrum::of(A).unwrap().on_boundary(|l| l.re).pop();
+        let found = |A: &Mat| Spectrum::of(A).unwrap().eigenvalues_on_boundary(|l| l.re).pop();
         // An integrator in coordinates that hide it.
         assert!(found(&Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]])).is_some());
         // Slow, and certain to be stable in spite of a fast neighbour.

@@ -34,7 +34,7 @@ impl Boundary {
 /// # Errors
 /// Returns an error if `A` is not square or not finite, or if the eigenvalue iteration fails.
 pub fn boundary_eigenvalues(A: &Mat, boundary: Boundary) -> Result<Vec<C64>, Error> {
-    Ok(Spectrum::of(A)?.on_boundary(|l| boundary.excess(l)))
+    Ok(Spectrum::of(A)?.eigenvalues_on_boundary(|l| boundary.excess(l)))
 }
 
 /// Whether every eigenvalue of `A` is farther from the boundary of stability than rounding the entries of `A` may move it, to

@@ -2,7 +2,7 @@
 //!
 //! Sources: Bartels and Stewart, Comm. ACM 15 (1972); Jonsson and Kagstrom, ACM TOMS 28 (2002) for the recursion.
 
-use crate::error::{Error, check_shape, check_square, in_range};
+use crate::error::{Error, check_range, check_shape, check_square};
 use crate::kernel::vectorised;
 use crate::mat::{C64, Mat};
 use crate::schur::{DiagonalBlock, Schur, blocks, schur};
@@ -61,7 +61,7 @@ fn solve_with_forms(left: &Schur, right: &Schur, C: &Mat, kind: Kind) -> Result<
     check_spectra(&left.eigenvalues(), &right.eigenvalues(), kind)?;
     let mut inner = left.U.t() * C * &right.U;
     solve_triangular(&left.T, &right.T, &mut inner, kind);
-    in_range("the solution of the Sylvester equation", &left.U * &inner * right.U.t())
+    check_range("the solution of the Sylvester equation", &left.U * &inner * right.U.t())
 }
 
 /// Refuses a pair of eigenvalues that makes the equation singular to working precision.

@@ -186,11 +186,11 @@ fn empty_problems_have_empty_solutions() {
     let none = Mat::zeros(0, 0);
     for m in 0..3 {
         let (B, R) = (Mat::zeros(0, m), Mat::eye(m));
-        assert_eq!(care(&none, &B, &none, &R, None).unwrap().solved().unwrap().F.shape(), (m, 0));
-        assert_eq!(dare(&none, &B, &none, &R, None).unwrap().solved().unwrap().F.shape(), (m, 0));
+        assert_eq!(care(&none, &B, &none, &R, None).unwrap().solution().unwrap().F.shape(), (m, 0));
+        assert_eq!(dare(&none, &B, &none, &R, None).unwrap().solution().unwrap().F.shape(), (m, 0));
     }
     let A = Mat::diag(&[-1.0, -2.0]);
-    let found = care(&A, &Mat::zeros(2, 0), &Mat::eye(2), &none, None).unwrap().solved().unwrap();
+    let found = care(&A, &Mat::zeros(2, 0), &Mat::eye(2), &none, None).unwrap().solution().unwrap();
     assert!((found.X[(0, 0)] - 0.5).abs() < 1e-15);
     assert_eq!(inverse(&none).unwrap().shape(), (0, 0));
 }

@@ -21,7 +21,7 @@ fn scalar_closed_form() {
     for a in [-1.0, 0.0, 1.0, 1e6, -1e6] {
         let number = |value: f64| Mat::from_rows(&[&[value]]);
         let solution =
-            care(&number(a), &number(1.0), &number(q * q), &number(r * r), None).unwrap().solved().unwrap();
+            care(&number(a), &number(1.0), &number(q * q), &number(r * r), None).unwrap().solution().unwrap();
         let root = (a * a + q * q / (r * r)).sqrt();
         let expected = if a > 0.0 { r * r * (a + root) } else { q * q / (root - a) };
         assert!((solution.X[(0, 0)] / expected - 1.0).abs() < 4e-16, "a = {a}");
@@ -36,7 +36,7 @@ fn double_integrator_closed_form_in_any_units() {
         let A = Mat::from_rows(&[&[0.0, unit], &[0.0, 0.0]]);
         let B = Mat::col(&[0.0, 1.0]);
         let Q = Mat::diag(&[1.0 / (unit * unit), 0.0]);
-        let solution = care(&A, &B, &Q, &Mat::eye(1), None).unwrap().solved().unwrap();
+        let solution = care(&A, &B, &Q, &Mat::eye(1), None).unwrap().solution().unwrap();
         let root = 2f64.sqrt();
         let expected = Mat::from_rows(&[&[root / (unit * unit), 1.0 / unit], &[1.0 / unit, root]]);
         for (value, exact) in solution.X.as_slice().iter().zip(expected.as_slice()) {
@@ -51,7 +51,7 @@ fn doyles_example() {
     let A = Mat::from_rows(&[&[1.0, 1.0], &[0.0, 1.0]]);
     for q in [1.0, 10.0, 1e4] {
         let Q = Mat::from_fn(2, 2, |_, _| q);
-        let solution = care(&A, &Mat::col(&[0.0, 1.0]), &Q, &Mat::eye(1), None).unwrap().solved().unwrap();
+        let solution = care(&A, &Mat::col(&[0.0, 1.0]), &Q, &Mat::eye(1), None).unwrap().solution().unwrap();
         let f = 2.0 + (4.0 + q).sqrt();
         assert!(difference(&solution.F, &Mat::row(&[f, f])) < 1e-15);
     }
@@ -65,7 +65,7 @@ fn cross_terms_are_honoured() {
     let R = Mat::diag(&[2.0, 0.5]);
     let F = Mat::diag(&[0.5, 2.0]) * S.t();
     let A = &A0 + &(&B * &F);
-    let solution = care(&A, &B, &(&S * &F).symmetric_part(), &R, Some(&S)).unwrap().solved().unwrap();
+    let solution = care(&A, &B, &(&S * &F).symmetric_part(), &R, Some(&S)).unwrap().solution().unwrap();
     assert!(solution.X.norm_fro() < 1e-13);
     assert!(difference(&solution.F, &F) < 1e-13);
     assert!(solution.certificate.newton_steps <= 12);
@@ -77,7 +77,7 @@ fn indefinite_equation_of_h_infinity() {
     let (a, g) = (-1.0_f64, 1.2_f64);
     let c = 1.0 - 1.0 / (g * g);
     let number = |value: f64| Mat::from_rows(&[&[value]]);
-    let solution = care_g(&number(a), &number(c), &number(1.0)).unwrap().solved().unwrap();
+    let solution = care_g(&number(a), &number(c), &number(1.0)).unwrap().solution().unwrap();
     assert!((solution.X[(0, 0)] - (a + (a * a + c).sqrt()) / c).abs() < 1e-15);
     // Below the norm (1 for a = -1) the Hamiltonian reaches the axis: 2 a x + (1/g^2 - 1) x^2 + 1 with 1/g^2 - 1 > 1.
     let outcome = care_g(&number(a), &number(1.0 - 1.0 / 0.36), &number(1.0)).unwrap();
@@ -118,7 +118,8 @@ fn refusals_name_the_mode() {
 fn stable_modes_out_of_reach_and_sight_do_no_harm() {
     let A = Mat::diag(&[-1.0, 2.0, -3.0]);
     let B = Mat::col(&[0.0, 1.0, 0.0]);
-    let solution = care(&A, &B, &Mat::diag(&[0.0, 1.0, 0.0]), &Mat::eye(1), None).unwrap().solved().unwrap();
+    let solution =
+        care(&A, &B, &Mat::diag(&[0.0, 1.0, 0.0]), &Mat::eye(1), None).unwrap().solution().unwrap();
     assert!((solution.X[(1, 1)] - (2.0 + 5f64.sqrt())).abs() < 1e-14);
     assert!(solution.X[(0, 0)].abs() < 1e-14 && solution.X[(2, 2)].abs() < 1e-14);
 }
@@ -127,11 +128,11 @@ fn stable_modes_out_of_reach_and_sight_do_no_harm() {
 fn discrete_tends_to_continuous() {
     let mut random = Random::new(11);
     let (A, B, Q, R) = (random.matrix(5, 5), random.matrix(5, 2), Mat::eye(5), Mat::eye(2));
-    let continuous = care(&A, &B, &Q, &R, None).unwrap().solved().unwrap();
+    let continuous = care(&A, &B, &Q, &R, None).unwrap().solution().unwrap();
     let mut errors = Vec::new();
     for h in [1e-3, 1e-4] {
         let (Phi, Gamma) = expm_integral(&A, &B, h).unwrap();
-        let discrete = dare(&Phi, &Gamma, &Q.scale(h), &R.scale(h), None).unwrap().solved().unwrap();
+        let discrete = dare(&Phi, &Gamma, &Q.scale(h), &R.scale(h), None).unwrap().solution().unwrap();
         errors.push(difference(&discrete.X, &continuous.X));
     }
     assert!(errors[0] < 0.1 && errors[1] < 0.11 * errors[0], "{errors:?}");
@@ -147,7 +148,7 @@ fn a_large_discrete_equation_is_that_of_its_parts() {
     let poles: Vec<f64> = (0..n).map(|k| 0.2 + 1.5 * k as f64 / n as f64).collect();
     let scalar = |a: f64| 0.5 * (a * a + (a.powi(4) + 4.0).sqrt());
     let solution =
-        dare(&mixed(&poles), &Mat::eye(n), &Mat::eye(n), &Mat::eye(n), None).unwrap().solved().unwrap();
+        dare(&mixed(&poles), &Mat::eye(n), &Mat::eye(n), &Mat::eye(n), None).unwrap().solution().unwrap();
     let exact = mixed(&poles.iter().map(|&a| scalar(a)).collect::<Vec<f64>>());
     let error = (&solution.X - &exact).norm_fro() / exact.norm_fro();
     assert!(error < 1e-14, "{error}");

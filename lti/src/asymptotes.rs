@@ -48,7 +48,7 @@ impl Asymptotes {
     }
 
     /// Returns frequencies beyond the first and the last point at which the gain may still cross one.
-    pub(crate) fn beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
+    pub(crate) fn frequencies_beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
         let mut rates = Vec::new();
         if let Some(crossing) =
             crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate / ASYMPTOTE_AT_END)
@@ -82,7 +82,7 @@ impl Asymptotes {
 
     /// Returns frequencies beyond the last point up to where the gain has fallen to a level; none if it does not fall, or is
     /// below it.
-    pub(crate) fn down_to(&self, level: f64, last: Point) -> Vec<f64> {
+    pub(crate) fn frequencies_down_to(&self, level: f64, last: Point) -> Vec<f64> {
         let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
         let relative = Point { value: last.value / level, ..last };
         match crossing(relative, slope).filter(|&rate| slope < 0.0 && rate > last.rate) {

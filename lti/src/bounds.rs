@@ -31,7 +31,7 @@ pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Pe
 fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
     let Ok(H) = linalg::refined_transfer(system, point(rate_rad_s, g.timebase)) else { return Ok(None) };
-    Ok(Some(linalg::largest_singular_value(&H).during("L-infinity norm")?))
+    Ok(Some(linalg::largest_singular_value(&H).with_operation("L-infinity norm")?))
 }
 
 /// Returns the highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then
@@ -102,7 +102,7 @@ pub(crate) fn is_kept_by_riccati(g: &StateSpace, level: f64) -> bool {
     let S = Mat::zeros(n, m).hstack(&g.C.t());
     let R = Mat::from_blocks(&[&[&minus(m), &g.D.t()], &[&g.D, &minus(p)]]);
     let outcome = linalg::care(&g.A, &B, &Mat::zeros(n, n), &R, Some(&S));
-    let solution = outcome.ok().and_then(linalg::Outcome::solved);
+    let solution = outcome.ok().and_then(linalg::Outcome::solution);
     solution.is_some_and(|found| {
         let known = found.certificate.forward_error.norm_fro() <= KNOWN_SOLUTION * found.X.norm_fro();
         found.certificate.method == linalg::Method::Precise || known

@@ -2,7 +2,7 @@
 
 use crate::C64;
 use crate::response::Point;
-use crate::scan::{Scan, between};
+use crate::scan::{Scan, divide_interval};
 use crate::tolerance::{
     CERTAIN_GAIN, CERTAIN_SIGN, KNOWN_AT_REST, LEVEL_AT_REST, REAL_AT_REST, SIGN_SAMPLES, ZOOMS,
 };
@@ -95,7 +95,7 @@ impl Scan {
             if b.rate - a.rate <= f64::EPSILON * b.rate {
                 break;
             }
-            let inside = self.evaluate(&between(a.rate, b.rate));
+            let inside = self.evaluate(&divide_interval(a.rate, b.rate));
             let change = inside.iter().position(|point| (of(point.value) < 0.0) != below);
             let last = change.map_or(inside.last(), |at| if at == 0 { None } else { inside.get(at - 1) });
             b = change.and_then(|at| inside.get(at)).copied().unwrap_or(b);

@@ -23,7 +23,7 @@ pub fn pade(delay_s: f64, order: usize) -> Result<StateSpace, Error> {
     if delay_s == 0.0 || order == 0 {
         return StateSpace::gain(Mat::eye(1), Timebase::Continuous);
     }
-    let inverse = linalg::inverse(&ladder(order)).during("Pade approximation")?;
+    let inverse = linalg::inverse(&ladder(order)).with_operation("Pade approximation")?;
     let roots: Vec<f64> = (0..order).map(|k| ((2 * k + 1) as f64).sqrt()).collect();
     let root = Mat::diag(&roots);
     let first = Mat::eye(order).block(0, 0, order, 1);

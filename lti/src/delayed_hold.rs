@@ -45,11 +45,11 @@ fn partly_delayed(g: &StateSpace, period_s: f64, share: f64) -> Result<StateSpac
     let (n, m) = (g.order(), g.inputs());
     let timebase = Timebase::Discrete { period_s };
     let during = "zero-order hold with delay";
-    let (late, now) = linalg::expm_integral(&g.A, &g.B, (1.0 - share) * period_s).during(during)?;
+    let (late, now) = linalg::expm_integral(&g.A, &g.B, (1.0 - share) * period_s).with_operation(during)?;
     if share == 0.0 {
         return StateSpace::new(late, now, g.C.clone(), g.D.clone(), timebase);
     }
-    let (early, before) = linalg::expm_integral(&g.A, &g.B, share * period_s).during(during)?;
+    let (early, before) = linalg::expm_integral(&g.A, &g.B, share * period_s).with_operation(during)?;
     let none = Mat::zeros(m, m);
     let A = Mat::from_blocks(&[&[&(&late * &early), &(&late * &before)], &[&Mat::zeros(m, n), &none]]);
     let B = now.vstack(&Mat::eye(m));

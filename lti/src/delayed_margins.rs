@@ -37,7 +37,7 @@ pub fn margins_with_delay(loop_gain: &StateSpace, delay_s: f64) -> Result<Delaye
     if !(delay_s >= 0.0 && delay_s.is_finite()) {
         return Err(Error::Range { what: "delay_s", value: delay_s, allowed: "finite and not negative" });
     }
-    let mut scan = Scan::of(loop_gain)?.delayed(loop_gain, delay_s)?;
+    let mut scan = Scan::of(loop_gain)?.with_delay(loop_gain, delay_s)?;
     let at_rest = response::response_at(loop_gain, 0.0).ok();
     let ends: Vec<Point> = at_rest.map(|H| Point { rate: 0.0, value: H[(0, 0)] }).into_iter().collect();
     let phase = phase_margins(&scan);

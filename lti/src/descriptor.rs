@@ -152,10 +152,10 @@ impl Pencil {
         let rows: Vec<usize> = (0..n).filter(|i| free.binary_search(i).is_err()).collect();
         let all = |M: &Tracked| (0..M.value.nrows()).collect::<Vec<_>>();
         let right = self.A.value.select(&all(&self.A), &rest);
-        let X = solve_pivots(&self.A.value, pivots, &right).during("index reduction")?;
+        let X = solve_pivots(&self.A.value, pivots, &right).with_operation("index reduction")?;
         let mut inputs = Vec::new();
         for b in &self.B {
-            inputs.push(solve_pivots(&self.A.value, pivots, &b.value).during("index reduction")?);
+            inputs.push(solve_pivots(&self.A.value, pivots, &b.value).with_operation("index reduction")?);
         }
         let (Ep, Ap) = (self.E.select(&rows, &gone), self.A.select(&rows, &gone));
         let outputs = all(&self.C);
@@ -196,7 +196,7 @@ impl Pencil {
             if M.nrows() == 0 {
                 Ok(M.clone())
             } else {
-                linalg::solve(&self.E.value, M).during("index reduction")
+                linalg::solve(&self.E.value, M).with_operation("index reduction")
             }
         };
         let A = Tracked::of(by_E(&self.A.value)?);

@@ -3,7 +3,7 @@
 use crate::error::During;
 use crate::scaling::balance;
 use crate::tolerance::SPREAD_UNITS;
-use crate::zpk::matched;
+use crate::zpk::match_poles_and_zeros;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -38,7 +38,7 @@ pub fn c2d(g: &StateSpace, period_s: f64, method: Discretisation) -> Result<Stat
         Discretisation::ZeroOrderHold => zero_order_hold(g, period_s),
         Discretisation::FirstOrderHold => first_order_hold(g, period_s),
         Discretisation::Tustin { prewarp_rad_s } => tustin(g, period_s, slope(period_s, prewarp_rad_s)?),
-        Discretisation::Matched => matched(g, period_s),
+        Discretisation::Matched => match_poles_and_zeros(g, period_s),
     }
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn needs_continuous(what: &'static str, g: &StateSpace) -> Result<(),
 }
 
 fn zero_order_hold(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> {
-    let (F, G) = linalg::expm_integral(&g.A, &g.B, period_s).during("zero-order hold")?;
+    let (F, G) = linalg::expm_integral(&g.A, &g.B, period_s).with_operation("zero-order hold")?;
     StateSpace::new(F, G, g.C.clone(), g.D.clone(), Timebase::Discrete { period_s })
 }
 
@@ -91,7 +91,7 @@ fn first_order_hold(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> 
     augmented.set_block(0, 0, &g.A.scale(period_s));
     augmented.set_block(0, n, &g.B.scale(period_s));
     augmented.set_block(n, n + m, &Mat::eye(m));
-    let E = linalg::expm(&augmented).during("first-order hold")?;
+    let E = linalg::expm(&augmented).with_operation("first-order hold")?;
     let F = E.block(0, 0, n, n);
     let (G1, G2) = (E.block(0, n, n, m), E.block(0, n + m, n, m));
     let B = &(&G1 - &G2) + &(&F * &G2);
@@ -186,7 +186,7 @@ pub fn sampled_cost(A: &Mat, B: &Mat, cost: Cost, period_s: f64) -> Result<Sampl
     let zero = Mat::zeros(m, n + m);
     let F = A.hstack(B).vstack(&zero);
     let W = Mat::from_blocks(&[&[cost.Q, cost.S], &[&cost.S.t(), cost.R]]);
-    let (E, W) = linalg::van_loan_cost(&F, &W, period_s).during("sampled cost")?;
+    let (E, W) = linalg::van_loan_cost(&F, &W, period_s).with_operation("sampled cost")?;
     Ok(SampledCost {
         A: E.block(0, 0, n, n),
         B: E.block(0, n, n, m),

@@ -64,7 +64,8 @@ impl TrackedSystem {
         let kept: Vec<usize> = (0..self.A.value.nrows()).filter(|j| !gone.contains(j)).collect();
         let inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
         let outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
-        let X = solve_pivots(&self.C.value, pivots, &self.C.value.select(&outputs, &kept)).during("zeros")?;
+        let X = solve_pivots(&self.C.value, pivots, &self.C.value.select(&outputs, &kept))
+            .with_operation("zeros")?;
         let rows =
             |M: &Tracked, rows: &[usize]| M.select(rows, &kept).minus_product(&M.select(rows, &gone), &X);
         let (A, lost) = (rows(&self.A, &kept), rows(&self.A, &gone));
@@ -81,7 +82,7 @@ impl TrackedSystem {
         let mut outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
         let mut inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
         let pivots = eliminate(&mut self.D, &mut [&mut self.C], &mut outputs, &mut inputs);
-        let K = solve_pivots(&self.D.value, &pivots, &self.C.value).during("zeros")?;
+        let K = solve_pivots(&self.D.value, &pivots, &self.C.value).with_operation("zeros")?;
         let driving: Vec<usize> = pivots.iter().map(|pivot| pivot.column).collect();
         let states: Vec<usize> = (0..self.A.value.nrows()).collect();
         let A = self.A.minus_product(&self.B.select(&states, &driving), &K).value;
@@ -90,7 +91,7 @@ impl TrackedSystem {
         let A = balance(&alone).0.A;
         let mut zeros = Vec::with_capacity(n);
         for group in components(&A) {
-            zeros.extend(linalg::eigenvalues(&A.select(&group, &group)).during("zeros")?);
+            zeros.extend(linalg::eigenvalues(&A.select(&group, &group)).with_operation("zeros")?);
         }
         sort_roots(&mut zeros);
         Ok(zeros)

@@ -33,7 +33,7 @@ pub fn ctrb_factor(g: &StateSpace) -> Result<Mat, Error> {
     };
     match factor {
         Err(linalg::Error::NotStable { .. }) => Err(unstable("Gramian", g)?),
-        other => other.during("Gramian"),
+        other => other.with_operation("Gramian"),
     }
 }
 
@@ -56,7 +56,7 @@ pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
     };
     match factors {
         Err(linalg::Error::NotStable { .. }) => Err(unstable("Gramians", g)?),
-        other => other.during("Gramians"),
+        other => other.with_operation("Gramians"),
     }
 }
 
@@ -66,7 +66,7 @@ pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
 /// [`Error::Pole`] for a system that is not stable.
 pub fn hankel_values(g: &StateSpace) -> Result<Vec<f64>, Error> {
     let (R, L) = gramian_factors(g)?;
-    linalg::singular_values(&(&L.t() * &R)).during("Hankel values")
+    linalg::singular_values(&(&L.t() * &R)).with_operation("Hankel values")
 }
 
 /// Returns the Hankel norm, the largest Hankel value.

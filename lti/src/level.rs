@@ -23,7 +23,7 @@ impl Level {
     /// Returns [`Error::Matrix`] if the level is a singular value of the direct path or the eigenvalue iteration fails.
     pub(crate) fn of(g: &StateSpace, level: f64) -> Result<Self, Error> {
         let matrix = hamiltonian(g, level)?;
-        let eigenvalues = linalg::eigenvalues(&matrix).during("L-infinity norm")?;
+        let eigenvalues = linalg::eigenvalues(&matrix).with_operation("L-infinity norm")?;
         Ok(Self { matrix, eigenvalues })
     }
 
@@ -223,8 +223,8 @@ fn hamiltonian(g: &StateSpace, level: f64) -> Result<Mat, Error> {
     let (B, C, D) = (g.B.scale(1.0 / root), g.C.scale(1.0 / root), g.D.scale(1.0 / level));
     let R = &Mat::eye(D.ncols()) - &(&D.t() * &D);
     let S = &Mat::eye(D.nrows()) - &(&D * &D.t());
-    let RB = linalg::solve(&R, &B.t()).during("L-infinity norm")?;
-    let SC = linalg::solve(&S, &C).during("L-infinity norm")?;
+    let RB = linalg::solve(&R, &B.t()).with_operation("L-infinity norm")?;
+    let SC = linalg::solve(&S, &C).with_operation("L-infinity norm")?;
     let F = &g.A + &(&RB.t() * &(&D.t() * &C));
     Ok(Mat::from_blocks(&[&[&F, &(&B * &RB)], &[&-(&C.t() * &SC), &-F.t()]]))
 }

@@ -181,7 +181,7 @@ fn smallest_norm(H: &CMat) -> Result<ScaledNorm, Error> {
     let mut logs = osborne(H);
     let norm = |logs: &[f64]| -> Result<f64, Error> {
         let scaled = CMat::from_fn(m, m, |i, j| H[(i, j)] * (logs[i] - logs[j]).exp());
-        let values = linalg::csingular_values(&scaled).during("disk margin")?;
+        let values = linalg::csingular_values(&scaled).with_operation("disk margin")?;
         Ok(values.first().copied().unwrap_or(0.0))
     };
     let mut best = norm(&logs)?;

@@ -7,7 +7,7 @@ use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
-use crate::roots::{examined, is_stable, poles};
+use crate::roots::{examine_poles, is_stable, poles};
 use crate::scaling::balance;
 use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
@@ -48,10 +48,10 @@ fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
     match factor {
         Err(linalg::Error::NotStable { .. }) => Ok(None),
         other => {
-            let norm = (&g.C * &other.during("Gramian")?).norm_fro().hypot(g.D.norm_fro());
+            let norm = (&g.C * &other.with_operation("Gramian")?).norm_fro().hypot(g.D.norm_fro());
             let known =
                 if norm.is_nan() { Err(linalg::Error::OutOfRange { what: "the H2 norm" }) } else { Ok(norm) };
-            known.map(Some).during("H2 norm")
+            known.map(Some).with_operation("H2 norm")
         }
     }
 }
@@ -154,7 +154,7 @@ fn pole_on_the_border(g: &StateSpace, poles: &[C64]) -> Result<Option<f64>, Erro
     };
     let pole = match poles.iter().find(on_border) {
         Some(pole) => Some(*pole),
-        None => examined(g, poles)?.pop(),
+        None => examine_poles(g, poles)?.pop(),
     };
     Ok(pole.map(|p| match g.timebase {
         Timebase::Continuous => p.im.abs(),
@@ -205,7 +205,7 @@ fn largest_singular_value(D: &Mat) -> Result<f64, Error> {
     if D.norm_max() == 0.0 {
         return Ok(0.0);
     }
-    Ok(linalg::singular_values(D).during("L-infinity norm")?.first().copied().unwrap_or(0.0))
+    Ok(linalg::singular_values(D).with_operation("L-infinity norm")?.first().copied().unwrap_or(0.0))
 }
 
 #[cfg(test)]

@@ -19,6 +19,6 @@ pub struct Peak {
 /// # Errors
 /// Returns [`Error::Pole`] if a frequency is that of a pole.
 pub(crate) fn largest_gains(response: &Response, rates: &[f64]) -> Result<Vec<f64>, Error> {
-    let largest = |H: &CMat| linalg::largest_singular_value(H).during("L-infinity norm");
+    let largest = |H: &CMat| linalg::largest_singular_value(H).with_operation("L-infinity norm");
     response.at_all(rates)?.iter().map(largest).collect()
 }

@@ -40,7 +40,7 @@ pub fn place(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<Placement, Error> {
     let spaces: Result<Vec<CMat>, Error> = poles.iter().map(|&pole| inputs.space(A, pole)).collect();
     let vectors = Vectors::start(&poles, spaces?).improved()?;
     let F = inputs.gain(A, &poles, &vectors.X)?;
-    let mut poles = linalg::eigenvalues(&(A - &(B * &F))).during("pole placement")?;
+    let mut poles = linalg::eigenvalues(&(A - &(B * &F))).with_operation("pole placement")?;
     sort_roots(&mut poles);
     Ok(Placement { F, poles, condition: vectors.condition()? })
 }
@@ -100,7 +100,7 @@ impl Inputs {
     fn of(B: &Mat) -> Result<Self, Error> {
         let (n, m) = B.shape();
         let padded = if m < n { B.hstack(&Mat::zeros(n, n - m)) } else { B.clone() };
-        let parts = linalg::svd(&padded).during("pole placement")?;
+        let parts = linalg::svd(&padded).with_operation("pole placement")?;
         let largest = parts.s.first().copied().unwrap_or(0.0);
         let rank = parts.s.iter().filter(|s| **s > PLACEMENT_RANK * largest).count();
         let inverses: Vec<f64> = parts.s.iter().take(rank).map(|s| 1.0 / s).collect();
@@ -121,7 +121,7 @@ impl Inputs {
         let M = CMat::from_fn(n, n, |i, j| {
             if i < rows { C64::new(UA[(i, j)], 0.0) - pole * U[(i, j)] } else { C64::new(0.0, 0.0) }
         });
-        let parts = linalg::csvd(&M).during("pole placement")?;
+        let parts = linalg::csvd(&M).with_operation("pole placement")?;
         let size = A.norm_fro().max(pole.norm());
         if rows > 0 && parts.s[rows - 1] <= PLACEMENT_RANK * size {
             let problem = "was wanted where the inputs do not reach a mode of the same value";
@@ -134,7 +134,7 @@ impl Inputs {
     fn gain(&self, A: &Mat, poles: &[C64], X: &CMat) -> Result<Mat, Error> {
         let scaled = CMat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * poles[j]);
         // (X Lambda) X^-1 = ((X')^-1 (X Lambda)')'
-        let closed = linalg::csolve(&transposed(X), &transposed(&scaled)).during("pole placement")?;
+        let closed = linalg::csolve(&transposed(X), &transposed(&scaled)).with_operation("pole placement")?;
         let closed = transposed(&closed).map(|entry: C64| entry.re);
         Ok(&self.inverse * &(self.U0.t() * (A - &closed)))
     }
@@ -230,7 +230,7 @@ impl Vectors {
     }
 
     fn condition(&self) -> Result<f64, Error> {
-        let s = linalg::csingular_values(&self.X).during("pole placement")?;
+        let s = linalg::csingular_values(&self.X).with_operation("pole placement")?;
         let last = s.last().copied().unwrap_or(0.0);
         Ok(if last > 0.0 { s[0] / last } else { f64::INFINITY })
     }

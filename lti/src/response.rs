@@ -41,7 +41,7 @@ pub fn response_at(g: &StateSpace, rate_rad_s: f64) -> Result<CMat, Error> {
 /// As [`frequency_response`].
 pub fn sigma(g: &StateSpace, rates_rad_s: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
     let responses = frequency_response(g, rates_rad_s)?;
-    responses.iter().map(|H| linalg::csingular_values(H).during("sigma")).collect()
+    responses.iter().map(|H| linalg::csingular_values(H).with_operation("sigma")).collect()
 }
 
 /// Returns the gain at zero frequency: C inv(-A) B + D, or C inv(I - A) B + D.
@@ -265,7 +265,7 @@ fn block_hessenberg(g: &StateSpace) -> Result<(Mat, Mat, StateSpace), Error> {
     let order: Vec<usize> = groups.iter().flatten().copied().collect();
     let g = g.permute(&order);
     if groups.len() < 2 {
-        let (H, U) = linalg::hessenberg(&g.A).during("frequency response")?;
+        let (H, U) = linalg::hessenberg(&g.A).with_operation("frequency response")?;
         return Ok((H, U, g));
     }
     let mut U = Mat::eye(g.order());
@@ -273,7 +273,8 @@ fn block_hessenberg(g: &StateSpace) -> Result<(Mat, Mat, StateSpace), Error> {
     let mut top = 0;
     for size in groups.iter().map(Vec::len) {
         if size > 2 {
-            let (H, V) = linalg::hessenberg(&g.A.block(top, top, size, size)).during("frequency response")?;
+            let (H, V) =
+                linalg::hessenberg(&g.A.block(top, top, size, size)).with_operation("frequency response")?;
             U.set_block(top, top, &V);
             blocks.push((top, H));
         }

@@ -22,7 +22,7 @@ pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let A = balance(g).0.A;
     let mut poles = Vec::with_capacity(A.nrows());
     for group in components(&A) {
-        poles.extend(linalg::eigenvalues(&A.select(&group, &group)).during("poles")?);
+        poles.extend(linalg::eigenvalues(&A.select(&group, &group)).with_operation("poles")?);
     }
     sort_roots(&mut poles);
     Ok(poles)
@@ -36,7 +36,7 @@ pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
 pub fn is_stable(g: &StateSpace) -> Result<bool, Error> {
     let poles = poles(g)?;
     let inside = poles.iter().all(|&pole| is_stable_pole(pole, g.timebase));
-    Ok(inside && examined(g, &poles)?.is_empty())
+    Ok(inside && examine_poles(g, &poles)?.is_empty())
 }
 
 /// Returns the poles, one of each conjugate pair, that lie on the boundary of stability as far as the entries of A can tell:
@@ -45,19 +45,19 @@ pub fn is_stable(g: &StateSpace) -> Result<bool, Error> {
 /// # Errors
 /// As [`poles`].
 pub fn poles_on_boundary(g: &StateSpace) -> Result<Vec<C64>, Error> {
-    examined(g, &poles(g)?)
+    examine_poles(g, &poles(g)?)
 }
 
 /// Returns the poles on the boundary of a system whose poles are known; a pole that is exactly there needs no
 /// examination.
-pub(crate) fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
+pub(crate) fn examine_poles(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
     let boundary = boundary(g.timebase);
     let size = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let distance = |pole: &C64| boundary.excess(*pole).abs();
     let certain = poles.iter().copied().filter(|pole| pole.im >= 0.0 && distance(pole) == 0.0);
     let mut found: Vec<C64> = certain.collect();
     if poles.iter().any(|pole| distance(pole) > 0.0 && distance(pole) <= SUSPECT_POLE * size.max(1.0)) {
-        found.extend(linalg::boundary_eigenvalues(&balance(g).0.A, boundary).during("poles")?);
+        found.extend(linalg::boundary_eigenvalues(&balance(g).0.A, boundary).with_operation("poles")?);
     }
     Ok(found)
 }
@@ -135,7 +135,7 @@ fn precise_zeros(g: &StateSpace, starts: &[C64]) -> Result<Option<Vec<C64>>, Err
     let mass: Vec<f64> = (0..n + m).map(|i| if i < n { 1.0 } else { 0.0 }).collect();
     let matrix = system_matrix(g);
     let displaced = if is_certainly_regular(&matrix) { off_the_origin(starts) } else { starts.to_vec() };
-    let mut found = linalg::pencil_roots(&matrix, &mass, &displaced).during("zeros")?;
+    let mut found = linalg::pencil_roots(&matrix, &mass, &displaced).with_operation("zeros")?;
     found.iter_mut().for_each(|zeros| sort_roots(zeros));
     Ok(found)
 }
@@ -224,17 +224,17 @@ fn unit_gains(g: &StateSpace) -> StateSpace {
 fn compress(mut g: StateSpace, tolerance: f64) -> Result<StateSpace, Error> {
     loop {
         let (p, n, m) = (g.outputs(), g.order(), g.inputs());
-        let direct = RangeBasis::of(&g.D, tolerance).during("zeros")?;
+        let direct = RangeBasis::of(&g.D, tolerance).with_operation("zeros")?;
         let rank = direct.rank();
         if rank == p {
             return Ok(g);
         }
-        let turned = |M: &Mat| direct.transpose_times(M).during("zeros");
+        let turned = |M: &Mat| direct.transpose_times(M).with_operation("zeros");
         let (C, D) = (turned(&g.C)?, turned(&g.D)?);
-        let hidden = RangeBasis::of(&C.block(rank, 0, p - rank, n).t(), tolerance).during("zeros")?;
+        let hidden = RangeBasis::of(&C.block(rank, 0, p - rank, n).t(), tolerance).with_operation("zeros")?;
         let seen = hidden.rank();
-        let rows = |M: &Mat| hidden.transpose_times(M).during("zeros");
-        let columns = |M: &Mat| hidden.times(M).during("zeros");
+        let rows = |M: &Mat| hidden.transpose_times(M).with_operation("zeros");
+        let columns = |M: &Mat| hidden.times(M).with_operation("zeros");
         let (A, B, C) = (rows(&columns(&g.A)?)?, rows(&g.B)?, columns(&C.block(0, 0, rank, n))?);
         let kept = n - seen;
         g = StateSpace {
@@ -259,16 +259,16 @@ fn finite_eigenvalues(g: &StateSpace) -> Result<Vec<C64>, Error> {
         return Ok(Vec::new());
     }
     if p == 0 {
-        return linalg::eigenvalues(&g.A).during("zeros");
+        return linalg::eigenvalues(&g.A).with_operation("zeros");
     }
     if let Some(inner) = without_direct_path(g) {
-        return linalg::eigenvalues(&inner).during("zeros");
+        return linalg::eigenvalues(&inner).with_operation("zeros");
     }
-    let basis = RangeBasis::of(&g.C.hstack(&g.D).t(), 0.0).during("zeros")?;
-    let columns = |M: Mat| basis.times(&M).during("zeros");
+    let basis = RangeBasis::of(&g.C.hstack(&g.D).t(), 0.0).with_operation("zeros")?;
+    let columns = |M: Mat| basis.times(&M).with_operation("zeros");
     let (whole, mass) = (columns(g.A.hstack(&g.B))?, columns(Mat::eye(n).hstack(&Mat::zeros(n, p)))?);
     let pencil = (whole.block(0, p, n, n), mass.block(0, p, n, n));
-    let pairs = linalg::gen_eigenvalues(&pencil.0, &pencil.1).during("zeros")?;
+    let pairs = linalg::gen_eigenvalues(&pencil.0, &pencil.1).with_operation("zeros")?;
     let mut zeros: Vec<C64> = pairs.into_iter().map(|(alpha, beta)| alpha / beta).collect();
     zeros.retain(|zero| zero.re.is_finite() && zero.im.is_finite());
     sort_roots(&mut zeros);

@@ -50,8 +50,8 @@ pub fn sampled_problem(
         return Err(Error::Shape { what: "W", found: noise.process.shape(), expected: (n, n) });
     }
     let (Q, sampled) = (cost.Q, sampled_cost(A, B, cost, period_s)?);
-    let (_, process) = linalg::van_loan_noise(A, noise.process, period_s).during("sampled noise")?;
-    let accumulated = linalg::van_loan_accumulated(A, Q, period_s).during("sampled noise")?;
+    let (_, process) = linalg::van_loan_noise(A, noise.process, period_s).with_operation("sampled noise")?;
+    let accumulated = linalg::van_loan_accumulated(A, Q, period_s).with_operation("sampled noise")?;
     Ok(SampledProblem {
         cost: sampled,
         process,
@@ -87,7 +87,7 @@ mod tests {
         let noise = Noise { process: &W, measurement: &V };
         let exact = sampled_problem(&A, &B, cost, noise, T).unwrap();
         let d = &exact.cost;
-        let answer = linalg::dare(&d.A, &d.B, &d.Q, &d.R, Some(&d.S)).unwrap().solved().unwrap();
+        let answer = linalg::dare(&d.A, &d.B, &d.Q, &d.R, Some(&d.S)).unwrap().solution().unwrap();
         let closed = &d.A - &(&d.B * &answer.F);
         let X = settled(&closed, &exact.process);
         // [x; u] = [I; -F] x at the samples.

@@ -63,7 +63,7 @@ impl Scan {
 
     /// Returns the response of the same loop with a delay in seconds, up to the frequency from which on the gain is below
     /// [`LEAST_GAIN`].
-    pub fn delayed(mut self, g: &StateSpace, delay_s: f64) -> Result<Self, Error> {
+    pub fn with_delay(mut self, g: &StateSpace, delay_s: f64) -> Result<Self, Error> {
         self.extend_down(g)?;
         let last = self.points.iter().rposition(|point| point.value.norm() >= LEAST_GAIN);
         self.points.truncate(last.map_or(1, |at| at + 2));
@@ -101,7 +101,7 @@ impl Scan {
             Some(known) => known,
             None => Asymptotes::of(g, &zeros(g)?, first.rate, last.rate)?,
         };
-        let rates = asymptotes.down_to(LEAST_GAIN, last);
+        let rates = asymptotes.frequencies_down_to(LEAST_GAIN, last);
         self.asymptotes = Some(asymptotes);
         let more = self.evaluate(&rates);
         self.points.extend(more);
@@ -115,7 +115,7 @@ impl Scan {
         };
         let asymptotes = Asymptotes::of(g, zeros, first.rate, last.rate)?;
         self.grows_towards_rest = asymptotes.slope_at_zero() < 0.0;
-        let mut rates = asymptotes.beyond(first, last, g.timebase);
+        let mut rates = asymptotes.frequencies_beyond(first, last, g.timebase);
         let goes_below = rates.first().is_some_and(|&rate| rate < first.rate);
         if goes_below && first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
             // Rounding decides how many poles are at the origin, and with it the slope.
@@ -234,7 +234,7 @@ impl Scan {
 
     fn zoom(&self, mut low: f64, mut high: f64, mut best: Point, of: &impl Fn(C64) -> f64) -> Point {
         for _ in 0..ZOOMS {
-            let rates = between(low, high);
+            let rates = divide_interval(low, high);
             if high - low <= SCAN_RESOLUTION * high {
                 break;
             }
@@ -250,7 +250,7 @@ impl Scan {
 }
 
 /// Seven frequencies inside an interval.
-pub(crate) fn between(low: f64, high: f64) -> Vec<f64> {
+pub(crate) fn divide_interval(low: f64, high: f64) -> Vec<f64> {
     (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect()
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn modes(g: &StateSpace) -> Result<Option<StateSpace>, Error> {
     if K != K.t() || is_diagonal(&K) {
         return Ok(None);
     }
-    let (_, X) = linalg::sym_eigen(&K).during("modes")?;
+    let (_, X) = linalg::sym_eigen(&K).with_operation("modes")?;
     let G = -(&X.t() * &(&g.A.select(&speeds, &speeds) * &X));
     let least = UNCOUPLED * G.norm_max();
     let coupled = |i: usize, j: usize| i != j && G[(i, j)].abs() > least;

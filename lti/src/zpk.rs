@@ -57,7 +57,7 @@ impl Zpk {
         let value = response.at_points(&[away])?[0][(0, 0)];
         zpk.gain = (value / zpk.at(away)).re;
         if zpk.gain.is_nan() {
-            return Err(linalg::Error::OutOfRange { what: "the gain" }).during("zpk");
+            return Err(linalg::Error::OutOfRange { what: "the gain" }).with_operation("zpk");
         }
         if zpk.gain == 0.0 {
             zpk.zeros.clear();
@@ -230,7 +230,7 @@ impl Section {
 
 /// c2d by z = exp(s T): zeros at infinity go to z = -1 but for one. The gain is matched at zero frequency; roots at the
 /// origin count there as their slopes, s^n as ((z - 1) / T)^n.
-pub(crate) fn matched(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> {
+pub(crate) fn match_poles_and_zeros(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> {
     needs_siso("matched discretisation", g)?;
     let zpk = Zpk::of(g)?;
     let map = |roots: &[C64]| roots.iter().map(|r| (r * period_s).exp()).collect::<Vec<_>>();
@@ -281,7 +281,7 @@ mod tests {
         let c = C64::new;
         let (zeros, poles) = (vec![c(-3.0, 0.0)], vec![c(0.0, 0.0), c(-40.0, 0.0), c(-90.0, 0.0)]);
         let zpk = Zpk { zeros, poles, gain: 700.0, timebase: Timebase::Continuous };
-        let sampled = matched(&zpk.to_state_space().unwrap(), 1e-3).unwrap();
+        let sampled = match_poles_and_zeros(&zpk.to_state_space().unwrap(), 1e-3).unwrap();
         for (rate, within) in [(0.01, 1e-4), (1.0, 1e-3), (15.0, 1e-2)] {
             let found = crate::frequency_response(&sampled, &[rate]).unwrap()[0][(0, 0)];
             let ratio = found.norm() / zpk.at(c(0.0, rate)).norm();

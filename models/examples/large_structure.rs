@@ -20,13 +20,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
     let map = NodeMap::parse(&read("nodes.map")?)?;
     let (M, K) = (matrix_market(&read("mass.mtx")?)?, matrix_market(&read("stiffness.mtx")?)?);
-    let imported = Imported::in_order_of(&map, M, None, K);
+    let imported = Imported::from_row_order(&map, M, None, K);
     let read_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let balanced = arguments.next().is_some_and(|word| word == "balanced");
     let shapes = if balanced { Shapes::Balanced } else { Shapes::Modes };
     let wanted = Condensation { modes: count, shapes, damping_ratio: 0.01 };
-    let small = imported.sparse(&map)?.condensed(&wanted, &mut |at| {
+    let small = imported.sparse(&map)?.condense(&wanted, &mut |at| {
         eprintln!("{:8.2} s  {} {}/{}", start.elapsed().as_secs_f64(), at.stage, at.done, at.of);
         ControlFlow::Continue(())
     })?;

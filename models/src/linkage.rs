@@ -27,7 +27,7 @@ pub struct Side {
 impl Linkage {
     /// Returns the angle c between both arms at an angle of the hub on the platform, rad.
     #[inline]
-    pub fn between_rad(&self, angle_rad: f64) -> f64 {
+    pub fn included_angle_rad(&self, angle_rad: f64) -> f64 {
         self.anchor_angle_rad - self.arm_angle_rad - angle_rad
     }
 
@@ -36,7 +36,7 @@ impl Linkage {
     pub fn length_m(&self, angle_rad: f64) -> f64 {
         let product = self.arm_m * self.anchor_m;
         let squares = self.arm_m * self.arm_m + self.anchor_m * self.anchor_m;
-        (squares - 2.0 * product * self.between_rad(angle_rad).cos()).max(0.0).sqrt()
+        (squares - 2.0 * product * self.included_angle_rad(angle_rad).cos()).max(0.0).sqrt()
     }
 
     /// Returns the distance of the pins with its slopes over the angle p of the hub on the platform. With the angle c = anchor angle - arm angle - p
@@ -51,7 +51,7 @@ impl Linkage {
         if length_m == 0.0 {
             return Side::default();
         }
-        let (product, between) = (self.arm_m * self.anchor_m, self.between_rad(angle_rad));
+        let (product, between) = (self.arm_m * self.anchor_m, self.included_angle_rad(angle_rad));
         let slope_m_rad = -product * between.sin() / length_m;
         let curvature_m_rad2 = (product * between.cos() - slope_m_rad * slope_m_rad) / length_m;
         Side { length_m, slope_m_rad, curvature_m_rad2 }

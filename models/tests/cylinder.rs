@@ -28,7 +28,7 @@ fn the_oil_springs_at_the_frequency_of_the_textbook() {
     let mut p = machine(Lever::Constant(0.5), 400.0);
     p.gravity_m_s2 = 0.0;
     p.motor.resistance_ohm = 1e-9;
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let at = plant.equilibrium(&OperatingPoint::default());
     let linear = plant.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
     // sqrt(4 b A^2 r^2/(V J)) in SI: H. Merritt 1967, equation 6-26
@@ -78,7 +78,7 @@ fn a_linkage_s_lever_is_the_slope_of_its_travel() {
 #[test]
 fn the_linear_plant_is_the_slope_of_the_definition() {
     for angle in [-0.2, 0.0, 0.5] {
-        let plant = Plant::lumped(&machine(Lever::Linkage(PINS), 400.0)).unwrap();
+        let plant = Plant::from_lumped(&machine(Lever::Linkage(PINS), 400.0)).unwrap();
         let at = plant.equilibrium(&OperatingPoint { hub_angle_rad: angle, platform_angle_rad: 0.0 });
         let linear = plant.linearise(&at, FrictionLinearisation::Viscous, Angles::Keep).unwrap();
         let places = [state::VOLTAGE, state::CURRENT, state::MOTOR, state::ANGLE, state::RATE];
@@ -124,7 +124,7 @@ fn what_only_a_motor_has_is_refused_beside_a_cylinder() {
     let refused = |change: fn(&mut Parameters)| {
         let mut p = machine(Lever::Constant(0.5), 400.0);
         change(&mut p);
-        Plant::lumped(&p).unwrap_err().to_string()
+        Plant::from_lumped(&p).unwrap_err().to_string()
     };
     assert!(refused(|p| p.motor.inertia_kg_m2 = 1.0).contains("motor.inertia_kg_m2"));
     assert!(refused(|p| p.drive_limits.supply_power_w = 1e3).contains("drive_limits"));

@@ -25,7 +25,7 @@ fn direct(inertia_kg_m2: f64) -> Parameters {
 }
 
 fn linear(p: &Parameters, angles: Angles) -> LinearPlant {
-    let plant = Plant::lumped(p).unwrap();
+    let plant = Plant::from_lumped(p).unwrap();
     let at = plant.equilibrium(&OperatingPoint::default());
     plant.linearise(&at, FrictionLinearisation::Viscous, angles).unwrap()
 }
@@ -95,7 +95,8 @@ fn a_rotor_added_to_a_modal_structure_is_a_rotor_added_to_its_hub() {
     let lumped = reference::rig().lumped.unwrap();
     let mut heavier = lumped.clone();
     heavier.hub_inertia_kg_m2 += 160.0;
-    let (found, expected) = (Body::lumped(&lumped).with_hub_inertia(160.0).unwrap(), Body::lumped(&heavier));
+    let (found, expected) =
+        (Body::from_lumped(&lumped).with_hub_inertia(160.0).unwrap(), Body::from_lumped(&heavier));
     let (a, b) = (found.modes[0], expected.modes[0]);
     let sign = (a.hub_shape * b.hub_shape).signum();
     let pairs = [
@@ -140,7 +141,7 @@ fn a_chain_with_one_part_less_is_the_structure_without_it() {
     let two = reference::rig().lumped.unwrap();
     let light = Link { inertia_kg_m2: 1e-9, stiffness_nm_rad: 1e3, damping_nm_s_rad: 0.0 };
     let three = Body::chain(&Lumped { chain: vec![light], ..two.clone() }).unwrap();
-    let (found, expected) = (three.modes[0], Body::lumped(&two).modes[0]);
+    let (found, expected) = (three.modes[0], Body::from_lumped(&two).modes[0]);
     for (found, expected) in [
         (found.frequency_rad_s, expected.frequency_rad_s),
         (found.damping_ratio, expected.damping_ratio),
@@ -179,7 +180,7 @@ fn a_torque_sensor_shows_what_accelerates_and_holds_the_load() {
         (p.motor.inertia_kg_m2, p.pivot_friction.viscous_nm_s_rad) = (1e-4, 1.5);
         p.lumped.as_mut().unwrap().position_stiffness_nm_rad = spring;
         p.sensors.measured = Measured::Torque;
-        let plant = Plant::lumped(&p).unwrap();
+        let plant = Plant::from_lumped(&p).unwrap();
         let found = linear(&p, plant.angles());
         assert_eq!(plant.angles(), if spring == 0.0 { Angles::Drop } else { Angles::Relative });
         for rate in [0.3, 7.0, 60.0, 900.0] {
@@ -216,7 +217,7 @@ fn a_pendulum_swings_at_its_own_frequency() {
     let mut p = direct(0.3 * 0.2 * 0.2);
     p.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.3 * 0.2;
     p.sensors.measured = Measured::HubPosition;
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let down = OperatingPoint { hub_angle_rad: -0.25 * TAU, platform_angle_rad: 0.0 };
     let at = plant.equilibrium(&down);
     let found = plant.linearise(&at, FrictionLinearisation::Viscous, plant.angles()).unwrap();
@@ -286,7 +287,7 @@ fn every_kind_rests_at_its_equilibrium_and_linearises_as_it_moves() {
     (slide.axis, slide.amplifier.gain) = (Axis::Linear, 100.0);
     slide.lumped.as_mut().unwrap().out_of_balance_kg_m = 12.0;
     for p in [harmonic, rigid, quick, slide] {
-        let plant = Plant::lumped(&p).unwrap();
+        let plant = Plant::from_lumped(&p).unwrap();
         for hub in [0.0, 0.2] {
             let point = OperatingPoint { hub_angle_rad: hub, platform_angle_rad: 0.0 };
             let at = plant.equilibrium(&point);
@@ -305,7 +306,7 @@ fn power_passes_a_wavy_mesh_without_loss() {
     let mut p = reference::rig();
     (p.gearbox.backlash_rad, p.gearbox.damping_nm_s_rad) = (0.0, 0.0);
     p.gearbox.kinematic_error = Ripple { amplitude: 2e-4, order: 2.0, phase_rad: 0.0 };
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let (wind_up, angle, motor_rate, hub_rate) = (3e-4, 0.7, 11.0, 0.04);
     let mesh = plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, 0.0);
     let added = plant.kinematic_error_nm(mesh, angle, motor_rate);
@@ -323,17 +324,17 @@ fn power_passes_a_wavy_mesh_without_loss() {
 fn what_needs_a_mesh_that_gives_says_so() {
     let mut p = direct(0.02);
     p.gearbox.backlash_rad = 1e-3;
-    let told = Plant::lumped(&p).unwrap_err().to_string();
+    let told = Plant::from_lumped(&p).unwrap_err().to_string();
     assert!(told.contains("gearbox.backlash_rad") && told.contains("gearbox.stiffness"), "{told}");
     let mut p = direct(0.02);
     p.motor_friction = Friction::plain(FrictionLaw::Coulomb { coulomb_nm: 0.1 }, 0.0);
     p.pivot_friction = p.motor_friction.clone();
-    assert!(Plant::lumped(&p).unwrap_err().to_string().contains("truly sticks"));
+    assert!(Plant::from_lumped(&p).unwrap_err().to_string().contains("truly sticks"));
 }
 
 #[test]
 fn a_dead_state_stays_out_of_linear_models_and_at_rest() {
-    let plant = Plant::lumped(&direct(0.02)).unwrap();
+    let plant = Plant::from_lumped(&direct(0.02)).unwrap();
     for index in [state::VOLTAGE, state::CURRENT, state::MOTOR, state::WINDUP] {
         assert!(!plant.has_state(index));
     }

@@ -60,7 +60,7 @@ fn two(element: &LearnedElement, same: fn(&mut Parameters)) -> [Plant; 2] {
     let mut other = rig.clone();
     rig.learned.push(element.clone());
     same(&mut other);
-    [&rig, &other].map(|p| Plant::lumped(p).unwrap())
+    [&rig, &other].map(|p| Plant::from_lumped(p).unwrap())
 }
 
 fn close(a: &[f64], b: &[f64], scale: f64) -> bool {
@@ -111,7 +111,7 @@ fn the_linearisation_is_the_slope_of_a_curved_function() {
     rig.motor_friction.law = counterpoise_models::FrictionLaw::None;
     let wave = |x: f64| 400.0 * (3.0 * x).sin();
     rig.learned.push(element(LearnedPlace::Pivot, LearnedQuantity::Torque, RegimeVariable::Angle, wave));
-    let plant = Plant::lumped(&rig).unwrap();
+    let plant = Plant::from_lumped(&rig).unwrap();
     let point = OperatingPoint { hub_angle_rad: 0.2, platform_angle_rad: 0.0 };
     let rest = plant.equilibrium(&point);
     let mut x = rest.core_state.clone();
@@ -160,7 +160,7 @@ fn what_has_no_meaning_is_refused_with_the_place_in_the_list() {
     for (element, expected) in cases {
         let mut rig = reference::rig();
         rig.learned.push(element);
-        match Plant::lumped(&rig) {
+        match Plant::from_lumped(&rig) {
             Err(Error::Parameter { parameter, .. }) => assert_eq!(parameter, expected),
             other => panic!("{expected}: {other:?}"),
         }
@@ -168,5 +168,5 @@ fn what_has_no_meaning_is_refused_with_the_place_in_the_list() {
     let mut rigid = reference::rig();
     (rigid.gearbox.stiffness_nm_rad, rigid.gearbox.backlash_rad) = (f64::INFINITY, 0.0);
     rigid.learned.push(good(Gearbox, Torque, Angle));
-    assert!(Plant::lumped(&rigid).is_err());
+    assert!(Plant::from_lumped(&rigid).is_err());
 }

@@ -105,7 +105,7 @@ fn a_cold_gas_lifts_less() {
 fn rig(change: impl FnOnce(&mut Parameters)) -> Plant {
     let mut p = reference::rig();
     change(&mut p);
-    Plant::lumped(&p).unwrap()
+    Plant::from_lumped(&p).unwrap()
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn what_makes_no_load_is_refused() {
     let refused = |change: &dyn Fn(&mut Parameters)| {
         let mut p = reference::rig();
         change(&mut p);
-        Plant::lumped(&p).unwrap_err().to_string()
+        Plant::from_lumped(&p).unwrap_err().to_string()
     };
     let stops = EndStops { lower_rad: 0.1, upper_rad: 0.1, stiffness_nm_rad: 1.0, dissipation_s_rad: 0.0 };
     assert!(refused(&|p| p.loads.end_stops = Some(stops)).contains("end_stops.upper"));

@@ -8,7 +8,7 @@ use counterpoise_models::{
 };
 
 fn plant() -> Plant {
-    Plant::lumped(&reference::rig()).unwrap()
+    Plant::from_lumped(&reference::rig()).unwrap()
 }
 
 fn at(hub: f64, platform: f64) -> OperatingPoint {
@@ -66,7 +66,7 @@ fn every_machine_rests_at_its_equilibrium() {
     rig.amplifier.map =
         vec![MapPoint { input_v: 1.0, current_a: 1.2 }, MapPoint { input_v: 2.0, current_a: 6.0 }];
     rig.amplifier.dead_zone_v = 0.1;
-    let plant = Plant::lumped(&rig).unwrap();
+    let plant = Plant::from_lumped(&rig).unwrap();
     let point = at(0.1, 0.02);
     let x = full_state(&plant, &point);
     let mut dx = vec![1.0; x.len()];
@@ -82,7 +82,7 @@ fn the_linearisation_is_the_slope_of_the_right_hand_side() {
     rig.motor.platform_coupling = -1.0;
     rig.lumped.as_mut().unwrap().vertical_offset_kg_m = 30.0;
     rig.lumped.as_mut().unwrap().position_stiffness_nm_rad = 900.0;
-    let plant = Plant::lumped(&rig).unwrap();
+    let plant = Plant::from_lumped(&rig).unwrap();
     let point = at(0.15, 0.0);
     let equilibrium = plant.equilibrium(&point);
     let linear = plant.linearise(&equilibrium, FrictionLinearisation::Viscous, Angles::Keep).unwrap();
@@ -204,20 +204,20 @@ fn parameters_out_of_range_are_refused_by_name() {
     for (path, change) in cases {
         let mut rig = reference::rig();
         change(&mut rig);
-        match Plant::lumped(&rig) {
+        match Plant::from_lumped(&rig) {
             Err(Error::Parameter { parameter, .. }) => assert_eq!(parameter, path),
             other => panic!("{path}: {other:?}"),
         }
     }
     let rig = Parameters { lumped: None, ..reference::rig() };
-    assert!(matches!(Plant::lumped(&rig), Err(Error::NoStructure)));
+    assert!(matches!(Plant::from_lumped(&rig), Err(Error::NoStructure)));
 }
 
 #[test]
 fn an_ideal_current_source_drives_its_current_whatever_the_speed() {
     let mut p = reference::rig();
     p.amplifier.dynamics = counterpoise_models::AmplifierDynamics::IdealCurrent;
-    let (modelled, ideal) = (Plant::lumped(&reference::rig()).unwrap(), Plant::lumped(&p).unwrap());
+    let (modelled, ideal) = (Plant::from_lumped(&reference::rig()).unwrap(), Plant::from_lumped(&p).unwrap());
     let point = OperatingPoint::default();
     let (a, b) = (modelled.equilibrium(&point), ideal.equilibrium(&point));
     assert_eq!((a.control_v, a.current_a), (b.control_v, b.current_a), "the static gain is the same");

@@ -10,21 +10,22 @@ use crate::PipelineError;
 ///
 /// # Errors
 /// A configuration, or a mass of it, that does not exist.
-pub fn in_configuration(project: &Project, bare: &Parameters) -> Result<Parameters, PipelineError> {
-    let fitted =
-        named_configuration(project)?.map(|configuration| bare.configured(configuration)).transpose()?;
+pub fn apply_configuration(project: &Project, bare: &Parameters) -> Result<Parameters, PipelineError> {
+    let fitted = named_configuration(project)?
+        .map(|configuration| bare.with_configuration(configuration))
+        .transpose()?;
     Ok(fitted.unwrap_or_else(|| bare.clone()))
 }
 
 /// Returns an improved mechanism without what the project's configuration fits to it, as a project file states it.
 ///
 /// # Errors
-/// As [`in_configuration`].
+/// As [`apply_configuration`].
 pub(crate) fn without_configuration(
     project: &Project,
     improved: &Parameters,
 ) -> Result<Parameters, PipelineError> {
-    let (bare, fitted) = (&project.plant, in_configuration(project, &project.plant)?);
+    let (bare, fitted) = (&project.plant, apply_configuration(project, &project.plant)?);
     let mut out = improved.clone();
     if let (Some(out), Some(bare), Some(fitted)) = (&mut out.lumped, &bare.lumped, &fitted.lumped) {
         // a value that did not change keeps its digits
@@ -76,7 +77,7 @@ mod tests {
     fn recordings_belong_to_the_configuration_and_the_file_to_the_bare_mechanism() {
         let project = loaded();
         let inertia = |plant: &Parameters| plant.lumped.as_ref().unwrap().hub_inertia_kg_m2;
-        let fitted = in_configuration(&project, &project.plant).unwrap();
+        let fitted = apply_configuration(&project, &project.plant).unwrap();
         assert_eq!(inertia(&fitted), inertia(&project.plant) + 40.0);
         // nothing found: the file's own digits
         assert_eq!(without_configuration(&project, &fitted).unwrap(), project.plant);
@@ -85,7 +86,7 @@ mod tests {
         improved.lumped.as_mut().unwrap().hub_inertia_kg_m2 += 3.0;
         let stated = without_configuration(&project, &improved).unwrap();
         assert!((inertia(&stated) - inertia(&project.plant) - 3.0).abs() < 1e-9);
-        let again = in_configuration(&project, &stated).unwrap();
+        let again = apply_configuration(&project, &stated).unwrap();
         assert!((inertia(&again) - inertia(&improved)).abs() < 1e-9);
     }
 
@@ -94,7 +95,7 @@ mod tests {
         let mut project = loaded();
         project.model.configuration = Some("unknown".to_owned());
         assert!(matches!(
-            in_configuration(&project, &project.plant),
+            apply_configuration(&project, &project.plant),
             Err(PipelineError::Configuration { .. })
         ));
     }

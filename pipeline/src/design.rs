@@ -209,15 +209,15 @@ impl VerifiedDesign {
         let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure)?;
         let allowed_v = half_step_v(&self.modelled.plant);
         let (single, fixed, forms) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        let (in_single, in_fixed) = (|| runs.single(), || runs.fixed(allowed_v));
+        let (in_single, in_fixed) = (|| runs.single(), || runs.fixed_point_form(allowed_v));
         pool.run(3, &|part| match part {
             0 => drop(fixed.set(in_fixed())),
             1 => drop(single.set(in_single())),
-            _ => drop(forms.set(runs.by_form())),
+            _ => drop(forms.set(runs.figures_by_form())),
         });
         let single = single.into_inner().unwrap_or_else(in_single)?;
         let fixed = fixed.into_inner().unwrap_or_else(in_fixed)?;
-        let by_form = forms.into_inner().unwrap_or_else(|| runs.by_form());
+        let by_form = forms.into_inner().unwrap_or_else(|| runs.figures_by_form());
         Ok(StudiedTargets { compared: Targets::of(&runs, single, fixed), by_form })
     }
 }

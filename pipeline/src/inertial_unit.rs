@@ -4,7 +4,7 @@ use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, m
 use counterpoise_recordings::clock::to_uniform_clock;
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::from_rest;
-use counterpoise_verify::signals::statistics::centred;
+use counterpoise_verify::signals::statistics::subtract_mean;
 use counterpoise_verify::{FurtherRoad, Road};
 
 use crate::road::{Stretch, stretch};
@@ -18,7 +18,7 @@ use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
 /// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
 /// recording, or the low-pass frequency is not below half the sample rate.
 pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error> {
-    let (time, _) = table.in_si("time")?;
+    let (time, _) = table.convert_to_si("time")?;
     let mut columns = Vec::with_capacity(6);
     for name in &source.acceleration {
         columns.push(table.quantity(name, "acceleration", "m/s^2")?);
@@ -37,7 +37,7 @@ pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error
     for signal in &clocked.signals {
         taken.push(stretch(&wanted, table, &signal.to_vec())?);
     }
-    let rates: Vec<Vec<f64>> = taken[3..].iter().map(|rate| centred(rate)).collect();
+    let rates: Vec<Vec<f64>> = taken[3..].iter().map(|rate| subtract_mean(rate)).collect();
     let unit: Vec<BaseState> = (0..rates[0].len())
         .map(|k| BaseState {
             specific_force_m_s2: [0, 1, 2].map(|axis| taken[axis][k]),

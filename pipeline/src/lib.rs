@@ -96,7 +96,7 @@ pub trait World {
     fn begins(&self, _step: Step) {}
 
     /// Called when it has ended.
-    fn ended(&self, _step: Step) {}
+    fn ends(&self, _step: Step) {}
 }
 
 /// The stages of the pipeline.
@@ -140,6 +140,6 @@ pub struct StageTime {
 pub fn run_observed<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
     world.begins(step);
     let made = run();
-    world.ended(step);
+    world.ends(step);
     made
 }

@@ -110,7 +110,7 @@ fn margin_points(found: &Verification) -> Vec<MarginPoint> {
 }
 
 fn locus_view(found: &Verification, locus: &RootLocus) -> LocusView {
-    let locus = locus.in_continuous_time();
+    let locus = locus.convert_to_continuous();
     let places = |all: &[C64]| all.iter().map(|s| [s.re / TAU, s.im / TAU]).collect::<Points>();
     let closed_poles = places(&locus.closed_poles);
     let crossover_hz = found.evidence.margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);

@@ -6,12 +6,12 @@ use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::sparse::Progress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
-    Condensation, FeModel, Fitted, Structure, lumped, pinned, with_derived_lumped,
+    Condensation, FeModel, Fitted, Structure, pinned_modes, reduce_to_lumped, with_derived_lumped,
 };
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
 use crate::PipelineError;
-use crate::configuration::{in_configuration, named_configuration};
+use crate::configuration::{apply_configuration, named_configuration};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::import::ImportedStructure;
 use counterpoise_project::resolve::model::StructureChoice;
@@ -49,11 +49,11 @@ pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<Modelled, Pip
     let (parameters, plant, elements) = match choice.structure {
         StructureChoice::Lumped => {
             let (parameters, elements) = lumped_parameters(project, pool)?;
-            (parameters.clone(), Plant::lumped(&parameters)?, elements)
+            (parameters.clone(), Plant::from_lumped(&parameters)?, elements)
         }
         StructureChoice::Beam | StructureChoice::Import => {
             let (fe, ratios) = finite_elements_watched(project, choice.structure, pool)?;
-            let body = pinned(&fe, ratios, choice.modes)?.body;
+            let body = pinned_modes(&fe, ratios, choice.modes)?.body;
             (project.plant.clone(), Plant::with_body(&project.plant, body)?, Some(fe))
         }
     };
@@ -119,11 +119,11 @@ fn lumped_parameters(
     let choice = &project.model;
     if project.plant.lumped.is_none() && project.plant.beam.is_none() && project.import.is_some() {
         let (fe, ratios) = finite_elements_watched(project, StructureChoice::Import, pool)?;
-        let derived = lumped(&fe, ratios)?;
+        let derived = reduce_to_lumped(&fe, ratios)?;
         return Ok((Parameters { lumped: Some(derived), ..project.plant.clone() }, Some(fe)));
     }
     let whole = with_derived_lumped(&project.plant, &choice.elements)?;
-    Ok((in_configuration(project, &whole)?, None))
+    Ok((apply_configuration(project, &whole)?, None))
 }
 
 /// Returns the finite elements of the project's beam or of its imported matrices, with what the configuration fits to them,
@@ -149,7 +149,7 @@ pub fn finite_elements_watched<'a>(
         let content = import.content.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
         let mut watch = |at: Progress| {
             pool.progress(at.stage, at.done.min(at.of.saturating_sub(1)), at.of);
-            if pool.cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if pool.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let fitted = fitted(project, import, configuration)?;
         let wanted = Condensation {

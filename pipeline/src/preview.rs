@@ -12,9 +12,7 @@ use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_verify::linear::closed::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{
-    self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arranged,
-};
+use counterpoise_verify::linear::{self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange};
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
 use crate::first_design::leaves_weights_open;
@@ -283,7 +281,7 @@ fn close_loops(
     let uncontrolled = sampled.uncontrolled.clone();
     let mut loops = vec![ArrangedLoop { arrangement: Arrangement::Uncontrolled, closed: uncontrolled }];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
-        let acting = arranged(controller, arrangement)?;
+        let acting = arrange(controller, arrangement)?;
         let closed = Closed::new(&sampled.plant, acting.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }

@@ -418,7 +418,7 @@ impl From<&Synthesised> for SynthResult {
         let paths = &made.sampled.controller.parts().paths;
         let controlled = made.controlled;
         let controllers = controllers_of_design(&made.design, controlled);
-        let design_plant = made.design.plant.measured().ok().map(|system| {
+        let design_plant = made.design.plant.measured_plant().ok().map(|system| {
             let measured = controlled.named_signal("measured_rate_rad_s");
             let outputs: Vec<&str> = std::iter::once(measured.as_str())
                 .chain(made.output_names.iter().map(String::as_str))
@@ -434,7 +434,7 @@ impl From<&Synthesised> for SynthResult {
             sampled_loop: SystemResult::new("sampled loop", broken, &["control_v"], &["returned_control_v"]),
             responses: controller_responses(&controllers, broken),
             controllers: controllers.into_iter().map(|controller| controller.result).collect(),
-            plant_order: made.design.plant.measured().map_or(0, |p| p.order()),
+            plant_order: made.design.plant.measured_plant().map_or(0, |p| p.order()),
             path_orders: paths.iter().map(|p| (p.name.clone(), p.system.order())).collect(),
             closed_loop_poles: pairs(&made.sampled.closed_loop),
             largest_pole_modulus: made.sampled.closed_loop.iter().map(|pole| pole.norm()).fold(0.0, f64::max),
@@ -452,7 +452,7 @@ impl From<&Synthesised> for SynthResult {
 impl VerifyResult {
     /// Returns the result of a verification; `measured_on` is what its linear figures are measured on.
     pub fn new(found: &Verification, measured_on: VerifiedLoop) -> Self {
-        let controlled = found.controlled();
+        let controlled = found.controlled_quantity();
         let figures = found.figures.iter().map(|measured| FigureResult {
             figure: measured.figure.key_in(controlled),
             value: match measured.value {

@@ -14,7 +14,7 @@ use counterpoise_project::resolve::platform::RoadSource;
 /// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
 /// recording, or the low-pass frequency is not below half the sample rate.
 pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error> {
-    let (time, _) = table.in_si("time")?;
+    let (time, _) = table.convert_to_si("time")?;
     let heave = table.quantity(&source.heave, "heave", "m/s^2")?;
     let pitch = table.quantity(&source.pitch, "pitch rate", "rad/s")?;
     let mut columns = vec![heave, pitch];

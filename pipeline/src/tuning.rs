@@ -260,7 +260,7 @@ fn missed_on(
     limits: &LoopLimits,
 ) -> Result<f64, PipelineError> {
     let found = measure_loop(&sampled_plant(plant, &ground.sampling)?, &tuned.sampled, &ground.disturbance)?;
-    Ok(if found.decay_rad_s > 0.0 { limits.missed(&found) } else { f64::INFINITY })
+    Ok(if found.decay_rad_s > 0.0 { limits.worst_shortfall(&found) } else { f64::INFINITY })
 }
 
 fn of_schedule(
@@ -292,7 +292,7 @@ fn of_sweep(
         for (variation, quantile) in sweep.variations.iter().zip(&point) {
             variation.parameter.scale(&mut parameters, variation.distribution.quantile(*quantile))?;
         }
-        let plant = Plant::lumped(&parameters)?;
+        let plant = Plant::from_lumped(&parameters)?;
         let equilibrium = plant.equilibrium(&project.model.operating_point);
         let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
         // A feedback of fixed structure is never a cascade, so no plant of the rate is needed.

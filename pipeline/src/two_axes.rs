@@ -14,7 +14,7 @@ use counterpoise_verify::{
 
 use crate::export::{Exported, LeftOut, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
-use crate::verify::moved;
+use crate::verify::platform_motion;
 use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
 use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
 
@@ -210,9 +210,9 @@ fn base_of_source(
     world: &dyn World,
 ) -> Result<BaseSamples, PipelineError> {
     let turned = |angle_rad: f64| turned_source(source, angle_rad, ring_rad);
-    let forward = moved(&turned(0.0)?.unwrap_or_else(|| source.clone()), world, gravity_m_s2)?;
+    let forward = platform_motion(&turned(0.0)?.unwrap_or_else(|| source.clone()), world, gravity_m_s2)?;
     let left = turned(std::f64::consts::FRAC_PI_2)?;
-    let left = left.map(|source| moved(&source, world, gravity_m_s2)).transpose()?;
+    let left = left.map(|source| platform_motion(&source, world, gravity_m_s2)).transpose()?;
     let period_s = forward.sample_period_s;
     let left = left.as_ref().map(felt_of);
     Ok(BaseSamples {

@@ -91,7 +91,7 @@ pub fn project_procedure(project: &Project, world: &dyn World) -> Result<Procedu
         affordable(Run { key, duration_s, period_s })?;
     }
     let gravity_m_s2 = project.plant.gravity_m_s2;
-    let road = asked.road.as_ref().map(|source| moved(source, world, gravity_m_s2)).transpose()?;
+    let road = asked.road.as_ref().map(|source| platform_motion(source, world, gravity_m_s2)).transpose()?;
     Ok(Procedure {
         operating_point: project.model.operating_point,
         friction: project.model.friction,
@@ -104,7 +104,7 @@ pub fn project_procedure(project: &Project, world: &dyn World) -> Result<Procedu
 const SHORTEST_ROAD_PERIOD_S: f64 = 1e-3;
 
 /// Returns the platform's motion, read or made.
-pub(crate) fn moved(
+pub(crate) fn platform_motion(
     source: &PlatformSource,
     world: &dyn World,
     gravity_m_s2: f64,

@@ -157,10 +157,10 @@ fn a_recording_without_a_line_is_told_and_a_missing_channel_refused() {
     let tones = |gain: f64| (0..5000).map(|k| gain * tone(k, 5.0)).collect::<Vec<f64>>();
     let mut recording =
         Recording::new("tone", 1e-3).with(Channel::Control, tones(1.0)).with(Channel::HubRate, tones(0.02));
-    let points = analyser.recorded(&recording, &[5.0, 8.0]).unwrap().points;
+    let points = analyser.measure_recording(&recording, &[5.0, 8.0]).unwrap().points;
     assert!(points[0].settled && (points[0].gain_db - 20.0 * 0.02_f64.log10()).abs() < 1e-6);
     assert!(!points[1].settled);
     recording.remove(Channel::Control);
-    let refused = analyser.recorded(&recording, &[5.0]).unwrap_err().to_string();
+    let refused = analyser.measure_recording(&recording, &[5.0]).unwrap_err().to_string();
     assert!(refused.contains("tone") && refused.contains("control"), "{refused}");
 }

@@ -10,7 +10,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-use crate::dashes::dashed;
+use crate::dashes::cut_dashes;
 use crate::draw::{Setting, Size, draw, size};
 use crate::error::PlotError;
 use crate::figure::{Dash, Figure};
@@ -216,7 +216,7 @@ impl<'a> DrawingBackend for Brush<'a> {
         let caps = if is_round { Caps::Round } else { Caps::Flat };
         let points: Vec<BackendCoord> = path.into_iter().collect();
         let lengths: Vec<f64> = look.dashes.iter().map(|length| length * self.unit).collect();
-        for part in dashed(&points, &lengths) {
+        for part in cut_dashes(&points, &lengths) {
             self.polyline(&part, &stroke, caps)?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 use plotters_backend::BackendCoord;
 
 /// Returns the dashes of a line through points; the whole line if there are no lengths.
-pub(crate) fn dashed(points: &[BackendCoord], lengths: &[f64]) -> Vec<Vec<BackendCoord>> {
+pub(crate) fn cut_dashes(points: &[BackendCoord], lengths: &[f64]) -> Vec<Vec<BackendCoord>> {
     if lengths.is_empty() || lengths.iter().sum::<f64>() < 1.0 {
         return vec![points.to_vec()];
     }
@@ -46,11 +46,11 @@ mod tests {
 
     #[test]
     fn dashes_run_on_over_corners() {
-        let dashes = dashed(&[(0, 0), (10, 0), (10, 10)], &[4.0, 2.0]);
+        let dashes = cut_dashes(&[(0, 0), (10, 0), (10, 10)], &[4.0, 2.0]);
         assert_eq!(
             dashes,
             [vec![(0, 0), (4, 0)], vec![(6, 0), (10, 0)], vec![(10, 2), (10, 6)], vec![(10, 8), (10, 10)]]
         );
-        assert_eq!(dashed(&[(0, 0), (3, 0)], &[]), [vec![(0, 0), (3, 0)]]);
+        assert_eq!(cut_dashes(&[(0, 0), (3, 0)], &[]), [vec![(0, 0), (3, 0)]]);
     }
 }

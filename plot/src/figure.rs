@@ -243,7 +243,7 @@ impl Axis {
     }
 
     /// Returns the same axis with fixed ends.
-    pub fn over(self, from: f64, to: f64) -> Self {
+    pub fn with_range(self, from: f64, to: f64) -> Self {
         Self { range: Some((from, to)), ..self }
     }
 
@@ -266,23 +266,35 @@ impl Series {
     }
 
     /// Returns an unbroken curve through points.
-    pub fn solid(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<Point>>) -> Self {
+    pub fn solid_line(
+        name: &str,
+        colour: Colour,
+        points: impl IntoIterator<Item = impl Into<Point>>,
+    ) -> Self {
         Self::new(name, colour, Dash::Solid, points)
     }
 
     /// Returns a dashed curve through points.
-    pub fn dashed(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<Point>>) -> Self {
+    pub fn dashed_line(
+        name: &str,
+        colour: Colour,
+        points: impl IntoIterator<Item = impl Into<Point>>,
+    ) -> Self {
         Self::new(name, colour, Dash::Dashed, points)
     }
 
     /// Returns a dotted curve through points.
-    pub fn dotted(name: &str, colour: Colour, points: impl IntoIterator<Item = impl Into<Point>>) -> Self {
+    pub fn dotted_line(
+        name: &str,
+        colour: Colour,
+        points: impl IntoIterator<Item = impl Into<Point>>,
+    ) -> Self {
         Self::new(name, colour, Dash::Dotted, points)
     }
 
     /// Returns an unbroken curve of one signal over another; the longer one is cut to the length of the shorter.
     pub fn of_signals(name: &str, colour: Colour, x: ArrayView1<f64>, y: ArrayView1<f64>) -> Self {
-        Self::solid(name, colour, x.iter().copied().zip(y.iter().copied()))
+        Self::solid_line(name, colour, x.iter().copied().zip(y.iter().copied()))
     }
 }
 

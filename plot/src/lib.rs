@@ -15,7 +15,7 @@
 //!
 //! ```
 //! use counterpoise_plot::{Axis, Colour, Figure, Panel, Series, Theme, png, svg};
-//! let curve = Series::solid("hub", Colour::First, [(0.0, 0.0), (1.0, 0.8), (2.0, 1.0)]);
+//! let curve = Series::solid_line("hub", Colour::First, [(0.0, 0.0), (1.0, 0.8), (2.0, 1.0)]);
 //! let panel = Panel::new(Axis::linear("rate", "rad/s"), vec![curve]);
 //! let figure = Figure::new("Step response", Axis::linear("time", "s"), vec![panel]);
 //! assert!(svg::inline_svg(&figure).starts_with("<svg class=\"fig\""));

@@ -78,7 +78,7 @@ impl Ruler {
     }
 
     /// Returns the same ruler, widened about its middle to `times` its length. A logarithmic one is returned as it is.
-    pub fn widened(&self, times: f64) -> Self {
+    pub fn widen(&self, times: f64) -> Self {
         if self.scale == Scale::Logarithmic {
             return self.clone();
         }

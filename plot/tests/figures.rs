@@ -26,12 +26,12 @@ fn wave() -> Figure {
 
 fn response() -> Panel {
     let phase = (0..200).map(|k| (0.1 * f64::from(k), -1.8 * f64::from(k)));
-    Panel::new(Axis::degrees("phase"), vec![Series::dashed("phase", Colour::Second, phase)])
+    Panel::new(Axis::degrees("phase"), vec![Series::dashed_line("phase", Colour::Second, phase)])
         .with_height(120.0)
 }
 
 fn one_panel(axis: Axis, points: impl IntoIterator<Item = (f64, f64)>) -> Figure {
-    let series = vec![Series::solid("s", Colour::Second, points)];
+    let series = vec![Series::solid_line("s", Colour::Second, points)];
     Figure::new("figure", Axis::linear("x", ""), vec![Panel::new(axis, series)])
 }
 
@@ -188,13 +188,13 @@ fn huge_and_tiny_ranges_are_drawn() {
 #[test]
 fn a_fixed_range_cuts_curves_and_bands_at_its_ends() {
     let mut panel = Panel::new(
-        Axis::linear("y", "").over(0.0, 1.0),
-        vec![Series::dotted("s", Colour::First, [(0.0, -5.0), (1.0, 5.0), (2.0, 0.5)])],
+        Axis::linear("y", "").with_range(0.0, 1.0),
+        vec![Series::dotted_line("s", Colour::First, [(0.0, -5.0), (1.0, 5.0), (2.0, 0.5)])],
     );
     panel.bands =
         vec![Band::new("b", Colour::Fourth, [(0.0, -3.0, 3.0), (2.0, f64::NAN, 1.0), (3.0, -1.0, 9.0)])];
     panel.marks = vec![Mark::Level { y: 2.0, text: String::new() }];
-    let drawn = svg::inline_svg(&Figure::new("cut", Axis::linear("x", "").over(0.0, 2.0), vec![panel]));
+    let drawn = svg::inline_svg(&Figure::new("cut", Axis::linear("x", "").with_range(0.0, 2.0), vec![panel]));
     check_markup(&drawn);
     assert!(paths(&drawn, "guide").is_empty(), "a level outside the panel is not drawn");
     let frame = paths(&drawn, "frame").pop().unwrap().pop().unwrap();
@@ -206,7 +206,7 @@ fn a_fixed_range_cuts_curves_and_bands_at_its_ends() {
 
 #[test]
 fn a_legend_has_each_name_once_and_none_without_a_name() {
-    let series = |name: &str, colour| Series::solid(name, colour, [(0.0, 0.0), (1.0, 1.0)]);
+    let series = |name: &str, colour| Series::solid_line(name, colour, [(0.0, 0.0), (1.0, 1.0)]);
     let panel = |names: [&str; 2]| {
         Panel::new(
             Axis::linear("y", ""),

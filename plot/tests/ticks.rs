@@ -55,8 +55,11 @@ fn data_without_a_range_give_a_usable_ruler() {
         }
     }
     for range in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
-        let ruler =
-            Ruler::new(&Axis::linear("y", "").over(range.0, range.1), [0.0, 5.0].into_iter(), Margin::Tight);
+        let ruler = Ruler::new(
+            &Axis::linear("y", "").with_range(range.0, range.1),
+            [0.0, 5.0].into_iter(),
+            Margin::Tight,
+        );
         assert_eq!(ruler.ends(), (0.0, 5.0), "a range that is none is not taken");
     }
 }

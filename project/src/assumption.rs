@@ -54,10 +54,10 @@ impl Tolerance {
 
     /// Returns the tolerance as the file spells it.
     pub(crate) fn as_written(&self) -> String {
-        use crate::file::setting::{number, quoted};
+        use crate::file::setting::{number, quote};
         match self.kind {
             ToleranceKind::Relative => number(self.half_width / self.value.abs()),
-            ToleranceKind::Absolute => quoted(&format!("{} {}", number(self.half_width), self.unit)),
+            ToleranceKind::Absolute => quote(&format!("{} {}", number(self.half_width), self.unit)),
         }
     }
 }

@@ -62,7 +62,7 @@ fn a_cylinder_stands_in_the_places_of_gear_motor_and_amplifier() {
     assert_eq!(cylinder.lever, Lever::Constant(0.433));
     assert_eq!(p.axis, Axis::Rotary);
     near(p.motor_friction.coulomb_nm(), 150.0);
-    assert!(Plant::lumped(p).is_ok());
+    assert!(Plant::from_lumped(p).is_ok());
 }
 
 #[test]

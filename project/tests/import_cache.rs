@@ -40,7 +40,7 @@ fn content(elements: usize, stiffness: f64) -> ImportedContent {
         rows: (0..n).map(dof).collect(),
     };
     let sparse = |list: &[Entry]| Sparse::from_entries(n, n, list).unwrap();
-    ImportedContent { matrices: Imported::in_order_of(&map, sparse(&M), None, sparse(&K)), map }
+    ImportedContent { matrices: Imported::from_row_order(&map, sparse(&M), None, sparse(&K)), map }
 }
 
 /// Returns the number of steps that making the structure took.

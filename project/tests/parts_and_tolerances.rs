@@ -186,10 +186,10 @@ fn a_tolerance_is_relative_or_absolute() {
 #[test]
 fn older_formats_are_read_migrated_and_newer_ones_refused() {
     assert!(resolved(GOOD, &[]).unwrap().warnings.is_empty(), "format 1 is read");
-    let migrated = Document::parse(GOOD, "rig.toml").migrated().unwrap();
+    let migrated = Document::parse(GOOD, "rig.toml").migrate().unwrap();
     assert_eq!(migrated.text(), GOOD.replacen("format = 1", "format = 2", 1), "every comment stays");
     let bare = GOOD.replacen("format = 1\n", "", 1);
-    let migrated = Document::parse(&bare, "rig.toml").migrated().unwrap();
+    let migrated = Document::parse(&bare, "rig.toml").migrate().unwrap();
     assert_eq!(migrated.text().replacen("format = 2\n", "", 1), bare);
     assert_eq!(resolved(migrated.text(), &[]).unwrap().project, resolved(GOOD, &[]).unwrap().project);
     let newer = resolved(&GOOD.replacen("format = 1", "format = 3\nanything = 7", 1), &[]).unwrap_err();

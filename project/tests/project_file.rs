@@ -269,11 +269,15 @@ fn a_mapping_of_channels_is_written_and_read() {
         1,
     );
     let mapping = Project::parse(&text, "rig.toml").unwrap().project.recording;
-    let control =
-        ChannelSource { unit: Some("mV".to_owned()), scale: -1.0, offset: 3.0, ..ChannelSource::named("u") };
+    let control = ChannelSource {
+        unit: Some("mV".to_owned()),
+        scale: -1.0,
+        offset: 3.0,
+        ..ChannelSource::from_column("u")
+    };
     assert_eq!(
         mapping.channels,
-        [(Channel::Control, control), (Channel::HubRate, ChannelSource::named("w"))]
+        [(Channel::Control, control), (Channel::HubRate, ChannelSource::from_column("w"))]
     );
     assert_eq!(
         (mapping.sample_period_s, mapping.time.as_ref().map(|t| t.column.as_str())),

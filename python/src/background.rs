@@ -49,7 +49,7 @@ impl World for Surroundings {
         (self.tell)(step.name(), 0, 1);
     }
 
-    fn ended(&self, _step: Step) {}
+    fn ends(&self, _step: Step) {}
 }
 
 impl Pool for Surroundings {
@@ -57,7 +57,7 @@ impl Pool for Surroundings {
         (0..count).into_par_iter().for_each(job);
     }
 
-    fn cancelled(&self) -> bool {
+    fn is_cancelled(&self) -> bool {
         self.is_stopped.load(Ordering::SeqCst)
     }
 

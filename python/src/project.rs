@@ -30,7 +30,7 @@ pub struct NativeProject {
 }
 
 impl NativeProject {
-    pub(crate) fn loaded(&self, purpose: Purpose) -> anyhow::Result<Loaded> {
+    pub(crate) fn load_for(&self, purpose: Purpose) -> anyhow::Result<Loaded> {
         projects::load_document(self.path.clone(), self.document.clone(), &self.attachments, purpose)
     }
 
@@ -91,7 +91,7 @@ impl NativeProject {
 
     /// What stands at a path of keys as it is written; `None` if nothing is there.
     fn written(&self, key: &str) -> Option<String> {
-        self.document.written(key)
+        self.document.source_text_at(key)
     }
 
     /// Whether a text, quoted, stands at a path of keys.
@@ -138,7 +138,7 @@ impl NativeProject {
             assumptions: Vec<counterpoise_project::Assumption>,
         }
         self.json(py, None, |project, _| {
-            let loaded = project.loaded(Purpose::Model)?;
+            let loaded = project.load_for(Purpose::Model)?;
             Ok(Checked { warnings: loaded.warnings, assumptions: loaded.assumptions })
         })
     }
@@ -146,7 +146,7 @@ impl NativeProject {
     /// The plant, as JSON.
     fn model(&self, py: Python<'_>) -> PyResult<String> {
         self.json(py, None, |project, _| {
-            let loaded = project.loaded(Purpose::Model)?;
+            let loaded = project.load_for(Purpose::Model)?;
             let mut result = ModelResult::from(&pipeline::model(&loaded.project)?);
             result.assumptions = loaded.assumptions;
             Ok(result)
@@ -156,7 +156,7 @@ impl NativeProject {
     /// The reduced plant, as JSON.
     fn reduce(&self, py: Python<'_>) -> PyResult<String> {
         self.json(py, None, |project, _| {
-            let loaded = project.loaded(Purpose::Reduce)?;
+            let loaded = project.load_for(Purpose::Reduce)?;
             let modelled = pipeline::model(&loaded.project)?;
             Ok(ReduceResult::from(&pipeline::reduce(&loaded.project, &modelled)?))
         })
@@ -165,7 +165,7 @@ impl NativeProject {
     /// The controller with its certificates, as JSON.
     fn synth(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.json(py, progress, |project, world| {
-            let loaded = project.loaded(Purpose::Synth)?;
+            let loaded = project.load_for(Purpose::Synth)?;
             Ok(SynthResult::from(&study_synthesis(&loaded.project, world)?.synthesised))
         })
     }
@@ -173,7 +173,7 @@ impl NativeProject {
     /// The design with everything that was verified, as JSON.
     fn design(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.json(py, progress, |project, world| {
-            let loaded = project.loaded(Purpose::Design)?;
+            let loaded = project.load_for(Purpose::Design)?;
             Ok(DesignResult::from(&design(&loaded.project, world)?))
         })
     }
@@ -186,7 +186,7 @@ impl NativeProject {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         self.json(py, progress, move |project, world| {
-            let loaded = project.loaded(Purpose::Export)?;
+            let loaded = project.load_for(Purpose::Export)?;
             let made = run_stages(&loaded.project, world)?;
             let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
             let controller = ControllerResult::new(&identity, made.verified.controller());
@@ -198,7 +198,7 @@ impl NativeProject {
     /// Replays recordings on the model, as JSON.
     fn replay(&self, py: Python<'_>, recordings: Vec<PathBuf>) -> PyResult<String> {
         self.json(py, None, move |project, _| {
-            let loaded = project.loaded(Purpose::Replay)?;
+            let loaded = project.load_for(Purpose::Replay)?;
             let files = projects::read_recordings(&recordings)?;
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
@@ -219,7 +219,7 @@ impl NativeProject {
     ) -> PyResult<(String, Self)> {
         let project = self.clone();
         background::run(py, self.folder(), progress, move |world| {
-            let loaded = project.loaded(Purpose::Diagnose)?;
+            let loaded = project.load_for(Purpose::Diagnose)?;
             let files = projects::read_recordings(&recordings)?;
             let diagnosed = diagnose(&loaded.project, &files, world);
             let diagnosed =

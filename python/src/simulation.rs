@@ -53,7 +53,7 @@ impl Signals {
             },
             initial: Initial::Rest { hub_angle_rad: start.hub_angle_rad },
             firing: Firing::Stated,
-            ..Scenario::still(duration_s)
+            ..Scenario::at_rest(duration_s)
         })
     }
 }
@@ -87,7 +87,7 @@ pub fn simulate<'py>(
     let folder = project.folder();
     let (project, start) = (project.clone(), Start { duration_s, hub_angle_rad, seed });
     let history = background::run(py, folder, progress, move |_| {
-        let loaded = project.loaded(Purpose::Synth)?;
+        let loaded = project.load_for(Purpose::Synth)?;
         let modelled = model(&loaded.project)?;
         let made = synthesise(&loaded.project, &modelled, &reduce(&loaded.project, &modelled)?)?;
         let controller = made.sampled.controller;

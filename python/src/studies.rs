@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
-use counterpoise_diagnose::identification::improved;
+use counterpoise_diagnose::identification::apply_identified;
 use counterpoise_diagnose::simulator_access::{Pool, map_with_progress};
 use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::identify;
@@ -71,14 +71,14 @@ pub fn sweep(
 }
 
 fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept> {
-    let loaded = project.loaded(Purpose::Sweep)?;
+    let loaded = project.load_for(Purpose::Sweep)?;
     let project = &loaded.project;
     campaign_is_stated(project)?;
     let made = run_stages(project, world)?;
     let (modelled, verified) = (&made.modelled, &made.verified);
     let campaign = prepare_campaign(project, modelled, verified, world)?;
     let run = map_with_progress(world, "sample", campaign.len(), |index| campaign.run(index));
-    ensure!(!world.cancelled(), "stopped");
+    ensure!(!world.is_cancelled(), "stopped");
     let samples: Vec<Sample> = run.into_iter().collect::<Result<_, _>>()?;
     let others = BesideSamples {
         worst: worst_cases(&campaign, &samples, world)?,
@@ -97,7 +97,7 @@ pub fn adaptation(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
     project.json(py, progress, |project, world| {
-        let loaded = project.loaded(Purpose::Verify)?;
+        let loaded = project.load_for(Purpose::Verify)?;
         Ok(study_adaptation(&loaded.project, world)?)
     })
 }
@@ -131,7 +131,7 @@ pub fn frequency_response_map(
             !values.is_empty() && values.iter().all(|value| value.is_finite() && *value > 0.0)
         };
         ensure!(positive(&plan.frequencies_hz), "frequencies_hz must be positive numbers, at least one");
-        let loaded = project.loaded(Purpose::Model)?;
+        let loaded = project.load_for(Purpose::Model)?;
         let modelled = pipeline::model(&loaded.project)?;
         if !recordings.is_empty() {
             let files = projects::read_recordings(&recordings)?;
@@ -142,7 +142,7 @@ pub fn frequency_response_map(
         ensure!(positive(&plan.amplitudes), "amplitudes must be positive numbers, at least one");
         let analyser = Analyser::new(&loaded.project, &modelled, &plan, On::Simulation)?;
         let measured = analyser.measure(&plan, world)?;
-        ensure!(!world.cancelled(), "stopped");
+        ensure!(!world.is_cancelled(), "stopped");
         Ok(Maps { maps: vec![describe_map(analyser.compare(&measured, world)?)] })
     })
 }
@@ -158,13 +158,13 @@ pub fn identification(
 ) -> PyResult<(String, NativeProject)> {
     let kept = project.clone();
     background::run(py, project.folder(), None, move |_| {
-        let loaded = kept.loaded(Purpose::Model)?;
+        let loaded = kept.load_for(Purpose::Model)?;
         let (first, second) = (projects::read_recordings(&recordings)?, projects::read_recordings(&other)?);
         let identified = identify(&loaded.project, &[&first, &second])
             .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
         let found = describe_identified_recordings(&identified);
         let json = serde_json::to_string(&found).context("cannot write the result as JSON")?;
-        let better = improved(&loaded.project.plant, &identified.identified);
+        let better = apply_identified(&loaded.project.plant, &identified.identified);
         Ok((json, kept.with_document(projects::improved_document(&loaded, &better)?)))
     })
 }

@@ -4,7 +4,7 @@ use ndarray::Array1;
 
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
 use crate::clock::{Uniform, check_length, to_uniform_clock};
-use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
+use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::tolerance::STATED_PERIOD;
 use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
@@ -55,7 +55,7 @@ pub struct Mapping {
 
 impl ChannelSource {
     /// Returns a column taken as it is.
-    pub fn named(column: &str) -> Self {
+    pub fn from_column(column: &str) -> Self {
         Self {
             column: column.to_owned(),
             unit: None,
@@ -196,7 +196,7 @@ impl Mapping {
         check_length(&recording.name, duration_s, project_s, recording.channels().count())?;
         for channel in Channel::ALL {
             let kind = if channel.is_held() { Resampling::Held } else { Resampling::Read };
-            let values = recording.samples(channel).map(|v| resampled(kind, v, file_s, project_s));
+            let values = recording.samples(channel).map(|v| resample(kind, v, file_s, project_s));
             values.and_then(|values| recording.set(channel, values));
         }
         recording.sample_period_s = project_s;
@@ -223,7 +223,7 @@ impl Mapping {
                 on_file_clock(table, source, values, time_s).map(Some)
             }
             None if table.find(from.name()).is_some() => {
-                converted(table, &ChannelSource::named(from.name()), &wanted).map(Some)
+                converted(table, &ChannelSource::from_column(from.name()), &wanted).map(Some)
             }
             None => Ok(None),
         }
@@ -244,7 +244,7 @@ impl Mapping {
     /// Returns the time of every row, s; `None` if the file has no time.
     fn time(&self, table: &Table) -> Result<Option<Array1<f64>>, Error> {
         let column = TIME_NAMES.into_iter().find(|name| table.find(name).is_some());
-        let by_name = column.map(ChannelSource::named);
+        let by_name = column.map(ChannelSource::from_column);
         let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
         let time_s = converted(table, source, &Wanted::TIME)?;
         let has_unit = source.unit.is_some() || table.column(&source.column)?.unit.is_some();
@@ -313,6 +313,6 @@ fn on_file_clock(
     time_s: Option<&Array1<f64>>,
 ) -> Result<Array1<f64>, Error> {
     let (Some(clock), Some(time_s)) = (&source.clock, time_s) else { return Ok(values) };
-    let own_s = converted(table, &ChannelSource::named(clock), &Wanted::TIME)?;
-    Ok(on_clock(values.view(), own_s.view(), time_s.view()))
+    let own_s = converted(table, &ChannelSource::from_column(clock), &Wanted::TIME)?;
+    Ok(interpolate_on_clock(values.view(), own_s.view(), time_s.view()))
 }

@@ -36,7 +36,7 @@ impl Recording {
 
     /// Returns the recording under another name.
     #[must_use]
-    pub fn named(self, name: impl Into<String>) -> Self {
+    pub fn with_name(self, name: impl Into<String>) -> Self {
         Self { name: name.into(), ..self }
     }
 

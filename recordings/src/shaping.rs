@@ -55,7 +55,7 @@ pub(crate) fn lagging_slopes(values: &[f64], period_s: f64, lag_s: f64) -> Array
 }
 
 /// Returns a column that has a clock of its own on the file's clock: linear between its samples, NaN outside of them.
-pub(crate) fn on_clock(
+pub(crate) fn interpolate_on_clock(
     values: ArrayView1<'_, f64>,
     own_s: ArrayView1<'_, f64>,
     clock_s: ArrayView1<'_, f64>,
@@ -94,7 +94,7 @@ pub(crate) enum Resampling {
 }
 
 /// Returns uniform values on another uniform clock that starts with them.
-pub(crate) fn resampled(kind: Resampling, values: &[f64], from_s: f64, to_s: f64) -> Array1<f64> {
+pub(crate) fn resample(kind: Resampling, values: &[f64], from_s: f64, to_s: f64) -> Array1<f64> {
     let values = ArrayView1::from(values);
     let ratio = to_s / from_s;
     let count = ((values.len().max(1) - 1) as f64 / ratio + SAME_PLACE_SAMPLES).floor() as usize + 1;

@@ -36,7 +36,7 @@ impl Table {
     ///
     /// # Errors
     /// See [`Table::check`].
-    pub(crate) fn checked(self) -> Result<Self, Error> {
+    pub(crate) fn into_checked(self) -> Result<Self, Error> {
         self.check()?;
         Ok(self)
     }
@@ -45,7 +45,7 @@ impl Table {
     ///
     /// # Errors
     /// There is no such column, or its unit is not known.
-    pub fn in_si(&self, column: &str) -> Result<(Array1<f64>, Unit), Error> {
+    pub fn convert_to_si(&self, column: &str) -> Result<(Array1<f64>, Unit), Error> {
         let found = self.column(column)?;
         let unit = match &found.unit {
             Some(written) => self.unit(column, written)?,
@@ -65,7 +65,7 @@ impl Table {
         channel: &'static str,
         wanted: &'static str,
     ) -> Result<Array1<f64>, Error> {
-        let (values, unit) = self.in_si(column)?;
+        let (values, unit) = self.convert_to_si(column)?;
         let written = self.column(column)?.unit.clone();
         if written.is_none() || Unit::parse(wanted).is_some_and(|u| u.is_like(&unit)) {
             return Ok(values);
@@ -133,7 +133,7 @@ impl Table {
 
 impl Column {
     /// Returns a column from a heading `name [unit]` or `name (unit)`.
-    pub(crate) fn headed(heading: &str, values: impl Into<Array1<f64>>) -> Self {
+    pub(crate) fn from_heading(heading: &str, values: impl Into<Array1<f64>>) -> Self {
         let (name, unit) = name_and_unit(heading);
         Self { name, unit, values: values.into() }
     }

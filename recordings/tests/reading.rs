@@ -122,7 +122,7 @@ fn a_mapping_renames_scales_and_turns_the_sign() {
         unit: unit.map(str::to_owned),
         scale,
         offset,
-        ..ChannelSource::named(column)
+        ..ChannelSource::from_column(column)
     };
     let channels = vec![
         (Channel::HubRate, source("w", Some("deg/s"), -2.0, 5.0)),
@@ -134,7 +134,7 @@ fn a_mapping_renames_scales_and_turns_the_sign() {
     assert_eq!(channel(&record, Channel::HubRate), expected);
     assert_eq!(channel(&record, Channel::Control), [1.0, 2.0, 3.0]);
     let wrong =
-        Mapping { channels: vec![(Channel::HubRate, ChannelSource::named("W"))], ..Mapping::default() };
+        Mapping { channels: vec![(Channel::HubRate, ChannelSource::from_column("W"))], ..Mapping::default() };
     assert_eq!(
         wrong.apply(&table).unwrap_err().to_string(),
         "run.csv: there is no column \"W\"; it has t, w, u (did you mean \"w\"?)"
@@ -196,10 +196,10 @@ fn matlab_plain_and_compressed_structures() {
     assert_eq!(Mapping::default().apply(&plain).unwrap().sample_period_s, 1e-3);
     let log = Table::read(&data("structure_v7.mat"), "structure_v7.mat").unwrap();
     let mapping = Mapping {
-        time: Some(ChannelSource::named("log.time")),
+        time: Some(ChannelSource::from_column("log.time")),
         channels: vec![
-            (Channel::HubRate, ChannelSource::named("log.w_1")),
-            (Channel::MotorRate, ChannelSource::named("log.w_2")),
+            (Channel::HubRate, ChannelSource::from_column("log.w_1")),
+            (Channel::MotorRate, ChannelSource::from_column("log.w_2")),
         ],
         ..Mapping::default()
     };
@@ -245,7 +245,7 @@ fn a_mapping_unrolls_adds_and_differentiates() {
         scale: TAU / 8192.0,
         unit: Some("rad".to_owned()),
         wraps_at: Some(8192.0),
-        ..ChannelSource::named("count")
+        ..ChannelSource::from_column("count")
     };
     let rate = ChannelSource { slope_over_s: Some(0.2), ..turns.clone() };
     let bent = ChannelSource { plus: Some("bend".to_owned()), ..turns.clone() };
@@ -294,7 +294,7 @@ fn the_lagging_slope_makes_a_position_controller_one_of_the_rate() {
         slope_lag_s: Some(1.0 / kp),
         plus: Some("pulse".to_owned()),
         plus_scale: 0.01,
-        ..ChannelSource::named("reference")
+        ..ChannelSource::from_column("reference")
     };
     let mapping = Mapping { channels: vec![(Channel::Demand, demand)], ..Mapping::default() };
     let record = mapping.apply(&table).unwrap();
@@ -312,7 +312,7 @@ fn the_lagging_slope_makes_a_position_controller_one_of_the_rate() {
 #[test]
 fn a_clock_of_its_own() {
     let table = read("time [s],w [rad/s],t2 [s]\n0,0,0.05\n0.1,1,0.15\n0.2,2,0.25\n0.3,3,0.35\n");
-    let source = ChannelSource { clock: Some("t2".to_owned()), ..ChannelSource::named("w") };
+    let source = ChannelSource { clock: Some("t2".to_owned()), ..ChannelSource::from_column("w") };
     let mapping = Mapping { channels: vec![(Channel::HubRate, source)], ..Mapping::default() };
     let record = mapping.apply(&table).unwrap();
     let found = channel(&record, Channel::HubRate);

@@ -2,7 +2,7 @@
 
 use crate::error::During;
 use crate::measure::error_norm;
-use crate::reduction::{above_rounding, bound, choose};
+use crate::reduction::{bound, choose, count_above_rounding};
 use crate::split::split;
 use crate::{Error, Method, Order, Reduction};
 use counterpoise_linalg as linalg;
@@ -40,7 +40,7 @@ impl Balanced {
         if ![&system.A, &system.B, &system.C, &system.D, &R, &L].iter().all(|matrix| matrix.is_finite()) {
             return Err(counterpoise_lti::Error::NotFinite { what: "the system to be reduced" }.into());
         }
-        let parts = linalg::svd(&(&L.t() * &R)).during("balancing")?;
+        let parts = linalg::svd(&(&L.t() * &R)).with_step("balancing")?;
         let mut values = parts.s;
         values.truncate(system.order());
         Ok(Self { system, R, L, U: parts.U, V: parts.V, values })
@@ -53,7 +53,7 @@ impl Balanced {
 
     /// Returns the number of Hankel values above rounding: the largest order that can be asked for.
     pub fn numerical_order(&self) -> usize {
-        above_rounding(&self.values)
+        count_above_rounding(&self.values)
     }
 
     /// Returns the system of order `r` by the given method; r at most [`Balanced::numerical_order`].
@@ -88,9 +88,9 @@ impl Balanced {
     /// Orthonormal bases of the same subspaces; the coordinates are not balanced, the response is the same.
     fn balancing_free(&self, r: usize) -> Result<StateSpace, Error> {
         let (T, W) = self.directions(r);
-        let X = linalg::qr(&T).during("balancing-free projection")?.Q;
-        let Y = linalg::qr(&W).during("balancing-free projection")?.Q;
-        let W = linalg::solve(&(&Y.t() * &X), &Y.t()).during("balancing-free projection")?;
+        let X = linalg::qr(&T).with_step("balancing-free projection")?.Q;
+        let Y = linalg::qr(&W).with_step("balancing-free projection")?.Q;
+        let W = linalg::solve(&(&Y.t() * &X), &Y.t()).with_step("balancing-free projection")?;
         self.project(&X, &W)
     }
 
@@ -113,7 +113,7 @@ fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
         A22 = &A22 - &Mat::eye(s);
     }
     let driven = g.A.block(r, 0, s, r).hstack(&g.B.block(r, 0, s, m));
-    let held = linalg::solve(&A22, &driven).during("singular perturbation")?;
+    let held = linalg::solve(&A22, &driven).with_step("singular perturbation")?;
     let (X, U) = (held.block(0, 0, s, r), held.block(0, r, s, m));
     let (A12, C2) = (g.A.block(0, r, r, s), g.C.block(0, r, p, s));
     Ok(StateSpace::new(

@@ -70,11 +70,11 @@ pub enum Error {
 /// Says which step a refused matrix computation belonged to.
 pub(crate) trait During<T> {
     /// Returns the same result, with the step's name in its error.
-    fn during(self, what: &'static str) -> Result<T, Error>;
+    fn with_step(self, what: &'static str) -> Result<T, Error>;
 }
 
 impl<T> During<T> for Result<T, linalg::Error> {
-    fn during(self, what: &'static str) -> Result<T, Error> {
+    fn with_step(self, what: &'static str) -> Result<T, Error> {
         self.map_err(|source| Error::Matrix { what, source })
     }
 }

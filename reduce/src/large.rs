@@ -66,11 +66,11 @@ pub fn balred_large(
         let what = "a diagonal entry of the mass matrix";
         return Err(Error::Range { what, value, allowed: "positive: eliminate massless unknowns first" });
     }
-    let pencil = QuadraticPencil::of(&structure.M, &structure.C, &structure.K).during("balancing")?;
+    let pencil = QuadraticPencil::of(&structure.M, &structure.C, &structure.K).with_step("balancing")?;
     let ports = Ports { F: &structure.F, P: &structure.P, V: &structure.V };
     let accuracy = Accuracy { contribution: IDLE_CONTRIBUTION, steps: MOST_STEPS };
-    let gramians = low_rank_gramians(&pencil, &ports, accuracy, watch).during("balancing")?;
-    let directions = gramians.balanced(&pencil).during("balancing")?;
+    let gramians = low_rank_gramians(&pencil, &ports, accuracy, watch).with_step("balancing")?;
+    let directions = gramians.balanced_directions(&pencil).with_step("balancing")?;
     let (kept, mut warnings) = choose(&directions.values, order, 0)?;
     if gramians.last_contribution > IDLE_CONTRIBUTION {
         warnings.push(Warning::GramiansUnfinished { share: gramians.last_contribution });
@@ -104,7 +104,7 @@ fn projected(g: &LargeStructure, directions: &BalancedDirections, kept: usize) -
     let (position, velocity) = (half(&directions.right, 0), half(&directions.right, n));
     let (of_position, of_force) = (half(&directions.left, 0), half(&directions.left, n));
     let force = -&(&g.K.times(&position) + &g.C.times(&velocity));
-    let onto = |W: &Mat, X: &Mat| linalg::transpose_times(W, X).during("projecting the structure");
+    let onto = |W: &Mat, X: &Mat| linalg::transpose_times(W, X).with_step("projecting the structure");
     let A = &onto(&of_position, &velocity)? + &onto(&of_force, &force)?;
     let B = onto(&of_force, &g.F)?;
     let C = &(&g.P * &position) + &(&g.V * &velocity);
@@ -124,14 +124,14 @@ pub fn error_at(g: &LargeStructure, reduced: &StateSpace, rate_rad_s: f64) -> Re
             return Err(Error::Shape { what, found, expected });
         }
     }
-    let pencil = QuadraticPencil::of(&g.M, &g.C, &g.K).during("the response of the structure")?;
+    let pencil = QuadraticPencil::of(&g.M, &g.C, &g.K).with_step("the response of the structure")?;
     let s = C64::new(0.0, rate_rad_s);
     let quiet = &mut |_: Progress| std::ops::ControlFlow::Continue(());
     let factors =
-        pencil.at(s, "the response of the structure", quiet).during("the response of the structure")?;
-    let x = factors.solve(&g.F.to_complex()).during("the response of the structure")?;
+        pencil.at(s, "the response of the structure", quiet).with_step("the response of the structure")?;
+    let x = factors.solve(&g.F.to_complex()).with_step("the response of the structure")?;
     let exact: CMat = &g.P.to_complex() * &x + (&g.V.to_complex() * &x).scale(s);
     let error = &exact - &response_at(reduced, rate_rad_s)?;
-    let values = linalg::csingular_values(&error).during("the response of the structure")?;
+    let values = linalg::csingular_values(&error).with_step("the response of the structure")?;
     Ok(values.into_iter().fold(0.0, f64::max))
 }

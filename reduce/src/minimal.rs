@@ -110,7 +110,7 @@ fn reachable(
             break;
         }
         let padded = driving.hstack(&Mat::zeros(rows, rows.saturating_sub(driving.ncols())));
-        let parts = linalg::svd(&padded).during("staircase")?;
+        let parts = linalg::svd(&padded).with_step("staircase")?;
         let rank = gap.count(&parts.s[..rows.min(driving.ncols())], tolerance);
         if rank == 0 {
             break;

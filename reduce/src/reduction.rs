@@ -135,7 +135,7 @@ impl fmt::Display for Warning {
 /// Returns how many of the ranked values to keep, and what there is to say about it.
 pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(usize, Vec<Warning>), Error> {
     let largest = hankel.first().copied().unwrap_or(0.0);
-    let numerical = above_rounding(hankel);
+    let numerical = count_above_rounding(hankel);
     let asked = match order {
         Order::States(wanted) => {
             wanted.checked_sub(untouched).ok_or(Error::Order { wanted, kept: untouched })?.min(hankel.len())
@@ -169,7 +169,7 @@ pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(
 }
 
 /// Returns how many of the ranked values, largest first, stand above rounding: n eps times the largest.
-pub(crate) fn above_rounding(values: &[f64]) -> usize {
+pub(crate) fn count_above_rounding(values: &[f64]) -> usize {
     let floor = values.len() as f64 * f64::EPSILON * values.first().copied().unwrap_or(0.0);
     values.iter().filter(|&&value| value > floor).count()
 }

@@ -84,10 +84,11 @@ impl SecondOrder {
     pub fn to_state_space(&self) -> Result<StateSpace, Error> {
         self.check()?;
         let n = self.M.nrows();
-        let L = linalg::cholesky(&self.M).during("mass matrix")?;
+        let L = linalg::cholesky(&self.M).with_step("mass matrix")?;
         let solve = |S: &Mat| linalg::solve(&L.t(), &linalg::solve(&L, S)?);
         let (MK, MC, MF) = (solve(&self.K), solve(&self.C), solve(&self.F));
-        let (MK, MC, MF) = (MK.during("mass matrix")?, MC.during("mass matrix")?, MF.during("mass matrix")?);
+        let (MK, MC, MF) =
+            (MK.with_step("mass matrix")?, MC.with_step("mass matrix")?, MF.with_step("mass matrix")?);
         let A = Mat::from_blocks(&[&[&Mat::zeros(n, n), &Mat::eye(n)], &[&-&MK, &-&MC]]);
         let B = Mat::zeros(n, self.F.ncols()).vstack(&MF);
         let D = Mat::zeros(self.P.nrows(), self.F.ncols());
@@ -96,7 +97,7 @@ impl SecondOrder {
 
     /// Returns the natural frequencies in rad/s, lowest first, and mass-normalised shapes.
     fn modes(&self) -> Result<(Vec<f64>, Mat), Error> {
-        let (values, shapes) = linalg::sym_gen_eigen(&self.K, &self.M).during("natural frequencies")?;
+        let (values, shapes) = linalg::sym_gen_eigen(&self.K, &self.M).with_step("natural frequencies")?;
         Ok((values.iter().map(|value| value.max(0.0).sqrt()).collect(), shapes))
     }
 }
@@ -121,7 +122,7 @@ pub fn guyan(structure: &SecondOrder, masters: &[usize]) -> Result<SecondOrderRe
     }
     let slaves: Vec<usize> = (0..n).filter(|k| !masters.contains(k)).collect();
     let (Kss, Ksm) = (structure.K.select(&slaves, &slaves), structure.K.select(&slaves, masters));
-    let follow = linalg::solve(&Kss, &Ksm).during("stiffness of the slave degrees of freedom")?;
+    let follow = linalg::solve(&Kss, &Ksm).with_step("stiffness of the slave degrees of freedom")?;
     let mut basis = Mat::zeros(n, masters.len());
     for j in 0..masters.len() {
         basis[(masters[j], j)] = 1.0;
@@ -150,7 +151,7 @@ pub fn modal_basis(structure: &SecondOrder, modes: usize) -> Result<SecondOrderR
 fn reduction(structure: &SecondOrder, basis: Mat) -> Result<SecondOrderReduction, Error> {
     let reduced = structure.project(&basis);
     if [&reduced.M, &reduced.C, &reduced.K, &basis].iter().any(|matrix| !matrix.is_finite()) {
-        return Err(linalg::Error::OutOfRange { what: "the reduced structure" }).during("reduction");
+        return Err(linalg::Error::OutOfRange { what: "the reduced structure" }).with_step("reduction");
     }
     let count = basis.ncols().min(COMPARED_FREQUENCIES);
     let (mut rates_rad_s, mut reduced_rates_rad_s) = (structure.modes()?.0, reduced.modes()?.0);

@@ -88,7 +88,7 @@ fn cluster_radius(A: &Mat, form: &Schur, boundary: Boundary) -> Result<f64, Erro
     if !form.eigenvalues().into_iter().any(is_suspect) {
         return Ok(0.0);
     }
-    let found = linalg::boundary_eigenvalues(A, boundary).during("splitting")?;
+    let found = linalg::boundary_eigenvalues(A, boundary).with_step("splitting")?;
     // Another computation of the same eigenvalues splits a double one otherwise: as many of these as there are of those belong there.
     let mut rest: Vec<C64> =
         form.eigenvalues().into_iter().filter(|pole| boundary.excess(*pole).abs() < close).collect();
@@ -117,7 +117,7 @@ pub fn split_by(g: &StateSpace, wanted: impl Fn(C64) -> bool) -> Result<Split, E
 
 /// Splits a scaled system whose Schur form is known.
 fn split_form(g: StateSpace, mut form: Schur, wanted: impl Fn(C64) -> bool) -> Result<Split, Error> {
-    let k = form.reorder(&wanted).during("splitting")?;
+    let k = form.reorder(&wanted).with_step("splitting")?;
     snap(&mut form.T, &lone_poles(&g.A));
     let (n, m, p) = (g.order(), g.inputs(), g.outputs());
     let (T11, T22) = (form.T.block(0, 0, k, k), form.T.block(k, k, n - k, n - k));
@@ -125,7 +125,7 @@ fn split_form(g: StateSpace, mut form: Schur, wanted: impl Fn(C64) -> bool) -> R
     let X = if k == 0 || k == n {
         Mat::zeros(k, n - k)
     } else {
-        linalg::sylvester(&T11, &-&T22, &-T12).during("splitting")?
+        linalg::sylvester(&T11, &-&T22, &-T12).with_step("splitting")?
     };
     let (B, C) = (&form.U.t() * &g.B, &g.C * &form.U);
     let (B2, C1) = (B.block(k, 0, n - k, m), C.block(0, 0, p, k));
@@ -161,7 +161,7 @@ fn block_schur(A: &Mat) -> Result<Schur, Error> {
     let n = A.nrows();
     let groups = components(A);
     if groups.len() < 2 {
-        return linalg::schur(A).during("splitting");
+        return linalg::schur(A).with_step("splitting");
     }
     let order: Vec<usize> = groups.iter().flatten().copied().collect();
     let all: Vec<usize> = (0..n).collect();
@@ -170,7 +170,7 @@ fn block_schur(A: &Mat) -> Result<Schur, Error> {
     let mut blocks = Vec::new();
     let mut top = 0;
     for size in groups.iter().map(Vec::len) {
-        let part = linalg::schur(&ordered.block(top, top, size, size)).during("splitting")?;
+        let part = linalg::schur(&ordered.block(top, top, size, size)).with_step("splitting")?;
         U.set_block(top, top, &part.U);
         blocks.push((top, part.T));
         top += size;

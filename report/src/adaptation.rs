@@ -23,7 +23,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
     let mut lines = vec!["trials on motions that no window fits (hub rate in mrad/s RMS):".to_owned()];
     lines.extend(tried.rows.iter().map(|row| {
         let removed = row
-            .removed()
+            .removed_share()
             .map_or(String::new(), |share| format!(", {:.0} % of the added rate removed", 100.0 * share));
         format!(
             "    {:13} {:9} {:20} without {:.3}, with {:.3}, load known {:.3}{removed}",
@@ -171,7 +171,7 @@ pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Rep
         tiles: vec![
             Tile::plain("worst adapted interval", short_number(worst), "of run (a)"),
             Tile::plain("largest error of the estimate", short_number(off), "kg m")
-                .noted("at the end of an interval"),
+                .with_note("at the end of an interval"),
         ],
         verdicts: table(runs),
         glance: Vec::new(),
@@ -221,19 +221,19 @@ fn section(run: &AdaptRun, command: &str) -> Section {
         time_s.iter().zip(values).map(|(t, value)| (*t, scale * value)).collect::<Vec<_>>()
     };
     let balance = vec![
-        Series::solid("true", Colour::Second, over(out_of_balance_kg_m, 1.0)),
-        Series::dashed("controller uses", Colour::First, over(used_kg_m, 1.0)),
+        Series::solid_line("true", Colour::Second, over(out_of_balance_kg_m, 1.0)),
+        Series::dashed_line("controller uses", Colour::First, over(used_kg_m, 1.0)),
     ];
     let panels = vec![
         Panel::new(Axis::linear("out-of-balance", "kg m"), balance).with_height(120.0),
         Panel::new(
             Axis::linear("control", "V"),
-            vec![Series::solid("", Colour::Muted, over(control_v, 1.0))],
+            vec![Series::solid_line("", Colour::Muted, over(control_v, 1.0))],
         )
         .with_height(110.0),
         Panel::new(
             Axis::linear("hub rate", "mrad/s"),
-            vec![Series::solid("", Colour::First, over(hub_rate_rad_s, 1e3))],
+            vec![Series::solid_line("", Colour::First, over(hub_rate_rad_s, 1e3))],
         )
         .with_height(150.0),
     ];

@@ -62,7 +62,7 @@ impl BodeCurve {
     }
 
     /// Returns the same curve, dashed.
-    pub fn dashed(self) -> Self {
+    pub fn with_dashes(self) -> Self {
         Self { dash: Dash::Dashed, ..self }
     }
 
@@ -98,7 +98,7 @@ pub fn bode_figure(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, 
     let (lowest, highest) = (levels().fold(f64::MAX, f64::min), levels().fold(f64::MIN, f64::max));
     let axis = Axis::linear("magnitude", &label);
     let [from, to] = window_db(highest, &marks);
-    let axis = if highest - lowest > DEPTH_DB { axis.over(from, to) } else { axis };
+    let axis = if highest - lowest > DEPTH_DB { axis.with_range(from, to) } else { axis };
     let mut panels = vec![Panel::new(axis, magnitudes).with_marks(marks)];
     if phase == Phase::Shown {
         let phases = curves.iter().map(|curve| curve.series(curve.phase_deg())).collect();

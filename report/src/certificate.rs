@@ -241,7 +241,7 @@ fn bounds(found: &[RegimeRobustness]) -> Table {
 
 fn growth(case: &CaseCertificate) -> Figure {
     let points = case.prediction.growth.iter().map(|at| (1e3 * at.rate_rad_s, at.growth_per_s));
-    let series = vec![Series::solid("growth", Colour::First, points)];
+    let series = vec![Series::solid_line("growth", Colour::First, points)];
     let marks = vec![Mark::Level { y: 0.0, text: "the motion grows above this".to_owned() }];
     let panel = Panel::new(Axis::linear("growth of an oscillation", "1/s"), series).with_marks(marks);
     Figure::new(

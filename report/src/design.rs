@@ -78,7 +78,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     let mut report = of_verification(stages.verified.verification(), &designed.spectra, context);
     report.sections.retain(|section| section.heading != PLANT);
     report.sections.extend(designed.adaptation.as_ref().map(trial_section));
-    report.reproduced_by(&run.origin.command)
+    report.with_command(&run.origin.command)
 }
 
 /// Returns the report of a synthesis: the weights, and the design beside its alternatives.
@@ -107,7 +107,7 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origi
         sections,
         provenance: origin.provenance(&study.identity),
     };
-    report.reproduced_by(&origin.command)
+    report.with_command(&origin.command)
 }
 
 fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: ControlledQuantity) -> Section {
@@ -115,7 +115,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: Co
     let figure = |plant: &PlantResponse| {
         let curves = [
             response_curve(&plant.full, Colour::Muted),
-            response_curve(&plant.reduced, Colour::First).dashed(),
+            response_curve(&plant.reduced, Colour::First).with_dashes(),
         ];
         bode_figure(&format!("{hub} for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
     };

@@ -235,7 +235,7 @@ pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) 
         sections: vec![details, legend],
         provenance: origin.provenance(&identity),
     };
-    report.reproduced_by(&origin.command)
+    report.with_command(&origin.command)
 }
 
 /// Returns every simulated design: what the loop controls against noise gain, each with its number.
@@ -262,7 +262,7 @@ fn figure(table: &DesignTable) -> Option<Figure> {
         })
         .collect();
     // The series gives the axes their range; its points lie under the rings.
-    let series = Series::dotted("", Colour::Muted, points);
+    let series = Series::dotted_line("", Colour::Muted, points);
     let controlled = table.controlled;
     let y = Axis::linear(
         &format!("{} under the motion", controlled.name()),

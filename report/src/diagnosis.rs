@@ -75,15 +75,15 @@ fn tiles(answer: &AnswerText) -> Vec<Tile> {
     let worst = |channels: &Channels| channels.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
     let mut out = vec![
         Tile::plain("error over floor, before", format!("{:.1}", worst(&answer.fit.before)), "")
-            .noted("worst channel, all recordings"),
+            .with_note("worst channel, all recordings"),
         Tile::plain("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "")
-            .noted("1 is perfect"),
+            .with_note("1 is perfect"),
         Tile::plain("on held-out data", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
-            .noted("worst channel"),
+            .with_note("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
         let probability = Tile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
-        out.push(probability.noted("of the first finding"));
+        out.push(probability.with_note("of the first finding"));
     }
     out
 }
@@ -227,13 +227,13 @@ pub(super) fn comparison(track: &Track, command: &str) -> Figure {
         |series: &[f64]| -> Vec<f64> { series.iter().zip(&track.measured).map(|(s, m)| s - m).collect() };
     let name = if track.after.is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
-        Series::solid("measured", Colour::Muted, points(&track.measured)),
-        Series::solid(name, Colour::Second, points(&track.before)),
+        Series::solid_line("measured", Colour::Muted, points(&track.measured)),
+        Series::solid_line(name, Colour::Second, points(&track.before)),
     ];
-    let mut errors = vec![Series::solid(name, Colour::Second, points(&error(&track.before)))];
+    let mut errors = vec![Series::solid_line(name, Colour::Second, points(&error(&track.before)))];
     if !track.after.is_empty() {
-        signals.push(Series::solid("improved model", Colour::First, points(&track.after)));
-        errors.push(Series::solid("improved model", Colour::First, points(&error(&track.after))));
+        signals.push(Series::solid_line("improved model", Colour::First, points(&track.after)));
+        errors.push(Series::solid_line("improved model", Colour::First, points(&error(&track.after))));
     }
     let panels = vec![
         Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),

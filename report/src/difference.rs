@@ -18,7 +18,7 @@ pub fn changes_section(before: &str, changes: &[Change]) -> Section {
     ];
     let mut table = Table::new("", &columns);
     let mut moved: Vec<&Change> = changes.iter().filter(|change| has_changed(change)).collect();
-    moved.sort_by_key(|change| (!change.turned(), change.holds.is_none()));
+    moved.sort_by_key(|change| (!change.has_changed_verdict(), change.holds.is_none()));
     table.rows = moved.iter().map(|change| row(change)).collect();
     let same = changes.len() - moved.len();
     Section::new("Before and after")
@@ -28,7 +28,9 @@ pub fn changes_section(before: &str, changes: &[Change]) -> Section {
 
 /// Returns the difference in one line: verdicts that turned, and how many figures changed.
 pub fn summarise_changes(before: &str, changes: &[Change]) -> String {
-    let way = |found| changes.iter().filter(|change| change.turned() && change.holds == Some(found)).count();
+    let way = |found| {
+        changes.iter().filter(|change| change.has_changed_verdict() && change.holds == Some(found)).count()
+    };
     let figures = changes.iter().filter(|change| has_changed(change)).count();
     let turned = match (way(true), way(false)) {
         (0, 0) => "no verdict turned".to_owned(),
@@ -60,7 +62,7 @@ pub fn consequence_section(found: &Consequence) -> Section {
 
 /// Returns whether a figure changed at all.
 pub fn has_changed(change: &Change) -> bool {
-    change.turned()
+    change.has_changed_verdict()
         || change.relative().is_none_or(|part| part.abs() > SAME_FIGURE) && change.before != change.after
 }
 

@@ -31,19 +31,20 @@ fn figure(budget: &ErrorBudget, place: Place) -> Figure {
     let linear = linear(budget, place);
     let density = |bands: &[f64]| densities(&budget.edges_hz, bands);
     let total = (place.of)(&budget.total);
-    let mut powers = vec![Series::solid("all sources", Colour::Muted, density(total))];
-    let mut roots = vec![Series::solid("all sources", Colour::Muted, cumulative(&budget.edges_hz, total))];
+    let mut powers = vec![Series::solid_line("all sources", Colour::Muted, density(total))];
+    let mut roots =
+        vec![Series::solid_line("all sources", Colour::Muted, cumulative(&budget.edges_hz, total))];
     let mut shares = Vec::new();
     for (one, colour) in largest.iter().zip(Colour::CYCLE) {
         let share = (place.of)(&one.share);
-        powers.push(Series::solid(one.source.name(), colour, density(share)));
-        shares.push(Series::solid("", colour, part(&budget.edges_hz, share, total)));
+        powers.push(Series::solid_line(one.source.name(), colour, density(share)));
+        shares.push(Series::solid_line("", colour, part(&budget.edges_hz, share, total)));
         if let Some(linear) = &one.linear {
             let name = format!("{}, linear loop", one.source.name());
-            powers.push(Series::dotted(&name, colour, density((place.of)(&linear.spectrum))));
+            powers.push(Series::dotted_line(&name, colour, density((place.of)(&linear.spectrum))));
         }
     }
-    roots.push(Series::dotted("linear loop", Colour::Muted, cumulative(&budget.edges_hz, &linear)));
+    roots.push(Series::dotted_line("linear loop", Colour::Muted, cumulative(&budget.edges_hz, &linear)));
     let panels = vec![
         Panel::new(Axis::logarithmic("power spectrum", "urad\u{B2}/Hz"), powers).with_height(260.0),
         Panel::new(Axis::linear("cumulative RMS", "urad"), roots).with_height(150.0),

@@ -139,7 +139,7 @@ fn margin_table(found: &Verification) -> Table {
 
 fn step_section(found: &Verification) -> Section {
     let control = step_column(found, "Control during the step", "control", "V", |history| &history.control_v);
-    let controlled = found.controlled();
+    let controlled = found.controlled_quantity();
     let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
     let title = format!("{} during the step", capitalise_first(&name));
     let tip = step_column(found, &title, &name, unit, |history| &history.tip_rate_rad_s);
@@ -173,7 +173,7 @@ pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
         })
         .collect();
     let first = steps(found).next()?.0;
-    series.push(Series::dotted("demand", Colour::Third, paired(&first.time_s, &first.demand_rad_s)));
+    series.push(Series::dotted_line("demand", Colour::Third, paired(&first.time_s, &first.demand_rad_s)));
     let panel = Panel::new(controlled_axis(found), series).with_height(height);
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
@@ -213,7 +213,7 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
     let series: Vec<Series> = ARRANGEMENTS
         .iter()
         .filter_map(|(arrangement, name, colour)| {
-            run(*arrangement).map(|h| Series::solid(name, *colour, paired(&h.time_s, &h.hub_rate_rad_s)))
+            run(*arrangement).map(|h| Series::solid_line(name, *colour, paired(&h.time_s, &h.hub_rate_rad_s)))
         })
         .collect();
     let controlled: Vec<Series> = series.iter().filter(|s| s.colour != Colour::Muted).cloned().collect();
@@ -227,7 +227,7 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
         Panel::new(controlled_axis(found), controlled).with_height(height),
     ];
     let caption = "The lower panel shows the controlled loops alone.";
-    let title = format!("{} under {name}, {plant}", capitalise_first(found.controlled().name()));
+    let title = format!("{} under {name}, {plant}", capitalise_first(found.controlled_quantity().name()));
     Some(Figure::new(&title, Axis::linear("time", "s"), panels).with_caption(caption))
 }
 
@@ -242,7 +242,7 @@ fn rejection_section(found: &Verification) -> Section {
         bode_figure(title, unit, &curves, Phase::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
-    let (name, unit) = (found.controlled().name(), found.controlled().unit());
+    let (name, unit) = (found.controlled_quantity().name(), found.controlled_quantity().unit());
     let over_pitch = over_pitch_rate(found);
     Section::new("Disturbance rejection ratio")
         .saying(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
@@ -273,7 +273,7 @@ fn rejection_curve(
 }
 
 fn controller_section(found: &Verification) -> Section {
-    let controlled = found.controlled();
+    let controlled = found.controlled_quantity();
     let of_error = match controlled == ControlledQuantity::RATE {
         true => "V s/rad".to_owned(),
         false => format!("V per {}", controlled.unit()),
@@ -301,9 +301,9 @@ fn controller_section(found: &Verification) -> Section {
 }
 
 fn plant_section(found: &Verification) -> Section {
-    let unit = found.controlled().unit();
+    let unit = found.controlled_quantity().unit();
     let units = [format!("{unit} per V"), format!("{unit} per m/s\u{B2}"), over_pitch_rate(found)];
-    let hub = capitalise_first(found.controlled().name());
+    let hub = capitalise_first(found.controlled_quantity().name());
     let curves = &found.evidence.curves;
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
@@ -315,12 +315,12 @@ fn plant_section(found: &Verification) -> Section {
 
 /// Returns the axis of what the loop controls.
 fn controlled_axis(found: &Verification) -> Axis {
-    Axis::linear(found.controlled().name(), found.controlled().unit())
+    Axis::linear(found.controlled_quantity().name(), found.controlled_quantity().unit())
 }
 
 /// Returns the unit of what the loop controls over the platform's pitch rate; empty for a rate over a rate.
 fn over_pitch_rate(found: &Verification) -> String {
-    match found.controlled().unit() {
+    match found.controlled_quantity().unit() {
         "rad/s" => String::new(),
         unit => format!("{unit} per rad/s"),
     }
@@ -338,10 +338,15 @@ pub fn figure_section(found: &Verification) -> Section {
             Value::Absent { why } => Cell::text(why.to_string()),
         };
         let (name, key) = (
-            Cell::text(measured.figure.name(found.controlled())),
-            Cell::text(measured.figure.key_in(found.controlled())),
+            Cell::text(measured.figure.name(found.controlled_quantity())),
+            Cell::text(measured.figure.key_in(found.controlled_quantity())),
         );
-        table.rows.push(vec![name, value, Cell::text(measured.figure.unit(found.controlled())), key]);
+        table.rows.push(vec![
+            name,
+            value,
+            Cell::text(measured.figure.unit(found.controlled_quantity())),
+            key,
+        ]);
     }
     Section::new("All figures").listing(table)
 }

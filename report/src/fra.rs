@@ -139,7 +139,7 @@ fn overview(map: &Map, command: &str) -> Figure {
         })
         .collect();
     if let Some(Family { points, .. }) = families.first() {
-        curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed());
+        curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).with_dashes());
     }
     let figure = bode_figure(
         "Measured at every amplitude",
@@ -206,7 +206,7 @@ fn beside_models(map: &Map, family: &Family<'_>, colour: Colour) -> Figure {
     let curves = [
         curve(&name, colour, points, |p| Some(p.response)),
         described,
-        curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed(),
+        curve("linear", Colour::Muted, points, |p| Some(p.linear)).with_dashes(),
     ];
     let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
     bode_figure(&name, &map.signals.gain_unit(), &kept, Phase::Shown, Vec::new())
@@ -217,7 +217,7 @@ fn harmonics(map: &Map, command: &str) -> Figure {
         let families = families(map);
         let series = families.iter().zip(Colour::CYCLE).map(|(Family { amplitude, points }, colour)| {
             let line = points.iter().map(|p| (p.frequency_hz, y(p)));
-            Series::solid(&label(map, *amplitude), colour, line)
+            Series::solid_line(&label(map, *amplitude), colour, line)
         });
         series.collect()
     };
@@ -257,8 +257,9 @@ fn tiles(map: &Map) -> Vec<Tile> {
         Tile::plain("points", map.points.len().to_string(), ""),
         Tile::plain("largest gain", short_number(largest), &unit),
         Tile::plain("spread over amplitudes", short_number(widest_spread(map)), "dB")
-            .noted("0 on a linear machine"),
-        Tile::plain("largest harmonics", short_number(100.0 * distortion), "%").noted("of the fundamental"),
+            .with_note("0 on a linear machine"),
+        Tile::plain("largest harmonics", short_number(100.0 * distortion), "%")
+            .with_note("of the fundamental"),
     ]
 }
 

@@ -227,7 +227,7 @@ mod tests {
     use counterpoise_plot::{Axis, Colour, Panel, Series};
 
     fn report() -> Report {
-        let series = Series::solid("hub", Colour::First, vec![(0.0, 0.0), (1.0, 1.0)]);
+        let series = Series::solid_line("hub", Colour::First, vec![(0.0, 0.0), (1.0, 1.0)]);
         let figure = Figure::new(
             "Step",
             Axis::linear("time", "s"),

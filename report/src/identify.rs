@@ -88,7 +88,7 @@ fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Es
 fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<Tile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
         Tile::plain(name, short_number(e.value), unit)
-            .noted(&format!("± {}", short_number(0.5 * (e.ci95[1] - e.ci95[0]))))
+            .with_note(&format!("± {}", short_number(0.5 * (e.ci95[1] - e.ci95[0]))))
     };
     named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }
@@ -131,8 +131,8 @@ fn loop_figure(picture: &Loop, found: &IdentificationText, drawn: Drawn<'_>) -> 
     let rate = drawn.units.rate;
     let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![
-        Series::solid("recorded", Colour::Second, points(1)),
-        Series::dashed("identified", Colour::First, points(2)),
+        Series::solid_line("recorded", Colour::Second, points(1)),
+        Series::dashed_line("identified", Colour::First, points(2)),
     ];
     let panel = Panel::new(Axis::linear("control", "V"), series).with_height(300.0);
     let panel = if picture.balance == 0 {
@@ -175,8 +175,8 @@ fn amplifier_section(amplifier: &AmplifierText, command: &str) -> Section {
 fn curve_figure(points: &[GainPoint], command: &str) -> Figure {
     let of = |y: fn(&GainPoint) -> f64| points.iter().map(move |q| (q.input_v, y(q)));
     let series = vec![
-        Series::dashed("project", Colour::Muted, of(|q| q.linear_a)),
-        Series::solid("identified", Colour::First, of(|q| q.current_a)),
+        Series::dashed_line("project", Colour::Muted, of(|q| q.linear_a)),
+        Series::solid_line("identified", Colour::First, of(|q| q.current_a)),
     ];
     let edges = points.iter().map(|q| (q.input_v, q.ci95_a[0], q.ci95_a[1]));
     let band = Band::new("95 % interval", Colour::First, edges);

@@ -49,13 +49,13 @@ fn curve(function: &LearnedFunctionText) -> Figure {
     let unit = if function.value_unit.is_empty() { "1" } else { function.value_unit };
     let value = Panel::new(
         Axis::linear(function.quantity, unit),
-        vec![Series::solid("fitted in the simulator", Colour::First, pairs(&function.values))],
+        vec![Series::solid_line("fitted in the simulator", Colour::First, pairs(&function.values))],
     )
     .with_bands(vec![Band::new("95 %", Colour::First, band)])
     .with_height(190.0);
     let coverage = Panel::new(
         Axis::linear("share of samples", "1"),
-        vec![Series::solid("recorded", Colour::Muted, pairs(&function.coverage))],
+        vec![Series::solid_line("recorded", Colour::Muted, pairs(&function.coverage))],
     )
     .with_height(80.0);
     let title = format!("{} at the {} over {}", function.quantity, function.place, function.variable);

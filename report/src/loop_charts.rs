@@ -68,34 +68,38 @@ fn critical(x: f64) -> Mark {
 
 fn nichols_chart(view: &LoopView) -> Figure {
     let series = vec![
-        Series::dashed(&outline_name(view.largest_sensitivity), Colour::Muted, pairs(&view.outline.nichols)),
-        Series::solid("L", Colour::First, pairs(&view.path.nichols)),
+        Series::dashed_line(
+            &outline_name(view.largest_sensitivity),
+            Colour::Muted,
+            pairs(&view.outline.nichols),
+        ),
+        Series::solid_line("L", Colour::First, pairs(&view.path.nichols)),
     ];
     let mut marks = vec![critical(-180.0)];
     marks.extend(margin_marks(view, |margin| &margin.place.nichols));
-    let y = Axis::linear("modulus of L", "dB").over(NICHOLS_DB[0], NICHOLS_DB[1]);
+    let y = Axis::linear("modulus of L", "dB").with_range(NICHOLS_DB[0], NICHOLS_DB[1]);
     let panel = Panel::new(y, series).with_marks(marks).with_height(HEIGHT);
-    Figure::new("Nichols chart", Axis::degrees("phase of L").over(-360.0, 0.0), vec![panel])
+    Figure::new("Nichols chart", Axis::degrees("phase of L").with_range(-360.0, 0.0), vec![panel])
 }
 
 fn nyquist_chart(view: &LoopView, disk_margin: f64) -> Figure {
     let outline = outline_name(view.largest_sensitivity);
     let mut series = vec![
-        Series::dotted("unit circle", Colour::Muted, pairs(&view.unit.nyquist)),
-        Series::dashed(&outline, Colour::Muted, pairs(&view.outline.nyquist)),
+        Series::dotted_line("unit circle", Colour::Muted, pairs(&view.unit.nyquist)),
+        Series::dashed_line(&outline, Colour::Muted, pairs(&view.outline.nyquist)),
     ];
     if let Some(disk) = &view.disk {
         let name = format!("disk margin {}", short_number(disk_margin));
-        series.push(Series::dashed(&name, Colour::Fourth, pairs(&disk.nyquist)));
+        series.push(Series::dashed_line(&name, Colour::Fourth, pairs(&disk.nyquist)));
     }
     let path = &view.path.nyquist;
-    series.push(Series::solid("L", Colour::First, pairs(path)));
+    series.push(Series::solid_line("L", Colour::First, pairs(path)));
     let mirrored = pairs(path).map(|(x, y)| (x, -y));
-    series.push(Series::dashed("L at negative frequencies", Colour::Sixth, mirrored));
+    series.push(Series::dashed_line("L at negative frequencies", Colour::Sixth, mirrored));
     let mut marks = vec![critical(-1.0)];
     marks.extend(margin_marks(view, |margin| &margin.place.nyquist));
     let [x, y] = [("real part of L", NYQUIST[0]), ("imaginary part of L", NYQUIST[1])]
-        .map(|(name, [from, to])| Axis::linear(name, "").over(from, to));
+        .map(|(name, [from, to])| Axis::linear(name, "").with_range(from, to));
     let panel = Panel::new(y, series).with_marks(marks).with_height(HEIGHT);
     Figure::new("Nyquist chart", x, vec![panel]).with_equal_scales()
 }
@@ -104,12 +108,12 @@ fn locus_chart(locus: &LocusView) -> Figure {
     let reach = locus.reach_hz;
     let rays = DAMPINGS.iter().map(|damping| {
         let (x, y) = (-2.0 * reach * damping, 2.0 * reach * (1.0 - damping * damping).sqrt());
-        Series::dotted("damping 0.3, 0.5, 0.7", Colour::Muted, [(x, y), (0.0, 0.0), (x, -y)])
+        Series::dotted_line("damping 0.3, 0.5, 0.7", Colour::Muted, [(x, y), (0.0, 0.0), (x, -y)])
     });
     let branches = locus
         .branches
         .iter()
-        .map(|branch| Series::solid("poles over the gain", Colour::First, pairs(branch)));
+        .map(|branch| Series::solid_line("poles over the gain", Colour::First, pairs(branch)));
     let crosses = |places: &Points, name: &str, colour: Colour| -> Vec<Mark> {
         pairs(places).map(|(x, y)| Mark::Cross { x, y, text: name.to_owned(), colour }).collect()
     };
@@ -118,10 +122,10 @@ fn locus_chart(locus: &LocusView) -> Figure {
         |(x, y)| Mark::Point { x, y, text: "zeros of the open loop".to_owned(), colour: Colour::Third };
     marks.extend(pairs(&locus.open_zeros).map(ring));
     marks.extend(crosses(&locus.closed_poles, "poles of the closed loop", Colour::Second));
-    let y = Axis::linear("imaginary part", "Hz").over(-reach, reach);
+    let y = Axis::linear("imaginary part", "Hz").with_range(-reach, reach);
     let panel = Panel::new(y, rays.chain(branches).collect()).with_marks(marks).with_height(HEIGHT);
     let panel = panel.with_instant(0.0, "border of stability");
-    let x = Axis::linear("real part", "Hz").over(-1.3 * reach, 0.4 * reach);
+    let x = Axis::linear("real part", "Hz").with_range(-1.3 * reach, 0.4 * reach);
     Figure::new("Root locus of the sampled loop, at its equivalents in continuous time", x, vec![panel])
         .with_equal_scales()
         .with_caption(
@@ -141,7 +145,11 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
                     .iter()
                     .zip(&response.response)
                     .map(|(f, h)| ResponsePoint::new(*f, h.re, h.im));
-                BodeCurve::new(&cause_name(response.cause, found.controlled()), colour, points.collect())
+                BodeCurve::new(
+                    &cause_name(response.cause, found.controlled_quantity()),
+                    colour,
+                    points.collect(),
+                )
             })
             .collect();
         (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, Phase::Hidden, Vec::new()))
@@ -155,7 +163,7 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
         chart("Hub for the demand", "", &of(LoopCause::Demand, LoopEffect::Hub)),
         chart(
             "Hub for a disturbance of the control",
-            &format!("{} per V", found.controlled().unit()),
+            &format!("{} per V", found.controlled_quantity().unit()),
             &of(LoopCause::Control, LoopEffect::Hub),
         ),
         chart("Control for the demand and for noise of the sensors", "V per unit", &drives),

@@ -117,7 +117,7 @@ fn modes_section(sets: &[ModeSet], command: &str) -> Section {
 fn shapes(set: &ModeSet, command: &str) -> Figure {
     let series = set.modes.iter().zip(Colour::CYCLE).map(|(mode, colour)| {
         let points = mode.shape.iter().map(|p| (p[0], p[1]));
-        Series::solid(&format!("{} Hz", short_number(mode.frequency_hz)), colour, points)
+        Series::solid_line(&format!("{} Hz", short_number(mode.frequency_hz)), colour, points)
     });
     let panel = Panel::new(Axis::linear("deflection", ""), series.collect()).with_height(240.0);
     let title = format!("Mode shapes, hub {}", set.support);
@@ -163,8 +163,16 @@ fn convergence(meshes: &Meshes, command: &str) -> Figure {
     };
     let mut series = Vec::new();
     for (mode, colour) in (0..DRAWN).zip(Colour::CYCLE) {
-        series.push(Series::solid(&format!("mode {}, tapered", mode + 1), colour, curve("tapered", mode)));
-        series.push(Series::dashed(&format!("mode {}, uniform", mode + 1), colour, curve("uniform", mode)));
+        series.push(Series::solid_line(
+            &format!("mode {}, tapered", mode + 1),
+            colour,
+            curve("tapered", mode),
+        ));
+        series.push(Series::dashed_line(
+            &format!("mode {}, uniform", mode + 1),
+            colour,
+            curve("uniform", mode),
+        ));
     }
     let panel = Panel::new(Axis::logarithmic("error of the frequency", "%"), series).with_height(260.0);
     let caption = format!(
@@ -207,9 +215,9 @@ fn errors(title: &str, laws: &[&Accuracy]) -> Figure {
         let colour = Colour::CYCLE[k % Colour::CYCLE.len()];
         let points = line(&law.step_s, &law.error);
         if k < Colour::CYCLE.len() {
-            Series::solid(law.name, colour, points)
+            Series::solid_line(law.name, colour, points)
         } else {
-            Series::dashed(law.name, colour, points)
+            Series::dashed_line(law.name, colour, points)
         }
     });
     let panel = Panel::new(Axis::logarithmic("error", ""), series.collect()).with_height(260.0);
@@ -219,8 +227,8 @@ fn errors(title: &str, laws: &[&Accuracy]) -> Figure {
 
 fn contact_errors(contact: &Accuracy) -> Figure {
     let series = vec![
-        Series::solid("instants found", Colour::First, line(&contact.step_s, &contact.error)),
-        Series::dashed("steps as they are", Colour::Second, line(&contact.step_s, &contact.plain)),
+        Series::solid_line("instants found", Colour::First, line(&contact.step_s, &contact.error)),
+        Series::dashed_line("steps as they are", Colour::Second, line(&contact.step_s, &contact.plain)),
     ];
     let panel = Panel::new(Axis::logarithmic("error", ""), series).with_height(260.0);
     Figure::new("Teeth that part and meet", Axis::logarithmic("sample period", "ms"), vec![panel]).with_caption(
@@ -271,7 +279,7 @@ fn friction_section(friction: &FrictionView, command: &str) -> Section {
         Figure::new(
             &format!("Friction at the {place} against steady rate"),
             Axis::linear("rate", "rad/s"),
-            vec![torques(vec![Series::solid("", Colour::First, steady)])],
+            vec![torques(vec![Series::solid_line("", Colour::First, steady)])],
         )
         .with_caption("The torque after a long time at a constant rate, viscous part included."),
     ];
@@ -298,7 +306,7 @@ fn swing(one: &FrictionLoop) -> String {
 fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
     let curves = |many: usize, of: &dyn Fn(&FrictionLoop) -> Vec<(f64, f64)>| -> Panel {
         let named = loops.iter().zip(Colour::CYCLE).take(many);
-        torques(named.map(|(one, colour)| Series::solid(&swing(one), colour, of(one))).collect())
+        torques(named.map(|(one, colour)| Series::solid_line(&swing(one), colour, of(one))).collect())
     };
     let milli = |one: &FrictionLoop| one.points.iter().map(|p| (1e3 * p[0], p[1])).collect();
     let relative = |points: &[[f64; 2]]| {

@@ -145,7 +145,7 @@ impl Origin {
 
 impl Report {
     /// Returns the same report, with the command that produces it again under every figure of the evidence that has none.
-    pub fn reproduced_by(mut self, command: &str) -> Self {
+    pub fn with_command(mut self, command: &str) -> Self {
         let figures = self.sections.iter_mut().flat_map(|section| &mut section.figures);
         let bare = figures.filter(|figure| figure.command.is_empty());
         bare.for_each(|figure| command.clone_into(&mut figure.command));
@@ -161,7 +161,7 @@ impl Tile {
     }
 
     /// Returns the tile with a remark under it.
-    pub fn noted(mut self, note: &str) -> Self {
+    pub fn with_note(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);
         self
     }

@@ -86,10 +86,10 @@ fn tiles(result: &ReplayResult) -> Vec<Tile> {
     let mut out = Vec::new();
     if let Some((ratio, channel, recording)) = worst(result) {
         let tile = Tile::plain("largest error over floor", format!("{ratio:.2}"), "");
-        out.push(tile.noted(&format!("{}, {recording}", channel.replace('_', " "))));
+        out.push(tile.with_note(&format!("{}, {recording}", channel.replace('_', " "))));
     }
     let tile = Tile::plain("recordings", count.to_string(), "");
-    out.push(tile.noted(&format!("{} from start to end, {over} over windows", count - over)));
+    out.push(tile.with_note(&format!("{} from start to end, {over} over windows", count - over)));
     out
 }
 

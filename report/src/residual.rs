@@ -21,7 +21,7 @@ const COHERENT: f64 = 0.5;
 pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
     let mut out = Vec::new();
     let reading = tracks.iter().find(|t| t.channel == "hub_rate");
-    let controlled = reading.map_or(ControlledQuantity::RATE, |track| track.controlled());
+    let controlled = reading.map_or(ControlledQuantity::RATE, |track| track.controlled_quantity());
     let loops: Vec<Figure> =
         recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
     if !loops.is_empty() {
@@ -81,10 +81,10 @@ fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
     let series = RUNS.iter().filter(|(_, _, of)| !of(rate).is_empty()).map(|(name, colour, of)| {
         let step = of(rate).len().div_ceil(MOST_POINTS).max(1);
         let pairs = of(rate).iter().copied().zip(of(control).iter().copied());
-        Series::solid(name, *colour, pairs.step_by(step))
+        Series::solid_line(name, *colour, pairs.step_by(step))
     });
     let panel = Panel::new(Axis::linear("control", control.unit), series.collect()).with_height(300.0);
-    let name = rate.controlled().name();
+    let name = rate.controlled_quantity().name();
     let title = format!("{recording}: control against {name}");
     Some(Figure::new(&title, Axis::linear(name, rate.unit), vec![panel]))
 }
@@ -98,7 +98,7 @@ fn response(found: &ControlResponse, controlled: ControlledQuantity) -> Option<F
     }
     let line = |name: &str, colour, values: &[f64], at: &Spectra| {
         let finite = indices.iter().filter(|k| values.get(**k).is_some_and(|v| v.is_finite()));
-        Series::solid(name, colour, finite.map(|&k| (at.frequency_hz[k], values[k])))
+        Series::solid_line(name, colour, finite.map(|&k| (at.frequency_hz[k], values[k])))
     };
     let (mut gains, mut phases) = (Vec::new(), Vec::new());
     let runs = [Some(measured), found.before.as_ref(), found.after.as_ref()];
@@ -111,7 +111,7 @@ fn response(found: &ControlResponse, controlled: ControlledQuantity) -> Option<F
     let panels = vec![
         Panel::new(Axis::linear("gain", &format!("dB re {} per V", controlled.unit())), gains)
             .with_height(200.0),
-        Panel::new(Axis::linear("phase", "deg").over(-180.0, 180.0), phases).with_height(120.0),
+        Panel::new(Axis::linear("phase", "deg").with_range(-180.0, 180.0), phases).with_height(120.0),
     ];
     let title = format!("{}: control to {}", found.recording, controlled.name());
     Some(Figure::new(&title, Axis::logarithmic("frequency", "Hz"), panels))
@@ -121,7 +121,8 @@ fn spectrum(found: &ResidualSpectra) -> Figure {
     let line = |name: &str, colour, spectra: Option<&Spectra>| {
         let spectra = spectra?;
         let pairs = spectra.frequency_hz.iter().zip(&spectra.pxx).skip(1);
-        let series = Series::solid(name, colour, pairs.map(|(f, p)| (*f, p.sqrt())).filter(|p| p.1 > 0.0));
+        let series =
+            Series::solid_line(name, colour, pairs.map(|(f, p)| (*f, p.sqrt())).filter(|p| p.1 > 0.0));
         (!series.points.is_empty()).then_some(series)
     };
     let series = [
@@ -197,12 +198,16 @@ fn autocorrelation(tested: &TestedResidual, found: &[TestOfModel<'_>; 2]) -> Opt
     let colours = [Colour::Second, Colour::First];
     let line = |(one, colour): (&TestOfModel<'_>, Colour)| {
         let values = one.test?.autocorrelation.iter().enumerate();
-        Some(Series::solid(one.name, colour, values.map(|(k, r)| (1e3 * k as f64 * tested.period_s, *r))))
+        Some(Series::solid_line(
+            one.name,
+            colour,
+            values.map(|(k, r)| (1e3 * k as f64 * tested.period_s, *r)),
+        ))
     };
     let series: Vec<Series> = found.iter().zip(colours).filter_map(line).collect();
     let band = found.iter().find_map(|one| one.test)?.band;
     let marks = [band, -band].map(|y| Mark::Level { y, text: "95 % band of white noise".to_owned() });
-    let panel = Panel::new(Axis::linear("autocorrelation", "").over(-1.0, 1.0), series)
+    let panel = Panel::new(Axis::linear("autocorrelation", "").with_range(-1.0, 1.0), series)
         .with_height(150.0)
         .with_marks(marks.to_vec());
     let title = format!("{}: residual of {}", tested.recording, tested.channel.replace('_', " "));

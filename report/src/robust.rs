@@ -106,8 +106,8 @@ fn bounds(found: &RobustStability) -> Figure {
         found.bounds.iter().map(move |at| (at.frequency_hz, value(at))).filter(|point| point.1 > 0.0)
     };
     let series = vec![
-        Series::solid("upper bound", Colour::First, points(|at| at.upper)),
-        Series::dotted("lower bound", Colour::Second, points(|at| at.lower)),
+        Series::solid_line("upper bound", Colour::First, points(|at| at.upper)),
+        Series::dotted_line("lower bound", Colour::Second, points(|at| at.lower)),
     ];
     let marks = vec![Mark::Level { y: 1.0, text: "unstable within the stated ranges above this".to_owned() }];
     let panel = Panel::new(Axis::linear("structured singular value", ""), series).with_marks(marks);

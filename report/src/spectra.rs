@@ -43,7 +43,7 @@ fn figure(title: &str, unit: &str, all: &[&Spectral]) -> Figure {
     let bands = all.iter().filter(|one| one.arrangement != Arrangement::Uncontrolled).map(|one| band(one));
     let coherence = all.iter().map(|one| line(one, &one.spectra.coherence)).collect();
     let first = Panel::new(Axis::linear("ratio", unit), ratio).with_height(220.0).with_bands(bands.collect());
-    let second = Panel::new(Axis::linear("coherence", "").over(0.0, 1.0), coherence).with_height(110.0);
+    let second = Panel::new(Axis::linear("coherence", "").with_range(0.0, 1.0), coherence).with_height(110.0);
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), vec![first, second])
 }
 
@@ -62,7 +62,7 @@ fn drawn(hz: f64) -> bool {
 fn line(one: &Spectral, values: &[f64]) -> Series {
     let (name, colour) = dress(one.arrangement);
     let pairs = one.spectra.frequency_hz.iter().copied().zip(values.iter().copied());
-    Series::solid(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()))
+    Series::solid_line(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()))
 }
 
 fn band(one: &Spectral) -> Band {

@@ -33,7 +33,7 @@ const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that
 
 fn tile(tried: &counterpoise_pipeline::recordings::measured_modes::TriedStructure) -> Tile {
     Tile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
-        .noted("RMS error of held-out modes")
+        .with_note("RMS error of held-out modes")
 }
 
 fn errors(answer: &StructureAnswer, command: &str) -> Figure {
@@ -43,7 +43,7 @@ fn errors(answer: &StructureAnswer, command: &str) -> Figure {
     };
     let colours = [Colour::Second, Colour::First, Colour::Muted];
     let series = answer.tried.iter().take(1 + DRAWN).zip(colours);
-    let series = series.map(|(t, colour)| Series::solid(&t.what, colour, points(&t.modes_hz))).collect();
+    let series = series.map(|(t, colour)| Series::solid_line(&t.what, colour, points(&t.modes_hz))).collect();
     let panel = Panel::new(Axis::linear("error of the frequency", "%"), series).with_height(260.0);
     let figure = Figure::new("Error by mode", Axis::linear("mode", ""), vec![panel]);
     Figure { command: command.to_owned(), ..figure }

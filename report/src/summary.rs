@@ -38,10 +38,10 @@ pub fn summarise_verdicts(found: &Verification) -> Headline {
 
 fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Option<String> {
     let Verdict::Fails { value, limit, .. } = verdict else { return None };
-    let unit = requirement.figure.unit(found.controlled());
+    let unit = requirement.figure.unit(found.controlled_quantity());
     Some(format!(
         "{}: {} {unit} where {} {unit} is asked ({}).",
-        capitalise_first(&requirement.figure.name(found.controlled())),
+        capitalise_first(&requirement.figure.name(found.controlled_quantity())),
         short_number(*value),
         words_of(*limit),
         found.acceptance(&requirement.figure).basis
@@ -84,11 +84,11 @@ pub fn verdict_table(found: &Verification) -> Table {
 }
 
 fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
-    let unit = requirement.figure.unit(found.controlled());
+    let unit = requirement.figure.unit(found.controlled_quantity());
     let name = if unit.is_empty() {
-        requirement.figure.name(found.controlled())
+        requirement.figure.name(found.controlled_quantity())
     } else {
-        format!("{} [{unit}]", requirement.figure.name(found.controlled()))
+        format!("{} [{unit}]", requirement.figure.name(found.controlled_quantity()))
     };
     let part = |room: f64| room / requirement.limit.value().abs().max(f64::MIN_POSITIVE);
     let (measured, room, verdict) = match verdict {
@@ -124,7 +124,11 @@ pub fn traceability_section(found: &Verification) -> Option<Section> {
         let acceptance = found.acceptance(figure);
         let source = if requirement.source.is_empty() { "not stated" } else { requirement.source.as_str() };
         vec![
-            Cell::text(format!("{}, {}", figure.name(found.controlled()), sign_of(requirement.limit))),
+            Cell::text(format!(
+                "{}, {}",
+                figure.name(found.controlled_quantity()),
+                sign_of(requirement.limit)
+            )),
             Cell::text(source),
             Cell::text(acceptance.judged_by),
             Cell::text(acceptance.test),
@@ -140,7 +144,7 @@ pub fn summary_tiles(found: &Verification) -> Vec<Tile> {
     let model = nonlinear_if_run(found);
     let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
     let drr = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
-    let on_road = format!("{} on the road", found.controlled().name());
+    let on_road = format!("{} on the road", found.controlled_quantity().name());
     let wanted = [
         ("gain margin, linear", Figure::Loop(LoopFigure::GainMargin)),
         ("phase margin, linear", Figure::Loop(LoopFigure::PhaseMargin)),
@@ -162,7 +166,7 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
     let value = found.value(figure)?;
     let judged = found.verdicts.iter().find(|(requirement, _)| requirement.figure == figure);
     let tone = judged.map_or(Tone::Neutral, |(_, verdict)| tone_of(verdict));
-    let controlled = found.controlled();
+    let controlled = found.controlled_quantity();
     let unit = figure.unit(controlled);
     let (scale, unit) = if unit == controlled.unit() { (1e3, controlled.milli_unit()) } else { (1.0, unit) };
     let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
@@ -198,7 +202,7 @@ fn rejection_note(found: &Verification, figure: Figure) -> Option<String> {
 /// Returns a sentence for each motion of the platform under which the feedforwards make the hub rate worse.
 pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
     let mut lines = Vec::new();
-    let (controlled, unit) = (found.controlled().name(), found.controlled().milli_unit());
+    let (controlled, unit) = (found.controlled_quantity().name(), found.controlled_quantity().milli_unit());
     for model in [Model::Nonlinear, Model::Linear] {
         for (source, name) in [
             (Source::Heave, "heave"),

@@ -251,15 +251,15 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let limit = found.requirements[requirement].limit.value();
     let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short_number(limit)) }];
     let panel = Panel::new(
-        Axis::linear("mechanisms below", "%").over(0.0, 100.0),
-        vec![Series::solid("", Colour::First, points)],
+        Axis::linear("mechanisms below", "%").with_range(0.0, 100.0),
+        vec![Series::solid_line("", Colour::First, points)],
     );
     let (low, high) = (values.first().copied().unwrap_or(limit), values.last().copied().unwrap_or(limit));
     let span = high.max(limit) - low.min(limit);
     let span = if span > 0.0 { span } else { limit.abs().max(1.0) };
     let room = 0.03 * span;
     let axis = Axis::linear(&name, figure.unit(found.controlled))
-        .over(low.min(limit) - room, high.max(limit) + room);
+        .with_range(low.min(limit) - room, high.max(limit) + room);
     Figure::new(&name, axis, vec![panel.with_marks(marks).with_height(150.0)])
 }
 

@@ -53,7 +53,7 @@ pub fn trade_off_report(
         sections: vec![trade_off, weight_section(&found.weights, &found.weight_responses)],
         provenance: origin.provenance(identity),
     };
-    report.reproduced_by(&origin.command)
+    report.with_command(&origin.command)
 }
 
 fn verified_table(points: &[VerifiedPoint]) -> Table {
@@ -108,7 +108,7 @@ fn figure(best: &counterpoise_synth::Trial, curve: &[TradeOffPoint]) -> Figure {
         vec![Mark::Point { x: best.figures.ms, y, text, colour }]
     };
     let panel = |name: &str, unit: &str, of: &dyn Fn(&Figures) -> f64| {
-        let series = vec![Series::solid("", Colour::First, over(of))];
+        let series = vec![Series::solid_line("", Colour::First, over(of))];
         Panel::new(Axis::linear(name, unit), series).with_marks(answer(of(&best.figures)))
     };
     let panels = vec![

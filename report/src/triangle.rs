@@ -24,7 +24,7 @@ pub fn triangle_section(found: &Verification) -> Option<Section> {
     let first = runs.first()?.history;
     let text = "With a triangle, control against hub rate shows the out-of-balance as an offset, Coulomb friction as a step at zero rate, \
                 viscous friction as the slope of the lobes and inertia as the width of the loop.";
-    let controlled = found.controlled();
+    let controlled = found.controlled_quantity();
     let section = Section::new(&format!("Triangle of the demanded {}", controlled.name()));
     let section = if controlled.kind == QuantityKind::Rate { section.saying(text) } else { section };
     Some(section.showing([over_time(&runs, first, controlled), loops(&runs, controlled)]))
@@ -53,7 +53,7 @@ fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) 
     };
     let mut rates = of(&|history, k| history.hub_rate_rad_s[k]);
     let demand = first.time_s.iter().copied().zip(first.demand_rad_s.iter().copied());
-    rates.push(Series::dotted("demand", Colour::Third, demand));
+    rates.push(Series::dotted_line("demand", Colour::Third, demand));
     let errors = of(&|history, k| 1e3 * (history.demand_rad_s[k] - history.hub_rate_rad_s[k]));
     let panels = vec![
         Panel::new(Axis::linear(controlled.name(), controlled.unit()), rates).with_height(150.0),

@@ -28,7 +28,7 @@ pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Cont
     if let Some(view) = &context.loop_view {
         sections.insert(1, loop_charts::charts_section(found, view));
     }
-    sections.extend(spectra::spectra_section(on_road, found.controlled()));
+    sections.extend(spectra::spectra_section(on_road, found.controlled_quantity()));
     sections.extend(error_budget::budget_section(found));
     sections.extend(context.more);
     sections.extend(summary::traceability_section(found));

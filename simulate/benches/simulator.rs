@@ -51,7 +51,7 @@ fn servo(criterion: &mut Criterion) {
 /// The rig with more modes.
 fn flexible(modes: u32) -> Plant {
     let rig = reference::rig();
-    let mut body = Body::lumped(rig.lumped.as_ref().unwrap());
+    let mut body = Body::from_lumped(rig.lumped.as_ref().unwrap());
     body.modes.extend((2..=modes).map(|k| BodyMode {
         frequency_rad_s: 240.0 * f64::from(k * k),
         damping_ratio: 0.01,
@@ -74,7 +74,7 @@ fn proportional_integral(plant: &Plant) -> ProportionalIntegral {
 
 /// Ten seconds on a recorded road, as a replay has them, and a point of a frequency response.
 fn rig(criterion: &mut Criterion) {
-    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let controller = proportional_integral(&plant);
     let recorded = |amplitude: f64| Signal::Samples {
         period_s: 1e-3,
@@ -91,7 +91,7 @@ fn rig(criterion: &mut Criterion) {
         },
         imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
         detail: Detail::Recording,
-        ..Scenario::still(10.0)
+        ..Scenario::at_rest(10.0)
     };
     let mut simulator = Simulator::new(&plant).unwrap();
     criterion.bench_function("recorded road with noise, ten seconds", |bencher| {
@@ -115,7 +115,7 @@ fn modes(criterion: &mut Criterion) {
             demand_rad_s: Signal::Triangle { amplitude: 0.1, period_s: 1.0 },
             platform: PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL },
             detail: Detail::Recording,
-            ..Scenario::still(10.0)
+            ..Scenario::at_rest(10.0)
         };
         let mut simulator = Simulator::new(&plant).unwrap();
         group.bench_function(BenchmarkId::new("ten seconds", modes), |bencher| {
@@ -177,7 +177,7 @@ fn varied(number: f64, stiffness: f64) -> Plant {
         *coulomb_nm *= 1.0 + 0.02 * number;
     }
     rig.gearbox.stiffness_nm_rad *= 1.0 + stiffness * number;
-    Plant::lumped(&rig).unwrap()
+    Plant::from_lumped(&rig).unwrap()
 }
 
 /// Two seconds on a recorded road, with noise from a seed.
@@ -197,7 +197,7 @@ fn road(seed: Option<u64>) -> Scenario {
         },
         imperfections: seed.map_or(Imperfections::None, |seed| Imperfections::NoiseAndQuantisation { seed }),
         detail: Detail::Recording,
-        ..Scenario::still(2.0)
+        ..Scenario::at_rest(2.0)
     }
 }
 

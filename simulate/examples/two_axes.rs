@@ -39,7 +39,7 @@ impl Axis {
         p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
         p.pivot_friction = Friction::plain(FrictionLaw::None, self.viscous_nm_s_rad);
         p.sensors.hub_gyro = Sensor::IDEAL;
-        Plant::lumped(&p)
+        Plant::from_lumped(&p)
     }
 }
 
@@ -92,11 +92,11 @@ fn run(elevation: &Plant, traverse: &Plant, base: BaseMotion) -> Result<(), Box<
         base,
         elevation: AxisScenario {
             demand_rad_s: steps(&[(0.5, 0.3), (2.0, -0.2)]),
-            ..AxisScenario::still(0.3)
+            ..AxisScenario::at_rest(0.3)
         },
         traverse: AxisScenario {
             demand_rad_s: steps(&[(1.0, -0.4), (3.0, 0.5)]),
-            ..AxisScenario::still(0.5)
+            ..AxisScenario::at_rest(0.5)
         },
         detail: Detail::Everything,
         firing: Firing::Silent,

@@ -193,7 +193,7 @@ impl<'a> Run<'a> {
         let Progress::UnderWay(lap) = &mut self.progress else { return None };
         let motion = motion?;
         let (controller, _) = self.asked.as_mut()?;
-        let drive_v = lap.sample(k, *controller, motion, &group.shown(lane, self.stepper));
+        let drive_v = lap.sample(k, *controller, motion, &group.outputs_of(lane, self.stepper));
         Some(Sample { drive_v, start_s: lap.time(k), motion })
     }
 
@@ -209,7 +209,7 @@ impl<'a> Run<'a> {
         if let Some(dry_nm) = dry_nm {
             lap.log_friction(dry_nm);
         }
-        lap.finish_sample(motion, group.shown(lane, self.stepper).outputs[HUB_ANGLE]);
+        lap.finish_sample(motion, group.outputs_of(lane, self.stepper).outputs[HUB_ANGLE]);
         if let Err(error) = lap.check(k, self.stepper) {
             self.progress = Progress::Ended(Box::new(Err(error)));
         }

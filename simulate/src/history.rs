@@ -85,7 +85,7 @@ const ROOM: usize = 1 << 20;
 
 impl ReadingColumns {
     /// Empty columns with room for a run.
-    pub(crate) fn for_samples(samples: usize) -> Self {
+    pub(crate) fn with_capacity(samples: usize) -> Self {
         let column = || Vec::with_capacity(samples.min(ROOM));
         Self {
             demand_rad_s: column(),

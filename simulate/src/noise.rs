@@ -16,7 +16,7 @@ impl Noise {
     }
 
     /// Returns noise of a seed that is independent of the seed's other streams.
-    pub(crate) fn on_stream(seed: u64, stream: u64) -> Self {
+    pub(crate) fn from_stream(seed: u64, stream: u64) -> Self {
         let mut source = ChaCha8Rng::seed_from_u64(seed);
         source.set_stream(stream);
         Self { source, spare: None }

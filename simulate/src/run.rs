@@ -69,7 +69,7 @@ impl Simulator {
 
     /// Returns the simulator with a bound on the steps of a run, taken and tried, on the average over its samples: beyond it a run is
     /// refused ([`Error::Effort`]). For searches that try mechanisms by the thousand, of which some are unreasonably stiff.
-    pub fn bounded(self, steps_per_sample: f64) -> Self {
+    pub fn with_step_bound(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample: Some(steps_per_sample), ..self }
     }
 
@@ -232,7 +232,7 @@ pub(crate) struct Lap<'a> {
 }
 
 impl<'a> Lap<'a> {
-    /// Begins a run, with a bound on its steps as [`Simulator::bounded`] has it.
+    /// Begins a run, with a bound on its steps as [`Simulator::with_step_bound`] has it.
     pub fn new(
         plant: &'a Plant,
         scenario: &'a Scenario,
@@ -283,7 +283,7 @@ impl<'a> Lap<'a> {
             sensing,
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
             queue: Vec::new(),
-            readings: ReadingColumns::for_samples(samples as usize),
+            readings: ReadingColumns::with_capacity(samples as usize),
             truth: TrueColumns::default(),
             limited: LimitedDrive::new(parameters, before),
             range_a: None,
@@ -357,7 +357,7 @@ impl<'a> Lap<'a> {
         if !stepper.is_finite() {
             return Err(Error::Diverged { time_s: self.time(k) });
         }
-        if stepper.effort().tried() > self.most_steps {
+        if stepper.effort().count_tried() > self.most_steps {
             return Err(Error::Effort { time_s: self.time(k), steps: self.most_steps });
         }
         Ok(())

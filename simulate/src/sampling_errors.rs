@@ -50,7 +50,7 @@ pub(crate) struct ErrantClock {
 impl ErrantClock {
     /// Returns the clock of a run; `None` if it is ideal.
     pub fn new(clock: Clock, period_s: f64, seed: u64) -> Option<Self> {
-        let noise = Noise::on_stream(seed, CLOCK_STREAM);
+        let noise = Noise::from_stream(seed, CLOCK_STREAM);
         (clock != Clock::IDEAL).then_some(Self { clock, period_s, noise })
     }
 
@@ -106,7 +106,7 @@ impl DriftNoise {
         if drift == Drift::NONE {
             return None;
         }
-        let mut noise = Noise::on_stream(seed, stream);
+        let mut noise = Noise::from_stream(seed, stream);
         let deviation = drift.bias_instability * (FLICKER_RATIO.ln() / std::f64::consts::PI).sqrt();
         let mut flicker = Vec::new();
         let mut time_s = period_s;

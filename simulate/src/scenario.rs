@@ -51,7 +51,7 @@ pub enum Detail {
 
 impl Scenario {
     /// Returns a run at rest with everything kept, without noise, quantisation or shots: the start for others.
-    pub fn still(duration_s: f64) -> Self {
+    pub fn at_rest(duration_s: f64) -> Self {
         Self {
             duration_s,
             demand_rad_s: Signal::ZERO,

@@ -269,7 +269,7 @@ impl Sensing {
                 sensor: driven(sensor, 5),
                 noise: match imperfections {
                     Imperfections::NoiseAndQuantisation { seed } => {
-                        Some(Noise::on_stream(seed, SURGE_STREAM))
+                        Some(Noise::from_stream(seed, SURGE_STREAM))
                     }
                     _ => None,
                 },

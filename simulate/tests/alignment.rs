@@ -39,10 +39,10 @@ fn run(p: &Parameters) -> TimeHistory {
     let scenario = Scenario {
         platform: platform(),
         imperfections: Imperfections::None,
-        ..Scenario::still(1e-3 * SAMPLES as f64)
+        ..Scenario::at_rest(1e-3 * SAMPLES as f64)
     };
     let zeros = vec![0.0; SAMPLES + 1];
-    let plant = Plant::lumped(p).unwrap();
+    let plant = Plant::from_lumped(p).unwrap();
     Simulator::new(&plant).unwrap().run(&mut Playback::new(&zeros), &scenario).unwrap()
 }
 

@@ -25,9 +25,9 @@ fn free() -> Parameters {
 
 fn run(p: &Parameters, platform: PlatformMotion, hub_angle_rad: f64, duration_s: f64) -> TimeHistory {
     let scenario =
-        Scenario { platform, initial: Initial::Rest { hub_angle_rad }, ..Scenario::still(duration_s) };
+        Scenario { platform, initial: Initial::Rest { hub_angle_rad }, ..Scenario::at_rest(duration_s) };
     let zeros = vec![0.0; (duration_s * 1e3) as usize + 1];
-    let plant = Plant::lumped(p).unwrap();
+    let plant = Plant::from_lumped(p).unwrap();
     Simulator::new(&plant).unwrap().run(&mut Playback::new(&zeros), &scenario).unwrap()
 }
 
@@ -84,7 +84,7 @@ fn the_integrator_solves_the_plant_s_own_equations() {
     let platform =
         PlatformMotion { heave_m_s2: sine(1.5, 7.0), further: Some(motion.clone()), ..PlatformMotion::STILL };
     let found = run(&p, platform.clone(), 0.2, 4.0);
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let slope = |time_s: f64, x: &[f64]| {
         let at = counterpoise_models::Excitation {
             time_s,

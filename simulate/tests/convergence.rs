@@ -25,7 +25,7 @@ fn demanded(name: &str) -> (f64, [f64; 2]) {
 
 #[test]
 fn every_law_and_contact_converge_to_a_second_method_by_their_order() {
-    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let cases = cases(&plant).unwrap();
     assert_eq!(cases.len(), 15);
     for case in cases {
@@ -46,7 +46,7 @@ fn every_law_and_contact_converge_to_a_second_method_by_their_order() {
 /// they are on a grid of the sample period.
 #[test]
 fn the_error_of_contact_falls_in_proportion_to_the_step() {
-    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let contact = cases(&plant).unwrap().pop().unwrap();
     let found = study(&contact.plant, contact.control_v, 7).unwrap();
     println!("steps  {}\nevents {}", shown(&found.error), shown(&found.finding_events));

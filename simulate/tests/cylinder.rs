@@ -23,11 +23,11 @@ fn machine(lever: Lever) -> Parameters {
 
 /// Runs a machine from rest at an angle under controls, one a sample.
 fn run(p: &Parameters, angle_rad: f64, controls_v: &[f64]) -> TimeHistory {
-    let plant = Plant::lumped(p).unwrap();
+    let plant = Plant::from_lumped(p).unwrap();
     let scenario = Scenario {
         initial: Initial::Rest { hub_angle_rad: angle_rad },
         detail: Detail::Everything,
-        ..Scenario::still(controls_v.len() as f64 * p.interface.sample_period_s)
+        ..Scenario::at_rest(controls_v.len() as f64 * p.interface.sample_period_s)
     };
     Simulator::new(&plant).unwrap().run(&mut Playback::new(controls_v), &scenario).unwrap()
 }
@@ -122,7 +122,7 @@ fn the_simulator_solves_the_definition_of_the_plant() {
     p.cylinder.as_mut().unwrap().overlap_l_s = 0.02;
     let seals = FrictionLaw::Dahl { coulomb_nm: 900.0, rest_stiffness_nm_rad: 3e6, exponent: 1.0 };
     p.motor_friction = Friction::plain(seals, 2500.0);
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let period = p.interface.sample_period_s;
     let controls: Vec<f64> = (0..800)
         .map(|k| 5.0 * (9.0 * k as f64 * period).sin() + 0.8)
@@ -152,7 +152,7 @@ fn a_mass_at_rest_stays_where_the_valve_passes_what_leaks() {
     p.lumped.as_mut().unwrap().out_of_balance_kg_m = 1200.0;
     p.cylinder.as_mut().unwrap().overlap_l_s = 0.03;
     for angle in [-0.2, 0.0, 0.4] {
-        let plant = Plant::lumped(&p).unwrap();
+        let plant = Plant::from_lumped(&p).unwrap();
         let at = plant.equilibrium(&counterpoise_models::OperatingPoint {
             hub_angle_rad: angle,
             platform_angle_rad: 0.0,

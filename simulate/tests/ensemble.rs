@@ -128,7 +128,7 @@ fn scenario(random: &mut Random) -> Scenario {
         },
         initial: Initial::Rest { hub_angle_rad: random.between(-0.2, 0.2) },
         detail: if random.next() > 0.5 { Detail::Everything } else { Detail::Recording },
-        ..Scenario::still(random.between(0.1, 0.3))
+        ..Scenario::at_rest(random.between(0.1, 0.3))
     }
 }
 
@@ -141,7 +141,7 @@ fn runs(random: &mut Random, count: usize) -> Vec<Run> {
     let shares = random.next() > 0.5;
     (0..count)
         .map(|_| {
-            let plant = Plant::lumped(&variant(kind, random)).unwrap();
+            let plant = Plant::from_lumped(&variant(kind, random)).unwrap();
             let controller = ProportionalIntegral {
                 kp_v_s_rad: 18.0 * random.factor(),
                 ki_v_rad: 80.0 * random.factor(),

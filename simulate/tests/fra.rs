@@ -27,7 +27,7 @@ fn without_dry_friction() -> Parameters {
 }
 
 fn measured(rig: &Parameters, test: Test, frequency: f64, amplitude: f64) -> Measurement {
-    let plant = Plant::lumped(rig).unwrap();
+    let plant = Plant::from_lumped(rig).unwrap();
     fra::measure(
         &plant,
         &mut controller(),
@@ -48,7 +48,7 @@ fn response(g: &StateSpace, output: usize, input: usize, frequency: f64) -> C64 
 #[test]
 fn without_dry_friction_the_plants_response_is_the_linear_one() {
     let rig = without_dry_friction();
-    let plant = Plant::lumped(&rig).unwrap();
+    let plant = Plant::from_lumped(&rig).unwrap();
     let at_rest = plant.equilibrium(&OperatingPoint::default());
     let linear = plant.linearise(&at_rest, FrictionLinearisation::Viscous, Angles::Keep).unwrap();
     let gyro = rig.sensors.hub_gyro.dynamics().unwrap();
@@ -88,9 +88,9 @@ fn the_loop_follows_slowly_and_rejects_the_platform() {
 #[test]
 fn friction_carries_a_balanced_disconnected_mechanism_at_small_amplitudes() {
     let mut rig = reference::rig();
-    assert!(fra::disconnected(&rig).is_err());
+    assert!(fra::disconnect_motor(&rig).is_err());
     rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.0;
-    let open = fra::disconnected(&rig).unwrap();
+    let open = fra::disconnect_motor(&rig).unwrap();
     let small = measured(&open, Test::PlatformToHub, 6.0, 0.002).response;
     let large = measured(&open, Test::PlatformToHub, 6.0, 0.5).response;
     assert!(small.value.norm() > 0.8, "{}", small.value.norm());

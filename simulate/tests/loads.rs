@@ -34,12 +34,12 @@ fn body() -> Parameters {
 
 /// Runs a free body that starts at an angle with a rate.
 fn run(p: &Parameters, angle_rad: f64, rate_rad_s: f64, duration_s: f64, control_v: f64) -> TimeHistory {
-    let plant = Plant::lumped(p).unwrap();
+    let plant = Plant::from_lumped(p).unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
     let mut start = simulator.rest(angle_rad, 0.0, 0.0);
     start.core[state::RATE] = rate_rad_s;
     let initial = Initial::State(Box::new(start));
-    let scenario = Scenario { initial, firing: Firing::Stated, ..Scenario::still(duration_s) };
+    let scenario = Scenario { initial, firing: Firing::Stated, ..Scenario::at_rest(duration_s) };
     simulator.run(&mut Playback::new(&[control_v]), &scenario).unwrap()
 }
 
@@ -112,7 +112,7 @@ fn an_equilibrator_conserves_energy() {
         structure.out_of_balance_kg_m = 60.0;
         p.loads.equilibrator = Some(pins(force));
         let of = p.loads.equilibrator.clone().unwrap();
-        let plant = Plant::lumped(&p).unwrap();
+        let plant = Plant::from_lumped(&p).unwrap();
         let control = plant.equilibrium(&counterpoise_models::OperatingPoint::default());
         // the torque that holds the start is left out: the body swings
         assert!(control.current_a.abs() > 1.0, "{control:?}");
@@ -154,9 +154,9 @@ fn a_shot_gives_its_impulse() {
     let expected = 0.04 * 800.0;
     assert!((momentum(0.45) / expected - 1.0).abs() < 1e-4, "{} {expected}", momentum(0.45));
     assert!((momentum(0.99) / (2.0 * expected) - 1.0).abs() < 1e-4, "{}", momentum(0.99));
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let silent =
-        Simulator::new(&plant).unwrap().run(&mut Playback::new(&[0.0]), &Scenario::still(1.0)).unwrap();
+        Simulator::new(&plant).unwrap().run(&mut Playback::new(&[0.0]), &Scenario::at_rest(1.0)).unwrap();
     assert!(silent.truth.hub_rate_rad_s.iter().all(|rate| *rate == 0.0));
 }
 
@@ -192,8 +192,8 @@ fn a_drive_folds_its_current_back_to_the_lasting_one() {
     p.lumped = Some(Lumped::rigid(1e6));
     p.amplifier.current_limit_a = 9.0;
     (p.drive_limits.continuous_current_a, p.drive_limits.overload_time_s) = (4.0, 2.0);
-    let plant = Plant::lumped(&p).unwrap();
-    let history = Simulator::new(&plant).unwrap().run(&mut Constant(8.0), &Scenario::still(20.0)).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
+    let history = Simulator::new(&plant).unwrap().run(&mut Constant(8.0), &Scenario::at_rest(20.0)).unwrap();
     let average = &history.truth.overload_a2;
     // until it folds back, the average of the square is that of a constant current
     for k in [100, 300, 450] {
@@ -226,9 +226,9 @@ fn a_winding_warms_by_its_closed_form_and_holds_its_limit() {
     p.motor.resistance_ohm = 2.0;
     p.drive_limits.heat = Some(heat);
     p.amplifier.current_limit_a = 9.0;
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
-    let history = simulator.run(&mut Constant(6.0), &Scenario::still(8.0)).unwrap();
+    let history = simulator.run(&mut Constant(6.0), &Scenario::at_rest(8.0)).unwrap();
     let (loss, rise) = (2.0 * 36.0, 293.15 - RESISTANCE_AT_K);
     let decay = 1.0 / 5.0 - loss * COPPER_PER_K * 0.5 / 5.0;
     let drive = loss * (1.0 + COPPER_PER_K * rise) * 0.5 / 5.0;
@@ -239,8 +239,8 @@ fn a_winding_warms_by_its_closed_form_and_holds_its_limit() {
     }
     let hotter = MotorHeat { housing_time_s: 20.0, ..heat };
     p.drive_limits.heat = Some(hotter);
-    let plant = Plant::lumped(&p).unwrap();
-    let history = Simulator::new(&plant).unwrap().run(&mut Constant(9.0), &Scenario::still(200.0)).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
+    let history = Simulator::new(&plant).unwrap().run(&mut Constant(9.0), &Scenario::at_rest(200.0)).unwrap();
     let last = *history.truth.winding_k.last().unwrap();
     assert!((380.0..=390.0).contains(&last), "{last}");
     assert!(history.truth.winding_k.iter().all(|winding| *winding <= 391.0));
@@ -253,15 +253,15 @@ fn a_winding_warms_by_its_closed_form_and_holds_its_limit() {
 fn speed_power_and_slew_are_limited() {
     let mut p = body();
     p.drive_limits.motor_rate_rad_s = 0.5;
-    let plant = Plant::lumped(&p).unwrap();
-    let history = Simulator::new(&plant).unwrap().run(&mut Constant(8.0), &Scenario::still(6.0)).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
+    let history = Simulator::new(&plant).unwrap().run(&mut Constant(8.0), &Scenario::at_rest(6.0)).unwrap();
     let fastest = history.truth.hub_rate_rad_s.iter().fold(0.0_f64, |most, rate| most.max(*rate));
     assert!((0.475..0.526).contains(&fastest), "{fastest}");
     let mut p = body();
     (p.motor.back_emf_v_s_rad, p.motor.resistance_ohm) = (1.0, 2.0);
     p.drive_limits.supply_power_w = 20.0;
-    let plant = Plant::lumped(&p).unwrap();
-    let history = Simulator::new(&plant).unwrap().run(&mut Constant(8.0), &Scenario::still(3.0)).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
+    let history = Simulator::new(&plant).unwrap().run(&mut Constant(8.0), &Scenario::at_rest(3.0)).unwrap();
     for k in [0, 500, 2500] {
         let (rate, current) = (history.truth.hub_rate_rad_s[k], history.truth.current_range_a[k][1]);
         let power = 2.0 * current * current + rate * current;
@@ -269,8 +269,8 @@ fn speed_power_and_slew_are_limited() {
     }
     let mut p = body();
     p.drive_limits.slew_v_s = 4.0;
-    let plant = Plant::lumped(&p).unwrap();
-    let history = Simulator::new(&plant).unwrap().run(&mut Constant(3.0), &Scenario::still(1.0)).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
+    let history = Simulator::new(&plant).unwrap().run(&mut Constant(3.0), &Scenario::at_rest(1.0)).unwrap();
     // the torque rises by 4 N m/s until it is 3 N m: the momentum is 2 t^2, then 3 t
     let momentum = |k: usize| INERTIA * history.truth.hub_rate_rad_s[k];
     assert!((momentum(500) / 0.5 - 1.0).abs() < 5e-3, "{}", momentum(500));

@@ -42,14 +42,14 @@ fn moving(duration_s: f64) -> Scenario {
             ..PlatformMotion::STILL
         },
         imperfections: Imperfections::NoiseAndQuantisation { seed: SEED },
-        ..Scenario::still(duration_s)
+        ..Scenario::at_rest(duration_s)
     }
 }
 
 fn history(change: impl FnOnce(&mut Parameters), scenario: &Scenario) -> TimeHistory {
     let mut rig = reference::rig();
     change(&mut rig);
-    run(&Plant::lumped(&rig).unwrap(), &mut controller(), scenario).unwrap()
+    run(&Plant::from_lumped(&rig).unwrap(), &mut controller(), scenario).unwrap()
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -78,7 +78,7 @@ fn missed_samples_leave_the_control_as_it_is() {
     let mut rig = reference::rig();
     rig.interface.clock.missed_samples = 0.1;
     let mut counting = Counting { inner: controller(), steps: 0 };
-    let history = run(&Plant::lumped(&rig).unwrap(), &mut counting, &moving(4.0)).unwrap();
+    let history = run(&Plant::from_lumped(&rig).unwrap(), &mut counting, &moving(4.0)).unwrap();
     let share = 1.0 - counting.steps as f64 / 4000.0;
     assert!((share - 0.1).abs() < 0.02, "{share}");
     let repeated = history.readings.hub_rate_rad_s.windows(2).filter(|w| w[0] == w[1]).count();

@@ -36,7 +36,7 @@ fn shaken(duration_s: f64) -> Scenario {
             initial_angle_rad: 0.01,
             further: None,
         },
-        ..Scenario::still(duration_s)
+        ..Scenario::at_rest(duration_s)
     }
 }
 
@@ -111,7 +111,7 @@ type Change = fn(&mut Parameters);
 fn machine(change: Change) -> Plant {
     let mut rig = reference::rig();
     change(&mut rig);
-    Plant::lumped(&rig).unwrap()
+    Plant::from_lumped(&rig).unwrap()
 }
 
 fn lugre(rig: &mut Parameters) {
@@ -213,8 +213,8 @@ fn coasted(change: Change, period_s: f64) -> f64 {
     let mut rig = reference::rig();
     change(&mut rig);
     rig.interface.sample_period_s = period_s;
-    let plant = Plant::lumped(&rig).unwrap();
-    let scenario = Scenario { platform: shaken(1.0).platform, ..Scenario::still(0.2) };
+    let plant = Plant::from_lumped(&rig).unwrap();
+    let scenario = Scenario { platform: shaken(1.0).platform, ..Scenario::at_rest(0.2) };
     let scenario = Scenario {
         platform: PlatformMotion { pitch_rate_rad_s: Signal::Constant(-0.05), ..scenario.platform },
         ..scenario
@@ -256,7 +256,7 @@ fn energy_balances() {
             let mut rig = plant.parameters().clone();
             change(&mut rig);
             rig.gearbox.backlash_rad = backlash_rad;
-            energy_balances_of(&Plant::lumped(&rig).unwrap());
+            energy_balances_of(&Plant::from_lumped(&rig).unwrap());
         }
     }
 }
@@ -264,7 +264,7 @@ fn energy_balances() {
 fn energy_balances_of(plant: &Plant) {
     let rig = plant.parameters();
     let lumped = rig.lumped.as_ref().unwrap();
-    let scenario = Scenario { demand_rad_s: Signal::sine(0.1, 6.0), ..Scenario::still(2.0) };
+    let scenario = Scenario { demand_rad_s: Signal::sine(0.1, 6.0), ..Scenario::at_rest(2.0) };
     let mut controller = ProportionalIntegral { bias_v: 0.0, ..controller() };
     let truth = Simulator::new(plant).unwrap().run(&mut controller, &scenario).unwrap().truth;
     let last = truth.hub_rate_rad_s.len() - 1;
@@ -314,7 +314,7 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_does_not() {
 #[test]
 fn a_plant_of_many_modes_rests_and_moves() {
     let rig = reference::rig();
-    let mut body = Body::lumped(rig.lumped.as_ref().unwrap());
+    let mut body = Body::from_lumped(rig.lumped.as_ref().unwrap());
     for k in 2..14_i32 {
         body.modes.push(BodyMode {
             frequency_rad_s: 240.0 * f64::from(k * k),
@@ -327,7 +327,8 @@ fn a_plant_of_many_modes_rests_and_moves() {
     let plant = Plant::with_body(&rig, body).unwrap();
     let held = plant.equilibrium(&OperatingPoint::default()).control_v;
     let controller = ProportionalIntegral { bias_v: held, ..controller() };
-    let still = Simulator::new(&plant).unwrap().run(&mut controller.clone(), &Scenario::still(0.5)).unwrap();
+    let still =
+        Simulator::new(&plant).unwrap().run(&mut controller.clone(), &Scenario::at_rest(0.5)).unwrap();
     assert!(still.truth.hub_rate_rad_s.iter().all(|w| w.abs() < 1e-9));
     let scenario = shaken(0.5);
     let found = simulated(&plant, &scenario, TOLERANCE);
@@ -345,11 +346,13 @@ fn coulomb_friction_holds_an_imbalance_without_creep_and_slides_at_its_level() {
         });
         let mut rig = plant.parameters().clone();
         rig.pivot_friction.static_ratio = ratio;
-        let plant = Plant::lumped(&rig).unwrap();
+        let plant = Plant::from_lumped(&rig).unwrap();
         // 0.1 V is 52 N m at the hub: friction carries it
         let held = plant.equilibrium(&OperatingPoint::default()).control_v + 0.1;
-        let still =
-            Simulator::new(&plant).unwrap().run(&mut Playback::new(&[held]), &Scenario::still(10.0)).unwrap();
+        let still = Simulator::new(&plant)
+            .unwrap()
+            .run(&mut Playback::new(&[held]), &Scenario::at_rest(10.0))
+            .unwrap();
         // the stick may swing within its own deflection of a microradian, but it goes nowhere in ten seconds
         let mean = |range: std::ops::Range<usize>| {
             let part = &still.truth.hub_angle_rad[range];
@@ -360,7 +363,7 @@ fn coulomb_friction_holds_an_imbalance_without_creep_and_slides_at_its_level() {
         assert!(still.truth.hub_angle_rad.iter().all(|angle| angle.abs() < 1e-5));
         let moving = Simulator::new(&plant)
             .unwrap()
-            .run(&mut Playback::new(&[held + 0.9]), &Scenario::still(1.0))
+            .run(&mut Playback::new(&[held + 0.9]), &Scenario::at_rest(1.0))
             .unwrap();
         assert!(moving.truth.hub_rate_rad_s[999] > 0.01);
         assert!((moving.truth.pivot_friction_nm[999] - 117.0).abs() < 1e-6);

@@ -13,7 +13,7 @@ use counterpoise_simulate::{
 fn machine(change: impl Fn(&mut Parameters)) -> Plant {
     let mut rig = reference::rig();
     change(&mut rig);
-    Plant::lumped(&rig).unwrap()
+    Plant::from_lumped(&rig).unwrap()
 }
 
 fn run(plant: &Plant, volts: &[f64], scenario: &Scenario) -> TimeHistory {
@@ -38,7 +38,7 @@ fn pushed(amplitude: f64, frequency_rad_s: f64, duration_s: f64) -> Scenario {
     let heave_m_s2 = Signal::Sines(vec![Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }]);
     Scenario {
         platform: PlatformMotion { heave_m_s2, ..PlatformMotion::STILL },
-        ..Scenario::still(duration_s)
+        ..Scenario::at_rest(duration_s)
     }
 }
 
@@ -88,7 +88,7 @@ fn coulomb_friction_takes_its_constant_share_of_every_swing() {
     for free in [state::WINDUP, state::CURRENT, state::VOLTAGE] {
         start.core[free] = 0.0;
     }
-    let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::still(12.0) };
+    let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(12.0) };
     let angle = run(&plant, &[0.0], &scenario).truth.hub_angle_rad;
     let from_centre = |k: usize| angle[k] - 0.09;
     let turns: Vec<f64> = (1..angle.len() - 1)
@@ -178,7 +178,7 @@ fn every_law_holds_a_constant_torque_at_motor_and_pivot_in_any_split() {
         for at_motor in [0.0, 0.3, 0.5, 0.9, 1.0] {
             let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, at_motor);
             let held = plant.equilibrium(&OperatingPoint::default()).control_v;
-            let angle = run(&plant, &[held + 0.1], &Scenario::still(12.0)).truth.hub_angle_rad;
+            let angle = run(&plant, &[held + 0.1], &Scenario::at_rest(12.0)).truth.hub_angle_rad;
             let mean =
                 |range: std::ops::Range<usize>| angle[range.clone()].iter().sum::<f64>() / range.len() as f64;
             let drift = (mean(11_000..12_000) - mean(8000..9000)).abs() / 3.0;
@@ -203,7 +203,7 @@ fn every_law_dissipates() {
                 pitch_rate_rad_s: Signal::sine(0.05, std::f64::consts::TAU),
                 ..PlatformMotion::STILL
             };
-            let scenario = Scenario { platform, ..Scenario::still(4.0) };
+            let scenario = Scenario { platform, ..Scenario::at_rest(4.0) };
             let volts: Vec<f64> = (0..4000)
                 .map(|k| held + 0.5 * (std::f64::consts::TAU * 1.5e-3 * f64::from(k)).sin())
                 .collect();
@@ -228,7 +228,7 @@ fn joints_at_rest_ride_with_the_platform() {
     let plant = split(|coulomb_nm, _| FrictionLaw::Coulomb { coulomb_nm }, 1.0, 0.5);
     let held = plant.equilibrium(&OperatingPoint::default()).control_v;
     let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.01, 3.0), ..PlatformMotion::STILL };
-    let history = run(&plant, &[held], &Scenario { platform, ..Scenario::still(3.0) });
+    let history = run(&plant, &[held], &Scenario { platform, ..Scenario::at_rest(3.0) });
     let truth = &history.truth;
     assert_eq!(history.effort.changes, 0);
     for k in 0..3000 {
@@ -246,7 +246,7 @@ fn true_stick_is_the_limit_of_stiff_presliding() {
         let plant = split(|level, _| law(level), 1.0, 0.5);
         let held = plant.equilibrium(&OperatingPoint::default()).control_v;
         let volts: Vec<f64> = (0..3000).map(|k| held + 0.6 * (0.006 * f64::from(k)).sin()).collect();
-        run(&plant, &volts, &Scenario::still(3.0)).truth.hub_rate_rad_s
+        run(&plant, &volts, &Scenario::at_rest(3.0)).truth.hub_rate_rad_s
     };
     let stuck = motion(&|coulomb_nm| FrictionLaw::Coulomb { coulomb_nm });
     let distance = |stiffness: f64| {
@@ -307,7 +307,7 @@ fn a_torque_pulse_shorter_than_a_sample_breaks_away() {
         let mut start = Simulator::new(&plant).unwrap().rest(0.0, 0.0, 0.0);
         // 123 N m at the crest of the gear's torque, a hundredth of a second from now
         start.core[state::MOTOR] = 1.42;
-        let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::still(0.2) };
+        let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(0.2) };
         let history = run(&plant, &[0.0], &scenario);
         let samples = (0.18 / period).round() as usize;
         (history.truth.hub_angle_rad[samples], history.truth.mesh_torque_nm.clone())
@@ -341,7 +341,7 @@ fn drawn(law: FrictionLaw, static_ratio: f64, stribeck_rate_rad_s: f64) -> Plant
 fn stick_slip(plant: &Plant) -> [f64; 4] {
     let mut start = Simulator::new(plant).unwrap().rest(0.0, 0.0, 0.0);
     start.core[state::MOTOR] = 0.1;
-    let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::still(80.0) };
+    let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(80.0) };
     let truth = run(plant, &[0.0], &scenario).truth;
     let torque: Vec<f64> = truth.wind_up_rad.iter().map(|w| 2.0 * w).collect();
     let settled = 40_000;
@@ -388,7 +388,7 @@ fn stick_slip_cycles_are_those_of_the_closed_form_and_the_literature() {
     };
     let mut plant = drawn(lugre, 1.5, 1e-3).parameters().clone();
     plant.pivot_friction.viscous_nm_s_rad = 0.4;
-    let [period, least, most, fastest] = stick_slip(&Plant::lumped(&plant).unwrap());
+    let [period, least, most, fastest] = stick_slip(&Plant::from_lumped(&plant).unwrap());
     println!("LuGre: {period} {least} {most} {fastest}");
     assert!((period - 6.363).abs() < 1e-3);
     assert!((least - 0.7412).abs() < 1e-3 && (most - 1.5080).abs() < 1e-3 && (fastest - 0.3698).abs() < 1e-3);
@@ -442,9 +442,9 @@ fn holds_last_ten_thousand_seconds() {
         let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, 0.5);
         let mut rig = plant.parameters().clone();
         rig.interface.sample_period_s = 0.04;
-        let plant = Plant::lumped(&rig).unwrap();
+        let plant = Plant::from_lumped(&rig).unwrap();
         let held = plant.equilibrium(&OperatingPoint::default()).control_v;
-        let angle = run(&plant, &[held + 0.1], &Scenario::still(1e4)).truth.hub_angle_rad;
+        let angle = run(&plant, &[held + 0.1], &Scenario::at_rest(1e4)).truth.hub_angle_rad;
         let drift = (angle[angle.len() - 1] - angle[angle.len() / 10]).abs();
         println!("{name}: {drift:.1e} rad in 9000 s, deflected by {:.1e} rad", angle[angle.len() - 1]);
         let deflected = angle[angle.len() - 1].abs();

@@ -89,9 +89,9 @@ fn a_stiff_drive_slides_and_sticks_as_one_mass() {
     let resting = expected.iter().filter(|rate| **rate == 0.0).count();
     assert!(resting > 300, "{resting} samples at rest");
     for (law, allowed) in LAWS.into_iter().zip([1e-3, 4e-3, 8e-3]) {
-        let plant = Plant::lumped(&carriage(law.clone())).unwrap();
+        let plant = Plant::from_lumped(&carriage(law.clone())).unwrap();
         let mut simulator = Simulator::new(&plant).unwrap();
-        let history = simulator.run(&mut Playback::new(&volts), &Scenario::still(4.0)).unwrap();
+        let history = simulator.run(&mut Playback::new(&volts), &Scenario::at_rest(4.0)).unwrap();
         let worst = worst(&history.truth.hub_rate_rad_s, &expected);
         println!("{law:?}: {worst:.1e} m/s");
         assert!(worst < allowed, "{law:?}: {worst:e}");
@@ -122,11 +122,11 @@ fn a_recording_without_an_angle_replays_from_a_start_nearby() {
 
 #[test]
 fn an_angle_beyond_all_measure_is_refused() {
-    let plant = Plant::lumped(&carriage(LAWS[0].clone())).unwrap();
+    let plant = Plant::from_lumped(&carriage(LAWS[0].clone())).unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
     let mut start = simulator.rest(0.0, 0.0, 0.0);
     start.core[counterpoise_models::plant::core::state::ANGLE] = 2e10;
     let initial = counterpoise_simulate::Initial::State(Box::new(start));
-    let scenario = Scenario { initial, ..Scenario::still(0.1) };
+    let scenario = Scenario { initial, ..Scenario::at_rest(0.1) };
     assert!(simulator.run(&mut Playback::new(&[0.0]), &scenario).is_err());
 }

@@ -33,7 +33,7 @@ fn free(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
     p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
     p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
     p.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
-    Plant::lumped(&p).unwrap()
+    Plant::from_lumped(&p).unwrap()
 }
 
 /// What is conserved along a free motion, from its start: the largest change of energy and of angular momentum, relative to the
@@ -46,9 +46,9 @@ fn drift(inertia: BodyInertia, pivot: PivotPosition) -> ([f64; 2], TwoAxisHistor
     turning.core[state::RATE] = 0.8;
     let scenario = TwoAxisScenario {
         duration_s: SAMPLES as f64 * 1e-3,
-        base: BaseMotion::still(G),
-        elevation: AxisScenario::still(0.4),
-        traverse: AxisScenario { initial: Initial::State(Box::new(turning)), ..AxisScenario::still(0.3) },
+        base: BaseMotion::at_rest(G),
+        elevation: AxisScenario::at_rest(0.4),
+        traverse: AxisScenario { initial: Initial::State(Box::new(turning)), ..AxisScenario::at_rest(0.3) },
         detail: Detail::Everything,
         firing: Firing::Silent,
     };
@@ -122,14 +122,14 @@ fn rigs() -> [Plant; 2] {
     let lumped =
         Lumped { hub_inertia_kg_m2: 450.0, beam_inertia_kg_m2: 60.0, ..reference::rig().lumped.unwrap() };
     let upright = Parameters { gravity_m_s2: 0.0, lumped: Some(lumped), ..reference::rig() };
-    [Plant::lumped(&reference::rig()).unwrap(), Plant::lumped(&upright).unwrap()]
+    [Plant::from_lumped(&reference::rig()).unwrap(), Plant::from_lumped(&upright).unwrap()]
 }
 
 fn on_a_base(base: BaseMotion, imperfections: Imperfections) -> TwoAxisScenario {
     let axis = |hub_angle_rad, rate| AxisScenario {
         demand_rad_s: Signal::Steps(vec![(0.5, rate), (1.5, 0.0)]),
         imperfections,
-        ..AxisScenario::still(hub_angle_rad)
+        ..AxisScenario::at_rest(hub_angle_rad)
     };
     TwoAxisScenario {
         duration_s: 3.0,
@@ -171,7 +171,7 @@ fn an_elevation_axis_on_a_ring_at_rest_moves_as_it_does_alone() {
             Signal::ZERO,
             Signal::Sum(vec![Signal::Constant(G), heave.clone()]),
         ],
-        ..BaseMotion::still(G)
+        ..BaseMotion::at_rest(G)
     };
     let mut scenario = on_a_base(base, Imperfections::None);
     scenario.traverse.demand_rad_s = Signal::ZERO;
@@ -181,7 +181,7 @@ fn an_elevation_axis_on_a_ring_at_rest_moves_as_it_does_alone() {
         demand_rad_s: scenario.elevation.demand_rad_s.clone(),
         platform: PlatformMotion { heave_m_s2: heave, ..PlatformMotion::STILL },
         initial: Initial::Rest { hub_angle_rad: 0.1 },
-        ..Scenario::still(3.0)
+        ..Scenario::at_rest(3.0)
     };
     let mut controller = ProportionalIntegral { bias_v: 2.88, ..PI_GAINS };
     let alone = Simulator::new(&plants[0]).unwrap().run(&mut controller, &alone).unwrap();
@@ -195,8 +195,8 @@ fn an_elevation_axis_on_a_ring_at_rest_moves_as_it_does_alone() {
 #[test]
 fn a_gyroscope_on_the_elevated_mass_reads_cross_elevation() {
     let plants = rigs();
-    let mut scenario = on_a_base(BaseMotion::still(G), Imperfections::None);
-    scenario.elevation = AxisScenario::still(0.6);
+    let mut scenario = on_a_base(BaseMotion::at_rest(G), Imperfections::None);
+    scenario.elevation = AxisScenario::at_rest(0.6);
     scenario.traverse.demand_rad_s = Signal::step(0.5, -0.05);
     let inertia = BodyInertia::of_plant(&plants[0]);
     let found = run_both(&plants, coupling(inertia, &plants[0], TraverseGyroscope::ElevatedMass), &scenario);
@@ -244,7 +244,7 @@ fn two_axes_seldom_take_a_sample_twice() {
         },
         imperfections: noisy,
         initial: Initial::Rest { hub_angle_rad: 0.1 },
-        ..Scenario::still(10.0)
+        ..Scenario::at_rest(10.0)
     };
     let mut controller = ProportionalIntegral { bias_v: 2.88, ..PI_GAINS };
     let alone = Simulator::new(&plants[0]).unwrap().run(&mut controller, &alone).unwrap();
@@ -257,7 +257,7 @@ fn two_axes_seldom_take_a_sample_twice() {
             ..PlatformMotion::STILL
         },
         imperfections: noisy,
-        ..Scenario::still(10.0)
+        ..Scenario::at_rest(10.0)
     };
     let below = Simulator::new(&plants[1]).unwrap().run(&mut PI_GAINS.clone(), &scenario_below).unwrap();
     println!("{:?} {:?} {:?} {:?}", both.elevation.effort, both.traverse.effort, alone.effort, below.effort);

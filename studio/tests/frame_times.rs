@@ -130,7 +130,7 @@ fn long_recordings_are_panned_and_zoomed() {
 
 fn stacked(ui: &mut egui::Ui, channels: &[Arc<MinMaxPyramid>]) {
     for (k, pyramid) in channels.iter().enumerate() {
-        let mut chart = Chart::new(&format!("channel {k}"), "time, s", "value").in_group("recording");
+        let mut chart = Chart::new(&format!("channel {k}"), "time, s", "value").with_group("recording");
         chart = chart.with_any_curve(Curve {
             name: "measured".to_owned(),
             points: CurvePoints::Many(Arc::clone(pyramid), 1.0),

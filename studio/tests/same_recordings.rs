@@ -92,7 +92,7 @@ fn recorded(project: &Project) -> String {
     let scenario = Scenario {
         imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
         initial: Initial::Rest { hub_angle_rad: project.model.operating_point.hub_angle_rad },
-        ..Scenario::still(LENGTH_S.min(SAMPLES * period_s))
+        ..Scenario::at_rest(LENGTH_S.min(SAMPLES * period_s))
     };
     let mut control = Sines { amplitude_v: 0.5, sample: 0.0, period_s };
     let history = Simulator::new(&plant).unwrap().run(&mut control, &scenario).unwrap();

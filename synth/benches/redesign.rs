@@ -16,7 +16,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 fn enlarged(order: usize) -> DesignPlant {
     let mut plant = rig();
     let mut k = 0;
-    while plant.measured().unwrap().order() + 2 <= order {
+    while plant.measured_plant().unwrap().order() + 2 <= order {
         let w = 400.0 + 170.0 * f64::from(k);
         let A = Mat::from_rows(&[&[0.0, w], &[-w, -0.02 * w]]);
         let mode = StateSpace::new(

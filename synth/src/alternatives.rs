@@ -56,17 +56,17 @@ pub fn alternative(
             Ok(Alternative { method, controller, norm, on_generalised: None })
         }
         Method::JointH2 => {
-            let part = h2syn(&generalised(plant, weights)?)?;
+            let part = h2syn(&generalised_plant(plant, weights)?)?;
             let (controller, norm) = (from_error(&part.controller, weights)?, Some(part.achieved_norm));
             Ok(Alternative { method, controller, norm, on_generalised: Some(part.controller) })
         }
         Method::HInfinity => {
-            let part = hinfsyn(&generalised(plant, weights)?, ALTERNATIVE_BOUND)?;
+            let part = hinfsyn(&generalised_plant(plant, weights)?, ALTERNATIVE_BOUND)?;
             let (controller, norm) = (from_error(&part.controller, weights)?, Some(part.achieved_norm));
             Ok(Alternative { method, controller, norm, on_generalised: Some(part.controller) })
         }
         Method::LqgLtr => {
-            let seen = plant.measured()?.select(&[0], &[plant.control]);
+            let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
             let shape = series(&weights.error.realise()?, &weights.control.realise_inverse()?)?;
             let recovery = weights.loop_recovery.max(f64::MIN_POSITIVE) / weights.measurement_noise;
             let part = lqg_ltr(&seen, &shape, 1.0, recovery)?;
@@ -88,8 +88,8 @@ pub fn alternative(
 ///
 /// # Errors
 /// [`Error`] for a plant or weights that are not ones.
-pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Generalised, Error> {
-    let seen = plant.measured()?;
+pub fn generalised_plant(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Generalised, Error> {
+    let seen = plant.measured_plant()?;
     let mut inputs: Vec<usize> = weights.disturbances.iter().map(|entry| entry.index).collect();
     let mut densities: Vec<f64> = weights.disturbances.iter().map(|entry| entry.value.sqrt()).collect();
     inputs.extend([plant.control, plant.control]);
@@ -122,7 +122,7 @@ pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Gen
 
 /// The error weight with its poles on the axis moved off it, and strictly proper.
 fn textbook(weight: &Weight) -> Weight {
-    let rational = weight.rational().mirrored();
+    let rational = weight.rational().mirror_to_left();
     let moved = |pole: &counterpoise_linalg::C64| if pole.re == 0.0 { pole - SLOWEST_RAD_S } else { *pole };
     let mut poles: Vec<_> = rational.poles.iter().map(moved).collect();
     let mut gain = rational.gain;

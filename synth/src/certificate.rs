@@ -65,7 +65,7 @@ pub(crate) fn riccati(
         linalg::Outcome::Infeasible(reason) => {
             let finding = Finding::refusal(part, Cause::Equation { what, reason: reason.to_string() });
             let rate = mode_of(&reason).map(|mode| mode.norm());
-            Err(Error::refused(vec![match rate {
+            Err(Error::refusal(vec![match rate {
                 Some(rate) => finding.at(rate),
                 None => finding,
             }]))

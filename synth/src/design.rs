@@ -46,10 +46,10 @@ pub struct Design {
 /// [`Error`] for a plant that is not one. Weights that make no solvable problem are [`Error::Refused`] with every
 /// reason.
 pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Design, Error> {
-    let (whole, plant) = (plant, plant.weighted());
+    let (whole, plant) = (plant, plant.weighted_plant());
     let findings = preflight(plant, specification)?;
     if findings.iter().any(Finding::is_refusal) {
-        return Err(Error::refused(findings));
+        return Err(Error::refusal(findings));
     }
     let feedback = feedback(plant, &specification.feedback, specification.reference)?;
     let substitute = with_position_loop(whole, &feedback.controller, specification.position_gain)?;
@@ -103,13 +103,13 @@ fn with_control_seen(
     let Some(rate) = moved else { return Ok((weights.clone(), None)) };
     let finding = Finding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
     let control = Weight::ZeroPoleGain { zeros: rational.zeros, poles: rational.poles, gain: rational.gain };
-    let warning = finding.on("control weight", &weights.control).at(rate);
+    let warning = finding.with_weight("control weight", &weights.control).at(rate);
     Ok((FeedforwardWeights { control, ..weights.clone() }, Some(warning)))
 }
 
 /// The plant with the feedback around it, its sensor and delay inside: states \[plant; controller\].
 fn with_feedback(plant: &DesignPlant, feedback: &Feedback) -> Result<DesignPlant, Error> {
-    let (seen, K) = (plant.measured()?, feedback.controller.select(&[0], &[1]));
+    let (seen, K) = (plant.measured_plant()?, feedback.controller.select(&[0], &[1]));
     let (n, k, outputs) = (seen.order(), K.order(), seen.outputs() - 1);
     let column = seen.B.block(0, plant.control, n, 1);
     let row = seen.C.block(0, 0, 1, n);
@@ -159,12 +159,12 @@ impl Design {
         let parts = [Channel::Heave, Channel::Pitch].into_iter().filter_map(|channel| self.part(channel));
         let modules: Vec<StateSpace> =
             parts.map(|part| self.as_seen(&part.module)).collect::<Result<_, Error>>()?;
-        self.assembled(&self.feedback_controller(), &modules)
+        self.assemble(&self.feedback_controller(), &modules)
     }
 
     /// Feedback from (demand, rate) and modules from their signals to (control, rate as the sensor would read it), put
     /// together in the assembly that the specification asks for; all of one timebase.
-    pub(crate) fn assembled(
+    pub(crate) fn assemble(
         &self,
         feedback: &StateSpace,
         modules: &[StateSpace],

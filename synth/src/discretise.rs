@@ -84,7 +84,7 @@ impl Drafts {
         let paths = if is_joint(design) {
             let modules: Vec<StateSpace> =
                 self.modules.iter().map(|(_, module)| module.system.clone()).collect();
-            vec![joint_path(design, &design.assembled(feedback, &modules)?, sampling)?]
+            vec![joint_path(design, &design.assemble(feedback, &modules)?, sampling)?]
         } else {
             let mut paths = vec![feedback_path(design, &from_what_it_sees(design, feedback), sampling)?];
             for (channel, module) in &self.modules {

@@ -60,7 +60,7 @@ pub enum Error {
 
 impl Error {
     /// Returns the refusal with these findings.
-    pub(crate) fn refused(findings: Vec<Finding>) -> Self {
+    pub(crate) fn refusal(findings: Vec<Finding>) -> Self {
         Error::Refused(Refusal { findings })
     }
 

@@ -105,7 +105,7 @@ pub(crate) fn controller_with_observer(
 }
 
 fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Error> {
-    let system = plant.measured()?;
+    let system = plant.measured_plant()?;
     let (n, inputs, outputs) = (system.order(), system.inputs(), system.outputs());
     if system.D[(0, plant.control)] != 0.0 {
         return Err(Error::System {

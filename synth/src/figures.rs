@@ -88,7 +88,7 @@ pub fn figures(
 /// Measured and true rate from the held control.
 fn held(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
     let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
-    let seen = undelayed.measured()?.select(&[0, 1 + plant.rate], &[plant.control]);
+    let seen = undelayed.measured_plant()?.select(&[0, 1 + plant.rate], &[plant.control]);
     Ok(c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?)
 }
 
@@ -100,7 +100,7 @@ fn controller(sampled: &Sampled, sampling: &Sampling) -> Result<StateSpace, Erro
     let linear = linear.select(&[0], &inputs);
     // The paths that read neither signal stay at zero: leave their states out.
     let used: Vec<usize> = (0..linear.order()).filter(|&i| (0..2).any(|j| linear.B[(i, j)] != 0.0)).collect();
-    let reached = reached(&linear.A, used);
+    let reached = reachable_states(&linear.A, used);
     Ok(StateSpace {
         A: linear.A.select(&reached, &reached),
         B: linear.B.select(&reached, &[0, 1]),
@@ -110,7 +110,7 @@ fn controller(sampled: &Sampled, sampling: &Sampling) -> Result<StateSpace, Erro
 }
 
 /// The states that are driven by the given ones, these included, in order.
-pub(crate) fn reached(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
+pub(crate) fn reachable_states(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
     let mut next = 0;
     while next < from.len() {
         let j = from[next];

@@ -65,7 +65,7 @@ impl Finding {
     }
 
     /// With the weight named.
-    pub fn on(self, role: &str, weight: &impl fmt::Display) -> Self {
+    pub fn with_weight(self, role: &str, weight: &impl fmt::Display) -> Self {
         Self { weight: Some(format!("{role} {weight}")), ..self }
     }
 

@@ -99,7 +99,7 @@ impl Blocks {
     }
 
     /// A controller whose states estimate the scaled states, with states that estimate the plant's own: exact.
-    pub fn in_plant_states(&self, K: StateSpace) -> StateSpace {
+    pub fn convert_to_plant_states(&self, K: StateSpace) -> StateSpace {
         let T = &self.scale;
         let A = Mat::from_fn(K.order(), K.order(), |i, j| K.A[(i, j)] * (T[i] / T[j]));
         let B = Mat::from_fn(K.order(), K.inputs(), |i, j| K.B[(i, j)] * T[i]);
@@ -145,7 +145,11 @@ impl Generalised {
     ///
     /// # Errors
     /// As [`counterpoise_lti::connect`] and [`Generalised::new`].
-    pub fn by_name(blocks: &[NamedBlock<'_>], inputs: Ports<'_>, outputs: Ports<'_>) -> Result<Self, Error> {
+    pub fn connect_by_name(
+        blocks: &[NamedBlock<'_>],
+        inputs: Ports<'_>,
+        outputs: Ports<'_>,
+    ) -> Result<Self, Error> {
         let systems: Vec<Named> = blocks.iter().map(|block| block.system.clone()).collect();
         let origin = |block: &NamedBlock<'_>| StateOrigin::new(block.name, block.system.system.order());
         let connected = connect(&systems, inputs.names, outputs.names)?;
@@ -192,7 +196,7 @@ impl Generalised {
         if let Some(row) = lost_column(&blocks.D21.t())? {
             refuse(Cause::MeasurementNoiseless { measurement: row + 1 });
         }
-        if findings.is_empty() { Ok(()) } else { Err(Error::refused(findings)) }
+        if findings.is_empty() { Ok(()) } else { Err(Error::refusal(findings)) }
     }
 }
 
@@ -213,7 +217,7 @@ fn lost_column(matrix: &Mat) -> Result<Option<usize>, Error> {
 }
 
 /// K0 designed for D22 = 0, put around a plant with D22: K0 inv(I + D22 K0).
-pub(crate) fn around_direct_path(K: StateSpace, D22: &Mat) -> Result<StateSpace, Error> {
+pub(crate) fn absorb_direct_path(K: StateSpace, D22: &Mat) -> Result<StateSpace, Error> {
     if D22.norm_max() == 0.0 {
         return Ok(K);
     }

@@ -7,8 +7,8 @@ use crate::Error;
 use crate::cause::Cause;
 use crate::certificate::Equation;
 use crate::finding::{Finding, Part};
-use crate::generalised::{Blocks, Generalised, around_direct_path};
-use crate::origin::{Of, solved};
+use crate::generalised::{Blocks, Generalised, absorb_direct_path};
+use crate::origin::{Of, require_solution};
 
 /// An H2 controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,17 +49,17 @@ pub fn h2syn(plant: &Generalised) -> Result<H2, Error> {
     let P = plant.blocks();
     if P.D11.norm_max() != 0.0 {
         let cause = Cause::NoiseReachesCost { gain: P.D11.norm_max() };
-        return Err(Error::refused(vec![Finding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
+        return Err(Error::refusal(vec![Finding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
     }
     let (R, V) = (&P.D12.t() * &P.D12, &P.D21 * &P.D21.t());
     let (SX, SY) = (&P.C1.t() * &P.D12, &P.B1 * &P.D21.t());
     let X = care(&P.A, &P.B2, &(&P.C1.t() * &P.C1), &R, Some(&SX))?;
     let Y = care(&P.A.t(), &P.C2.t(), &(&P.B1 * &P.B1.t()), &V, Some(&SY))?;
-    let X = solved(&P, Of::Regulator, X)?;
-    let Y = solved(&P, Of::Filter, Y)?;
+    let X = require_solution(&P, Of::Regulator, X)?;
+    let Y = require_solution(&P, Of::Filter, Y)?;
     let (F, L) = (X.F.clone(), Y.F.t());
     let square = (&P.B1.t() * &(&X.X * &P.B1)).trace() + (&R * &(&F * &(&Y.X * &F.t()))).trace();
-    let controller = around_direct_path(P.in_plant_states(observer(&P, &F, &L)?), &P.D22)?;
+    let controller = absorb_direct_path(P.convert_to_plant_states(observer(&P, &F, &L)?), &P.D22)?;
     let closed = plant.close(&controller)?;
     Ok(H2 {
         predicted_norm: square.max(0.0).sqrt(),

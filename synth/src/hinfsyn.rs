@@ -59,7 +59,7 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> 
     if search.high.is_none()
         && let Some(findings) = obstacle(plant)?
     {
-        return Err(Error::refused(findings));
+        return Err(Error::refusal(findings));
     }
     search.narrow(tolerance)?;
     search.verified()
@@ -145,7 +145,7 @@ impl Search<'_> {
             raise = (2.0 * raise).min(1.0);
         }
         let cause = Cause::NoBoundReached { largest: bound };
-        Err(Error::refused(vec![Finding::refusal(Part::Generalised, cause)]))
+        Err(Error::refusal(vec![Finding::refusal(Part::Generalised, cause)]))
     }
 
     /// The controller with its certificates, if its loop is stable and keeps the bound.

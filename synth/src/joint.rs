@@ -113,7 +113,7 @@ fn share_of_motions(settled: &Mat, A_f: &Mat, driven: &Mat) -> Result<(Mat, f64)
 impl Problem {
     fn new(plant: &DesignPlant, specification: &Specification) -> Result<Self, Error> {
         let weights = &specification.feedback;
-        let system = plant.measured()?;
+        let system = plant.measured_plant()?;
         let (n, outputs) = (system.order(), system.outputs());
         let column = |index: usize| system.B.block(0, index, n, 1);
         let mut G = column(plant.control).scale(weights.loop_recovery.sqrt());

@@ -6,7 +6,7 @@ use counterpoise_linalg::{
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::Error;
-use crate::generalised::{Blocks, Generalised, around_direct_path};
+use crate::generalised::{Blocks, Generalised, absorb_direct_path};
 use crate::tolerance::HINF_INDEFINITE;
 
 /// What a bound turned out to be.
@@ -135,7 +135,7 @@ impl Normal {
             Timebase::Continuous,
         );
         match K {
-            Ok(K) => Ok(Some(around_direct_path(P.in_plant_states(K), &P.D22)?)),
+            Ok(K) => Ok(Some(absorb_direct_path(P.convert_to_plant_states(K), &P.D22)?)),
             Err(_) => Ok(None),
         }
     }

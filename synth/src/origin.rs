@@ -27,7 +27,7 @@ impl Of {
 }
 
 /// The solution of one of the two equations, or the finding with the mode that is in the way and the block it lives in.
-pub(crate) fn solved(
+pub(crate) fn require_solution(
     P: &Blocks,
     of: Of,
     outcome: linalg::Outcome<linalg::Riccati>,
@@ -50,7 +50,7 @@ pub(crate) fn solved(
         Reason::NoGraph | Reason::SingularWeight { .. } => (unsolved(of, &reason), None),
     };
     let finding = Finding { rate_rad_s: rate, ..Finding::refusal(Part::Generalised, cause) };
-    Err(Error::refused(vec![finding]))
+    Err(Error::refusal(vec![finding]))
 }
 
 fn unsolved(of: Of, reason: &Reason) -> Cause {

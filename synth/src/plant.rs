@@ -69,7 +69,7 @@ impl DesignPlant {
     }
 
     /// The plant that the weights are for: that of the inner loop if there is one.
-    pub fn weighted(&self) -> &Self {
+    pub fn weighted_plant(&self) -> &Self {
         self.rate_loop.as_ref().map_or(self, |inner| &inner.plant)
     }
 
@@ -127,7 +127,7 @@ impl DesignPlant {
     ///
     /// # Errors
     /// [`Error::Lti`], and those of [`DesignPlant::check`].
-    pub fn delayed(&self) -> Result<StateSpace, Error> {
+    pub fn delayed_plant(&self) -> Result<StateSpace, Error> {
         self.check()?;
         if self.delay_s == 0.0 || self.pade_order == 0 {
             return Ok(self.system.clone());
@@ -147,9 +147,9 @@ impl DesignPlant {
     /// \[delay; plant; sensor\].
     ///
     /// # Errors
-    /// As [`DesignPlant::delayed`].
-    pub fn measured(&self) -> Result<StateSpace, Error> {
-        let plant = self.delayed()?;
+    /// As [`DesignPlant::delayed_plant`].
+    pub fn measured_plant(&self) -> Result<StateSpace, Error> {
+        let plant = self.delayed_plant()?;
         let all = 0..plant.outputs();
         let doubled: Vec<usize> = std::iter::once(self.rate).chain(all).collect();
         let inputs: Vec<usize> = (0..plant.inputs()).collect();

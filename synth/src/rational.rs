@@ -45,7 +45,7 @@ impl Rational {
     }
 
     /// Zeros and poles of the right half plane moved to the left, the gain made positive: the modulus on the axis stays.
-    pub fn mirrored(&self) -> Self {
+    pub fn mirror_to_left(&self) -> Self {
         let left = |roots: &[C64]| roots.iter().map(|root| C64::new(-root.re.abs(), root.im)).collect();
         Self { zeros: left(&self.zeros), poles: left(&self.poles), gain: self.gain.abs() }
     }

@@ -83,7 +83,7 @@ impl Requirements {
     }
 
     /// The sum of what is missed, each relative to its limit; 0 where everything holds.
-    pub fn missed(&self, found: &Figures) -> f64 {
+    pub fn total_shortfall(&self, found: &Figures) -> f64 {
         let below =
             |value: f64, limit: f64| if limit > 0.0 { ((limit - value) / limit).max(0.0) } else { 0.0 };
         let above =

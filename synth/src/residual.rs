@@ -58,7 +58,7 @@ pub fn error_at(
     let wires = |n: usize| StateSpace::gain(Mat::eye(n), Timebase::Continuous);
     let doubled = StateSpace::gain(spread(columns.len(), read), Timebase::Continuous)?;
     let driven = series(&series(&source, &doubled)?, &append(&wires(columns.len())?, &module)?)?;
-    let seen = plant.measured()?;
+    let seen = plant.measured_plant()?;
     let inputs: Vec<usize> = columns.iter().copied().chain([plant.control]).collect();
     let open = append(&driven, &wires(1)?)?;
     let sum = StateSpace::gain(added(columns.len()), Timebase::Continuous)?;

@@ -120,7 +120,7 @@ pub fn check(plant: &DesignPlant, controller: Controller, sampling: &Sampling) -
         Some(pole) if pole.norm() >= 1.0 => {
             let cause = Cause::SampledUnstable { pole, period_s: sampling.period_s };
             let rate = (pole.arg() / sampling.period_s).abs();
-            Err(Error::refused(vec![Finding::refusal(Part::Feedback, cause).at(rate)]))
+            Err(Error::refusal(vec![Finding::refusal(Part::Feedback, cause).at(rate)]))
         }
         _ => Ok(Sampled { controller, loop_gain, closed_loop, certified: Vec::new() }),
     }
@@ -148,7 +148,7 @@ pub fn sampled_loop(
 /// [`Error`] of the plant and of the conversion.
 pub fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
     let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
-    let seen = undelayed.measured()?.select(&[0], &[plant.control]);
+    let seen = undelayed.measured_plant()?.select(&[0], &[plant.control]);
     let held = c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?;
     match sampling.delay_samples {
         0 => Ok(held),

@@ -190,7 +190,7 @@ impl Problem<'_> {
         let band = self.requirements.band_rad_s;
         let of_all = figures(self.plant, &sampled, self.sampling, band)?;
         let figures = Figures { rejection: rejection(&sampled.loop_gain, band, &self.powers)?, ..of_all };
-        let missed = self.requirements.missed(&figures);
+        let missed = self.requirements.total_shortfall(&figures);
         Ok(Trial { specification, figures, missed })
     }
 }

@@ -66,7 +66,7 @@ impl Stage {
     }
 
     /// The stage with further states: \[x; s\], input v.
-    pub fn extended(&self, more: &Extension) -> Self {
+    pub fn extend(&self, more: &Extension) -> Self {
         let (n, k, m) = (self.order(), more.own.nrows(), more.by_input.ncols());
         let closed = &self.A + &(&self.B * &more.by_state);
         let A = Mat::from_blocks(&[&[&closed, &(&self.B * &more.by_own)], &[&more.from_state, &more.own]]);
@@ -80,9 +80,9 @@ impl Stage {
     }
 
     /// The stage behind a filter of its one input.
-    pub fn behind(&self, filter: &StateSpace) -> Self {
+    pub fn filter_input(&self, filter: &StateSpace) -> Self {
         let (n, k) = (self.order(), filter.order());
-        self.extended(&Extension {
+        self.extend(&Extension {
             from_state: Mat::zeros(k, n),
             own: filter.A.clone(),
             from_input: filter.B.clone(),
@@ -93,8 +93,8 @@ impl Stage {
     }
 
     /// The stage with a controller around it: q = v + K (row x).
-    pub fn around(&self, K: &StateSpace, row: &Mat) -> Self {
-        self.extended(&Extension {
+    pub fn close_loop(&self, K: &StateSpace, row: &Mat) -> Self {
+        self.extend(&Extension {
             from_state: &K.B * row,
             own: K.A.clone(),
             from_input: Mat::zeros(K.order(), 1),
@@ -112,7 +112,7 @@ impl Stage {
     }
 
     /// The part of the stage on some of its states, which the others do not act on or are left out with.
-    pub fn on(&self, states: &[usize]) -> Self {
+    pub fn select_states(&self, states: &[usize]) -> Self {
         let inputs: Vec<usize> = (0..self.B.ncols()).collect();
         let all: Vec<usize> = states.iter().copied().chain(inputs.iter().map(|i| self.order() + i)).collect();
         Self {
@@ -137,7 +137,7 @@ impl Stage {
 
     /// Mean cost of a period that the equations predict: under q = -F x of what is known, which innovations drive through
     /// `gain`, and of what is not known; `None` if that has no bound.
-    pub fn predicted(
+    pub fn predict_cost(
         &self,
         F: &Mat,
         estimate: &Estimate,
@@ -156,7 +156,7 @@ impl Stage {
 
     /// Mean cost of a period of the assembled loop: a controller from the reading to (q, v), v costing `price` times its
     /// square; `None` if the loop is not stable.
-    pub fn achieved(
+    pub fn closed_loop_cost(
         &self,
         controller: &StateSpace,
         noise: &SampledNoise,
@@ -198,7 +198,7 @@ pub(crate) fn filter(A: &Mat, noise: &SampledNoise, part: Part) -> Result<Riccat
 }
 
 /// Y - Y C' (C Y C' + V)^-1 C Y, the gain Y C' (C Y C' + V)^-1 and C Y C' + V.
-pub(crate) fn after_reading(Y: &Mat, reading: &Mat, measurement: f64) -> (Mat, Mat, f64) {
+pub(crate) fn update_by_reading(Y: &Mat, reading: &Mat, measurement: f64) -> (Mat, Mat, f64) {
     let seen = Y * &reading.t();
     let innovation = (reading * &seen)[(0, 0)] + measurement;
     let gain = seen.scale(1.0 / innovation);

@@ -201,7 +201,8 @@ impl ChannelSource {
 
 impl Assembled {
     fn new(design: &Design) -> Result<Self, Error> {
-        let (system, feedback) = (design.plant.delayed()?, design.feedback_controller().select(&[0], &[1]));
+        let (system, feedback) =
+            (design.plant.delayed_plant()?, design.feedback_controller().select(&[0], &[1]));
         let mut all = poles(&system)?;
         all.extend(poles(&feedback)?);
         all.extend(&design.feedback.closed_loop);

@@ -7,7 +7,7 @@ use common::{rig, thesis_weights};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, hinfnorm, poles, response::response_at, series};
 use counterpoise_synth::{
-    Alternative, Gain, Method, alternative, alternatives::generalised, kalman, lqg_ltr, lqr,
+    Alternative, Gain, Method, alternative, alternatives::generalised_plant, kalman, lqg_ltr, lqr,
 };
 
 fn double_integrator(timebase: Timebase) -> StateSpace {
@@ -94,7 +94,7 @@ fn the_joint_textbook_design_is_the_three_part_one() {
 #[test]
 fn every_method_makes_a_stable_loop_and_each_is_best_in_its_own_norm() {
     let (plant, weights) = (rig(), thesis_weights().feedback);
-    let seen = plant.measured().unwrap().select(&[0], &[0]);
+    let seen = plant.measured_plant().unwrap().select(&[0], &[0]);
     let methods = [Method::ThreePart, Method::JointH2, Method::LqgLtr, Method::HInfinity];
     for method in methods {
         let part = alternative(&plant, &weights, method).unwrap();
@@ -105,7 +105,7 @@ fn every_method_makes_a_stable_loop_and_each_is_best_in_its_own_norm() {
         let worst = poles(&closed).unwrap().iter().map(|pole| pole.re).fold(f64::NEG_INFINITY, f64::max);
         assert!(worst < 0.0, "{method:?}: {worst}");
     }
-    let P = generalised(&plant, &weights).unwrap();
+    let P = generalised_plant(&plant, &weights).unwrap();
     let two = counterpoise_synth::h2syn(&P).unwrap();
     let infinity = counterpoise_synth::hinfsyn(&P, 1e-2).unwrap();
     let [a, b] = [&two.controller, &infinity.controller].map(|K| P.close(K).unwrap());

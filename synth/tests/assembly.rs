@@ -21,7 +21,7 @@ fn designed(plant: &DesignPlant, specification: &Specification) -> Design {
 /// True rate over heave with the joint controller around the design plant, heave known exactly.
 fn rate_over_heave(design: &Design, rate: f64) -> C64 {
     let plant = &design.plant;
-    let seen = response_at(&plant.measured().unwrap(), rate).unwrap();
+    let seen = response_at(&plant.measured_plant().unwrap(), rate).unwrap();
     let K = response_at(&design.joint_controller().unwrap(), rate).unwrap();
     let (control, heave) = (plant.control, plant.heave[0]);
     // u = k_y (G u + G_d d) + k_d d, with G the measured and G' the true rate.
@@ -42,7 +42,7 @@ fn in_grimble_s_assembly_the_feedback_keeps_out_of_what_the_feedforward_leaves()
         let expected = response_at(&grimble.heave.as_ref().unwrap().module, rate).unwrap()[(1, 0)];
         let found = rate_over_heave(&grimble, rate);
         assert!((found - expected).norm() < 1e-8 * expected.norm(), "at {rate}: {found} {expected}");
-        let seen = response_at(&rig().measured().unwrap(), rate).unwrap()[(0, 0)];
+        let seen = response_at(&rig().measured_plant().unwrap(), rate).unwrap()[(0, 0)];
         let K = response_at(&simple.feedback_controller(), rate).unwrap()[(0, 1)];
         let cleaned = expected / (C64::ONE - seen * K);
         let truth = rate_over_heave(&simple, rate);
@@ -68,7 +68,7 @@ fn the_joint_controller_runs_sampled_with_all_three_signals() {
 /// Largest true rate over a demand that saturates the control.
 fn saturated_peak(sampled: &Sampled, demand: f64) -> f64 {
     let undelayed = DesignPlant { pade_order: 0, ..rig() };
-    let seen = undelayed.measured().unwrap().select(&[0, 1], &[0]);
+    let seen = undelayed.measured_plant().unwrap().select(&[0, 1], &[0]);
     let P = c2d(&seen, 1e-3, Discretisation::ZeroOrderHold).unwrap();
     let mut runner = sampled.controller.runner();
     let (mut x, mut peak) = (Mat::zeros(P.order(), 1), 0.0_f64);
@@ -101,7 +101,7 @@ fn the_limiter_does_not_wind_the_integrator_up() {
 /// RMS of hub and tip rate under white torque, which enters as the control does.
 fn motion(design: &Design) -> (f64, f64) {
     let plant = &design.plant;
-    let seen = plant.measured().unwrap();
+    let seen = plant.measured_plant().unwrap();
     let K = design.feedback_controller().select(&[0], &[1]);
     let rms = |output: usize| {
         let P: StateSpace = seen.select(&[1 + output, 0], &[plant.control, plant.control]);

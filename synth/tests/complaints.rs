@@ -33,7 +33,7 @@ fn by_name() -> Generalised {
     ];
     let inputs = Ports { names: &["w", "n", "u"], of_controller: 1 };
     let outputs = Ports { names: &["z1", "z2", "z3", "y"], of_controller: 1 };
-    Generalised::by_name(&blocks, inputs, outputs).unwrap()
+    Generalised::connect_by_name(&blocks, inputs, outputs).unwrap()
 }
 
 /// The same written as other tools stack it: each row with a plant of its own.

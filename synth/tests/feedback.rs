@@ -166,7 +166,7 @@ fn the_weighted_control_is_the_weight_times_the_control_that_the_controller_give
 fn the_cost_is_the_integral_of_the_weighted_spectra() {
     let (plant, weights) = (servo(), weights());
     let part = feedback(&plant, &weights, Reference::Error).unwrap();
-    let seen = plant.measured().unwrap().select(&[0], &[0, 1]);
+    let seen = plant.measured_plant().unwrap().select(&[0], &[0, 1]);
     let K = part.controller.select(&[0], &[1]);
     let spectrum = |rate: f64| {
         let (G, K) = (response_at(&seen, rate).unwrap(), response_at(&K, rate).unwrap()[(0, 0)]);
@@ -193,7 +193,7 @@ fn integral_action_leaves_no_steady_error_even_when_the_plant_is_not_as_modelled
     let (plant, weights) = (servo(), weights());
     for reference in [Reference::Error, Reference::WeightOnly] {
         let part = feedback(&plant, &weights, reference).unwrap();
-        let seen = plant.measured().unwrap().select(&[0], &[0]).scale_io(&[1.2], &[1.0]).unwrap();
+        let seen = plant.measured_plant().unwrap().select(&[0], &[0]).scale_io(&[1.2], &[1.0]).unwrap();
         let K = part.controller.select(&[0], &[0, 1]);
         let (G, K) = (response_at(&seen, 1e-6).unwrap()[(0, 0)], response_at(&K, 1e-6).unwrap());
         let closed = G * K[(0, 0)] / (C64::ONE - G * K[(0, 1)]);

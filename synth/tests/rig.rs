@@ -24,7 +24,7 @@ fn sampled(design: &Design) -> Sampled {
 /// True hub rate after a unit step of the demand, sample by sample.
 fn step(sampled: &Sampled, samples: usize) -> Vec<f64> {
     let undelayed = DesignPlant { pade_order: 0, ..rig() };
-    let seen = undelayed.measured().unwrap().select(&[0, 1], &[0]);
+    let seen = undelayed.measured_plant().unwrap().select(&[0, 1], &[0]);
     let P = c2d(&seen, PERIOD_S, Discretisation::ZeroOrderHold).unwrap();
     let K = sampled.controller.linear(0.0).unwrap().select(&[0], &[0, 1]);
     let (mut x, mut q) = (Mat::zeros(P.order(), 1), Mat::zeros(K.order(), 1));
@@ -56,7 +56,7 @@ fn residual(design: &Design, channel: Channel, rate: f64) -> f64 {
 #[test]
 fn nothing_stands_in_the_way_of_the_default_weights() {
     assert_eq!(preflight(&rig(), &weights()).unwrap(), vec![]);
-    assert_eq!(rig().measured().unwrap().order(), 11);
+    assert_eq!(rig().measured_plant().unwrap().order(), 11);
 }
 
 #[test]

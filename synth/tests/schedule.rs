@@ -19,7 +19,7 @@ fn nominal() -> Configuration {
 fn table() -> Vec<Configuration> {
     let rig = reference::rig();
     let fitted = rig.configurations.iter().map(|configuration| {
-        let parameters = rig.configured(configuration).unwrap();
+        let parameters = rig.with_configuration(configuration).unwrap();
         let out_of_balance_kg_m = parameters.lumped.as_ref().unwrap().out_of_balance_kg_m;
         Configuration { name: configuration.name.clone(), out_of_balance_kg_m, plant: plant(&parameters) }
     });

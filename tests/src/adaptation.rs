@@ -6,7 +6,7 @@ use counterpoise_project::{Attachments, Document, Project, Setting};
 
 use crate::sealed::Dice;
 use crate::workspace::root;
-use crate::{Beside, decided};
+use crate::{Beside, decide_choices};
 
 /// Two runs of the same controller that differ in noise alone differ by less than this share.
 const NOISE: f64 = 0.001;
@@ -40,7 +40,7 @@ impl Case {
     pub fn least_removed(&self) -> Option<f64> {
         let changed =
             |row: &&TrialRow| matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines;
-        self.rows.iter().filter(changed).filter_map(TrialRow::removed).min_by(f64::total_cmp)
+        self.rows.iter().filter(changed).filter_map(TrialRow::removed_share).min_by(f64::total_cmp)
     }
 
     /// Returns whether the adaptation removes enough wherever there is something to remove.
@@ -57,7 +57,7 @@ pub fn trial(seed: u64, noise: u64) -> Option<Case> {
     let (document, drawn) = drawn(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
     let beside = Beside(folder);
     let stated = Project::resolve(&document, &Attachments::none()).ok()?.project;
-    let project = decided(stated, &beside);
+    let project = decide_choices(stated, &beside);
     let modelled = model(&project).ok()?;
     let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
     let mut procedure = project_procedure(&project, &beside).ok()?;
@@ -94,8 +94,8 @@ fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
         dry_nm / values[0].1,
         values[7].1
     ));
-    let has_gravity = dice.below(3) != 0;
-    let observes = dice.below(2) == 0;
+    let has_gravity = dice.draw_below(3) != 0;
+    let observes = dice.draw_below(2) == 0;
     let mut document = document;
     for section in ["synth.adaptation", "synth.schedule", "synth.observer"] {
         document = document.remove(section).unwrap_or(document);

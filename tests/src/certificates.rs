@@ -139,11 +139,11 @@ fn drawn(base: &Project, dice: &mut Dice) -> (Project, String) {
     if let Weight::ZeroPoleGain { gain, .. } = &mut synth.specification.feedback.error {
         *gain *= log_uniform(dice, 0.5, 2.0);
     }
-    if dice.below(2) == 0 {
+    if dice.draw_below(2) == 0 {
         blocks.push("observer");
         synth.options.observer = Some(observer(&project.plant, dice));
     }
-    match dice.below(4) {
+    match dice.draw_below(4) {
         0 => {
             blocks.push("gain schedule");
             synth.options.schedule = Some(schedule(ScheduleLaw::Gain));
@@ -154,9 +154,9 @@ fn drawn(base: &Project, dice: &mut Dice) -> (Project, String) {
         }
         _ => {}
     }
-    if dice.below(3) == 0 {
+    if dice.draw_below(3) == 0 {
         blocks.push("adaptation");
-        synth.options.adaptation = Some(adaptation(dice.below(3)));
+        synth.options.adaptation = Some(adaptation(dice.draw_below(3)));
     }
     (project, blocks.join(", "))
 }
@@ -169,9 +169,9 @@ fn mechanism(plant: &mut Parameters, dice: &mut Dice) {
     let lumped = plant.lumped.as_mut().expect("the base project is lumped");
     lumped.hub_inertia_kg_m2 *= log_uniform(dice, 0.6, 1.6);
     lumped.beam_inertia_kg_m2 *= log_uniform(dice, 0.6, 1.6);
-    lumped.out_of_balance_kg_m *= [0.0, 0.4, 1.0][dice.below(3)];
+    lumped.out_of_balance_kg_m *= [0.0, 0.4, 1.0][dice.draw_below(3)];
     plant.gearbox.stiffness_nm_rad *= log_uniform(dice, 0.5, 2.0);
-    plant.gearbox.backlash_rad *= [0.0, 0.5, 1.0, 2.0][dice.below(4)];
+    plant.gearbox.backlash_rad *= [0.0, 0.5, 1.0, 2.0][dice.draw_below(4)];
     plant.sensors.hub_gyro.noise_rms *= log_uniform(dice, 0.3, 2.0);
     for friction in [&mut plant.motor_friction, &mut plant.pivot_friction] {
         friction.law.scale_coulomb(log_uniform(dice, 0.3, 3.0));
@@ -182,7 +182,7 @@ fn mechanism(plant: &mut Parameters, dice: &mut Dice) {
 
 /// An observer whose parameters were identified more or less well.
 fn observer(plant: &Parameters, dice: &mut Dice) -> ObserverOptions {
-    let wrong = [0.05, 0.2, 0.7][dice.below(3)];
+    let wrong = [0.05, 0.2, 0.7][dice.draw_below(3)];
     let mut identified = |friction: &counterpoise_models::Friction| {
         let mut own = friction.clone();
         own.law.scale_coulomb((wrong * dice.uniform(-1.0, 1.0)).exp());
@@ -191,7 +191,7 @@ fn observer(plant: &Parameters, dice: &mut Dice) -> ObserverOptions {
     };
     let (motor, pivot) = (identified(&plant.motor_friction), identified(&plant.pivot_friction));
     ObserverOptions {
-        drives: if dice.below(5) == 0 { Drives::Demand } else { Drives::MeasuredRate },
+        drives: if dice.draw_below(5) == 0 { Drives::Demand } else { Drives::MeasuredRate },
         share: dice.uniform(0.4, 1.0),
         motor: Some(motor),
         pivot: Some(pivot),

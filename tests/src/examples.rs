@@ -9,7 +9,7 @@ use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 use counterpoise_verify::VerifiedController;
 
 use crate::workspace::root;
-use crate::{Beside, decided};
+use crate::{Beside, decide_choices};
 
 /// Returns every project file below `examples/`, sorted by path.
 pub fn files() -> Vec<PathBuf> {
@@ -43,7 +43,7 @@ pub fn world(path: &Path) -> Beside {
 ///
 /// # Errors
 /// What is wrong with the file for this purpose.
-pub fn resolved(path: &Path, purpose: Purpose) -> Result<Project, Vec<Diagnostic>> {
+pub fn resolve_example(path: &Path, purpose: Purpose) -> Result<Project, Vec<Diagnostic>> {
     let document = Document::from_bytes(&std::fs::read(path).unwrap(), &path.display().to_string())?;
     let attached = attachments(&document, path.parent().unwrap());
     Ok(Project::resolve_for(&document, &attached, purpose)?.project)
@@ -90,30 +90,30 @@ static DESIGNS: Kept<Designed> = Kept::none();
 static VERIFIED: Kept<VerifiedController> = Kept::none();
 
 /// Returns the design of an example whose machine is to be controlled; it is computed once in a program. Returns `None` for an example that asks for no design and tells of recordings or of measured modes instead.
-pub fn designed(path: &Path) -> Option<Arc<Designed>> {
+pub fn design_example(path: &Path) -> Option<Arc<Designed>> {
     DESIGNS.or_compute(path, || compute(path))
 }
 
-/// Returns the verified controller of an example by its own procedure; it is computed once in a program. Returns `None` if [`designed`] does.
+/// Returns the verified controller of an example by its own procedure; it is computed once in a program. Returns `None` if [`design_example`] does.
 ///
 /// # Panics
 /// If the file has no `[verify]`, or if the verification fails.
-pub fn verified(path: &Path) -> Option<Arc<VerifiedController>> {
+pub fn verify_example(path: &Path) -> Option<Arc<VerifiedController>> {
     VERIFIED.or_compute(path, || {
-        let designed = designed(path)?;
+        let designed = design_example(path)?;
         Some(verify(&designed.project, &designed.modelled, &designed.made, &world(path)).unwrap())
     })
 }
 
 fn compute(path: &Path) -> Option<Designed> {
-    let project = resolved(path, Purpose::Model).unwrap();
+    let project = resolve_example(path, Purpose::Model).unwrap();
     let tells_of_data = project.recording_controller.is_some()
         || project.measured.is_some()
         || !project.recording.channels.is_empty();
     if project.synth.is_none() && tells_of_data {
         return None;
     }
-    let project = decided(resolved(path, Purpose::Export).unwrap(), &world(path));
+    let project = decide_choices(resolve_example(path, Purpose::Export).unwrap(), &world(path));
     let modelled = model(&project).unwrap();
     let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
     Some(Designed { project, modelled, made })

@@ -59,7 +59,7 @@ pub fn document(out_of_balance_kg_m: Option<f64>) -> Document {
 }
 
 /// The controller that a project exports.
-pub fn exported(project: &Project) -> Controller {
+pub fn export_controller(project: &Project) -> Controller {
     let modelled = model(project).unwrap();
     synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller
 }
@@ -89,7 +89,7 @@ fn rig(effect: &PracticeEffect) -> (Document, Parameters) {
 }
 
 /// Records the machine with a practice effect, and diagnoses it.
-pub fn diagnosed(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> Diagnosed {
+pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> Diagnosed {
     let (document, nominal) = rig(effect);
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
     let (case, control): (Case, Loop) = match way {
@@ -101,7 +101,7 @@ pub fn diagnosed(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> Diagnose
             (case, Loop::from(&controller()))
         }
         Way::Exported | Way::PlayedBack => {
-            let controller = exported(&project);
+            let controller = export_controller(&project);
             let replayed = from_file(&document, &controller_file(&project, &controller));
             let case = case_under(effect.which, SIZE, &nominal, &controller);
             (case, if way == Way::Exported { Loop::from(replayed) } else { Loop::Open })

@@ -18,7 +18,7 @@ pub mod sealed;
 pub mod workspace;
 
 /// Runs independent jobs on as many threads as the machine has.
-pub fn in_parallel(count: usize, job: &(dyn Fn(usize) + Sync)) {
+pub fn run_in_parallel(count: usize, job: &(dyn Fn(usize) + Sync)) {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let work = || {
@@ -47,6 +47,6 @@ impl World for Beside {
 }
 
 /// Returns the project with everything that its file leaves to the program: weights chosen, blocks tuned.
-pub fn decided(project: Project, world: &dyn World) -> Project {
+pub fn decide_choices(project: Project, world: &dyn World) -> Project {
     counterpoise_pipeline::choose_and_tune(&project, world).unwrap().project
 }

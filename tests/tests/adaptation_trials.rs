@@ -11,7 +11,7 @@ use counterpoise_pipeline::{model, project_procedure, reduce, synthesise, verify
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_tests::adaptation::trial;
 use counterpoise_tests::workspace::root;
-use counterpoise_tests::{Beside, decided};
+use counterpoise_tests::{Beside, decide_choices};
 
 /// The share of the hub rate added by a changed load that an adaptation must remove.
 const REMOVED: f64 = 0.8;
@@ -43,14 +43,14 @@ fn trials(project: &Project) -> (Trials, VerifyResult) {
 
 #[test]
 fn the_default_is_nowhere_worse_than_none_and_removes_what_a_changed_load_adds() {
-    let (tried, result) = trials(&decided(adapting("recursive"), &Beside(folder())));
+    let (tried, result) = trials(&decide_choices(adapting("recursive"), &Beside(folder())));
     assert!(tried.bands.unwrap().is_exported);
     assert_eq!(tried.rows.len(), 12);
     assert!(tried.refused.is_empty() && result.adaptation_trials.is_some());
     for row in &tried.rows {
         assert!(row.with_rad_s <= row.without_rad_s, "{row:?}");
         if matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines {
-            assert!(row.removed().unwrap() >= REMOVED, "{row:?}");
+            assert!(row.removed_share().unwrap() >= REMOVED, "{row:?}");
         }
     }
 }
@@ -99,7 +99,7 @@ fn adapting_by_default((name, observes): (&str, bool)) -> (Project, Beside) {
     }
     let beside = Beside(file.parent().unwrap().to_owned());
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
-    (decided(project, &beside), beside)
+    (decide_choices(project, &beside), beside)
 }
 
 /// Half a minute for each project: `COUNTERPOISE_EVERY_TRIAL=1` asks for it.
@@ -121,7 +121,7 @@ fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there()
         for row in &tried.rows {
             let [without, with, told] =
                 [row.without_rad_s, row.with_rad_s, row.told_rad_s].map(|rate| 1e3 * rate);
-            let removed = row.removed();
+            let removed = row.removed_share();
             let named = format!("{case:?} {:?} {:?}", row.motion, row.load);
             println!("{named}: none {without:.3}, adapted {with:.3}, told {told:.3}, removed {removed:.2?}");
             let changed = matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines;

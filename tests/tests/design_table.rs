@@ -8,36 +8,36 @@ use counterpoise_project::Purpose;
 use counterpoise_tests::examples;
 
 fn motion(row: &DesignRow) -> f64 {
-    row.nonlinear.and_then(|run| run.motion_rad_s).expect("a run on the road")
+    row.nonlinear.and_then(|run| run.motion.value).expect("a run on the road")
 }
 
 #[test]
 fn on_the_rig_tuned_structures_beat_the_h2_feedback_within_its_own_limits_and_none_beats_the_bound() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
-    let project = examples::resolved(&path, Purpose::Compare).unwrap();
+    let project = examples::resolve_example(&path, Purpose::Compare).unwrap();
     let world = examples::world(&path);
     let table = design_table(&project, &ComparisonRequest::default(), &world).unwrap();
     let named = |name: &str| table.rows.iter().find(|row| row.name.contains(name)).expect(name);
     let (own, pi, notches) = (named("own: three-part H2"), named("tuned PI with a lag"), named("2 notches"));
-    let bound = named("best linear feedback").linear.unwrap().residual_rad_s;
+    let bound = named("best linear feedback").linear.unwrap().residual.value;
     let limits = own.linear.unwrap();
     for row in [pi, notches] {
         let found = row.linear.unwrap();
         assert_eq!(row.missed, 0.0, "{row:?}");
         assert!(found.max_sensitivity <= 1.001 * limits.max_sensitivity, "{row:?}");
         assert!(found.noise_gain <= 1.001 * limits.noise_gain, "{row:?}");
-        assert!(found.residual_rad_s < limits.residual_rad_s, "{row:?}");
-        assert!(found.residual_rad_s > 0.995 * bound, "{row:?} against {bound}");
+        assert!(found.residual.value < limits.residual.value, "{row:?}");
+        assert!(found.residual.value > 0.995 * bound, "{row:?} against {bound}");
         assert!(motion(row) < motion(own), "{row:?}");
     }
     // The H2 feedback does not lose to a tuned PI any more once its weights are tuned for the same motion.
     let weights = named("weights tuned");
     assert!(weights.missed == 0.0 && weights.weights.is_some(), "{weights:?}");
-    assert!(weights.linear.unwrap().residual_rad_s < pi.linear.unwrap().residual_rad_s, "{weights:?}");
-    assert!(weights.linear.unwrap().residual_rad_s > 0.995 * bound, "{weights:?} against {bound}");
+    assert!(weights.linear.unwrap().residual.value < pi.linear.unwrap().residual.value, "{weights:?}");
+    assert!(weights.linear.unwrap().residual.value > 0.995 * bound, "{weights:?} against {bound}");
     assert!(motion(weights) < motion(pi), "{weights:?}");
-    assert!(notches.linear.unwrap().residual_rad_s <= 1.001 * pi.linear.unwrap().residual_rad_s);
+    assert!(notches.linear.unwrap().residual.value <= 1.001 * pi.linear.unwrap().residual.value);
     // More blocks are not bought with steps or sines: within 2 % of the PI there.
     let (fewer, more) = (pi.nonlinear.unwrap(), notches.nonlinear.unwrap());
-    assert!(more.step_rad_s < 1.02 * fewer.step_rad_s && more.sines_rad_s < 1.02 * fewer.sines_rad_s);
+    assert!(more.step.value < 1.02 * fewer.step.value && more.sines.value < 1.02 * fewer.sines.value);
 }

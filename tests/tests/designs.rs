@@ -33,7 +33,7 @@ fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
     assert!(matches!(synthesise(&stated, &modelled, &reduced), Err(PipelineError::NotTuned)));
     let tuned = with_tuned_structure(&stated, &world).unwrap().expect("open parameters");
     assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);
-    assert!(tuned.limits.missed(&tuned.tuned.measures[0]) < 1e-3);
+    assert!(tuned.limits.worst_shortfall(&tuned.tuned.measures[0]) < 1e-3);
     let stages = run_stages(&tuned.project, &world).unwrap();
     let failing: Vec<String> = stages
         .verified

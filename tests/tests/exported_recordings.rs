@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::simulator_access::Pool;
-use counterpoise_tests::exported_loop::{Way, diagnosed};
+use counterpoise_tests::exported_loop::{Way, record_and_diagnose};
 use counterpoise_tests::sealed::{PRACTICE, PracticeEffect};
 
 /// As many threads as the machine has.
@@ -11,7 +11,7 @@ struct Threads;
 
 impl Pool for Threads {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::in_parallel(count, job);
+        counterpoise_tests::run_in_parallel(count, job);
     }
 }
 
@@ -20,7 +20,7 @@ fn effect(name: &str) -> &'static PracticeEffect {
 }
 
 fn assert_identified(name: &str, way: Way) {
-    let found = diagnosed(effect(name), way, &Threads);
+    let found = record_and_diagnose(effect(name), way, &Threads);
     let names: Vec<_> = found.answer.findings.iter().map(|finding| finding.name().names()).collect();
     assert!(found.is_right, "{name}, {way:?}: {:?} {names:?}", found.answer.verdict);
 }

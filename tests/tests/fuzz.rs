@@ -154,7 +154,7 @@ const MARKUP_ENDS: [&str; 3] = ["<", ">", "\""];
 #[test]
 fn texts_of_comments() {
     let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
-    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let words: [&[u8]; 14] = [
         b"*/",
         b"/*",

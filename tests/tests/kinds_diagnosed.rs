@@ -314,7 +314,7 @@ impl Machine {
     fn recordings(&self, truth: &Parameters) -> Vec<Recording> {
         let demands = [[(2.0, 0.23), (0.5, 1.3)], [(1.2, 0.71), (0.4, 2.9)]];
         let one = |(k, demand): (usize, [(f64, f64); 2])| {
-            let plant = Plant::lumped(truth).unwrap();
+            let plant = Plant::from_lumped(truth).unwrap();
             let sine = |(amplitude, hz): (f64, f64)| Sine {
                 amplitude: amplitude * self.step,
                 frequency_rad_s: std::f64::consts::TAU * hz,
@@ -326,7 +326,7 @@ impl Machine {
                 imperfections: Imperfections::NoiseAndQuantisation { seed: 11 + k as u64 },
                 initial: Initial::Rest { hub_angle_rad: self.angle_rad },
                 detail: Detail::Recording,
-                ..Scenario::still(8.0)
+                ..Scenario::at_rest(8.0)
             };
             let mut runner = self.controller.runner();
             let history = Simulator::new(&plant).unwrap().run(&mut runner, &scenario).unwrap();
@@ -352,7 +352,7 @@ impl Machine {
 
     /// The diagnosis of recordings that a machine is thought to have made.
     fn diagnosed_as(&self, machine: &Parameters, recordings: &[Recording]) -> Diagnosis {
-        let control = Loop::under(machine, RecordedController::from(self.controller.clone()));
+        let control = Loop::from_controller(machine, RecordedController::from(self.controller.clone()));
         counterpoise_diagnose::diagnose(machine, control, recordings, &Serial).unwrap()
     }
 

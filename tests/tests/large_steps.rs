@@ -106,7 +106,7 @@ fn answer(plant: &Plant, made: &Synthesised, (size, duration_s): (f64, f64), sta
     let scenario = Scenario {
         demand_rad_s: Signal::Sum(vec![Signal::Constant(start), Signal::step(0.05, size)]),
         initial: Initial::Rest { hub_angle_rad: start },
-        ..Scenario::still(duration_s)
+        ..Scenario::at_rest(duration_s)
     };
     let run = Simulator::new(plant).unwrap().run(&mut made.sampled.controller.runner(), &scenario).unwrap();
     let reached = |y: &f64| (y - start) / size - 1.0;
@@ -162,7 +162,7 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
         );
         let (_, plant, made) = designed(&limited);
         assert_eq!(made.demanded_rate.unwrap().rate, 0.2);
-        let scenario = Scenario { demand_rad_s: Signal::step(0.05, 1.0), ..Scenario::still(8.0) };
+        let scenario = Scenario { demand_rad_s: Signal::step(0.05, 1.0), ..Scenario::at_rest(8.0) };
         let run =
             Simulator::new(&plant).unwrap().run(&mut made.sampled.controller.runner(), &scenario).unwrap();
         let fastest = run.truth.hub_rate_rad_s.iter().map(|w| w.abs()).fold(0.0, f64::max);
@@ -175,7 +175,7 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
     let still = Scenario {
         demand_rad_s: Signal::Constant(0.7),
         initial: Initial::Rest { hub_angle_rad: 0.7 },
-        ..Scenario::still(1.0)
+        ..Scenario::at_rest(1.0)
     };
     let run = Simulator::new(&plant).unwrap().run(&mut made.sampled.controller.runner(), &still).unwrap();
     let fastest = run.truth.hub_rate_rad_s.iter().map(|w| w.abs()).fold(0.0, f64::max);

@@ -185,7 +185,7 @@ fn paths(machine: &Machine) -> Vec<String> {
     let sections = machine.project().statements();
     let keys = sections.iter().flat_map(|s| s.values.iter().map(move |v| format!("{}.{}", s.path, v.key)));
     let named = sections.iter().map(|s| s.path.clone()).filter(|path| !path.ends_with(']'));
-    named.chain(keys).filter(|path| machine.document.written(path).is_some()).collect()
+    named.chain(keys).filter(|path| machine.document.source_text_at(path).is_some()).collect()
 }
 
 /// What is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
@@ -323,7 +323,7 @@ fn recorded_plant(project: &Project) -> Plant {
     if sensor.resolution == 0.0 && sensor.noise_rms == 0.0 {
         sensor.noise_rms = 1e-3 * size;
     }
-    Plant::lumped(&parameters).unwrap()
+    Plant::from_lumped(&parameters).unwrap()
 }
 
 /// A recording of a machine under a controller, with noise and quantisation; the demand is a fraction of the verified step.
@@ -335,7 +335,7 @@ fn record(project: &Project, plant: &Plant, controller: &Controller) -> Recordin
         imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
         initial: Initial::Rest { hub_angle_rad: project.model.operating_point.hub_angle_rad },
         detail: Detail::Recording,
-        ..Scenario::still(6.0)
+        ..Scenario::at_rest(6.0)
     };
     let mut runner = controller.runner();
     let history = Simulator::new(plant).unwrap().run(&mut runner, &scenario).unwrap();
@@ -353,7 +353,7 @@ fn every_kind_replays_what_it_recorded_under_its_own_controller() {
         let plant = recorded_plant(&project);
         let controller = made.sampled.controller;
         let recording = record(&project, &plant, &controller);
-        let control = Loop::under(plant.parameters(), RecordedController::from(controller));
+        let control = Loop::from_controller(plant.parameters(), RecordedController::from(controller));
         let replay = Replayer::new(plant.parameters(), &recording).and_then(|r| match &control {
             Loop::Open => r.replay_open(plant.parameters()),
             Loop::Closed(_) => r.replay_plant(&plant, &control),

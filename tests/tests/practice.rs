@@ -20,7 +20,7 @@ struct Threads;
 
 impl Pool for Threads {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::in_parallel(count, job);
+        counterpoise_tests::run_in_parallel(count, job);
     }
 }
 
@@ -184,7 +184,7 @@ fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
                 .and_then(RecordingController::as_proportional_integral)
                 .unwrap(),
         );
-        counterpoise_tests::in_parallel(all.len(), &|k| {
+        counterpoise_tests::run_in_parallel(all.len(), &|k| {
             let replayed = replay(&project.plant, &all[k], &control).unwrap();
             assert_fits(machine, &all[k].name, &replayed);
         });
@@ -195,7 +195,7 @@ fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
 fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
     for machine in ["p02", "p03"] {
         let Some((project, all)) = known(machine) else { return };
-        counterpoise_tests::in_parallel(all.len(), &|k| {
+        counterpoise_tests::run_in_parallel(all.len(), &|k| {
             let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
             assert_fits(machine, &all[k].name, &replayer.replay_windowed(&project.plant, 0.5).unwrap());
         });
@@ -221,7 +221,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
     assert_eq!(finding.name().names(), ("amplifier", "gain_curve"));
     assert!(finding.parameters.len() <= 20, "{}", finding.parameters.len());
     let unseen = recordings(&project, &folder.join("unseen"));
-    counterpoise_tests::in_parallel(unseen.len(), &|k| {
+    counterpoise_tests::run_in_parallel(unseen.len(), &|k| {
         let replayer = Replayer::new(&found.improved, &unseen[k]).unwrap();
         let followed = replayer.replay_free_or_windowed(&found.improved, &Loop::from(&controller)).unwrap();
         assert_fits("p03", &unseen[k].name, &followed.replay);
@@ -232,7 +232,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
 #[test]
 fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
     let Some((project, all)) = known("p05") else { return };
-    counterpoise_tests::in_parallel(all.len(), &|k| {
+    counterpoise_tests::run_in_parallel(all.len(), &|k| {
         let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
         assert_fits("p05", &all[k].name, &replayer.replay_open(&project.plant).unwrap());
     });
@@ -251,13 +251,13 @@ fn a_machine_that_hunts_does_not_repeat_itself() {
         .unwrap()
         .clone();
     controller.integral_v = 0.0;
-    let plant = Plant::lumped(&project.plant).unwrap();
+    let plant = Plant::from_lumped(&project.plant).unwrap();
     let run = |seed: u64| {
         let values = steps.samples(Channel::Demand).unwrap().to_vec();
         let scenario = Scenario {
             demand_rad_s: Signal::Held { period_s: steps.sample_period_s, values },
             imperfections: Imperfections::NoiseAndQuantisation { seed },
-            ..Scenario::still(steps.sample_period_s * steps.len() as f64)
+            ..Scenario::at_rest(steps.sample_period_s * steps.len() as f64)
         };
         run(&plant, &mut controller.clone(), &scenario).unwrap().truth.hub_rate_rad_s
     };

@@ -198,7 +198,7 @@ fn a_first_design_holds_machines_of_every_kind_in_the_nonlinear_simulator() {
     let count = std::env::var("COUNTERPOISE_MACHINES").ok().and_then(|text| text.parse().ok());
     let all = count.unwrap_or(MACHINES);
     let outcomes = Mutex::new(BTreeMap::new());
-    counterpoise_tests::in_parallel(all, &|k| {
+    counterpoise_tests::run_in_parallel(all, &|k| {
         let outcome = tried(k as u64);
         outcomes.lock().unwrap().insert(k, outcome);
     });

@@ -113,15 +113,15 @@ fn recordings_of_other_machines_are_mapped() {
     let position = ChannelSource {
         scale: TAU / 8192.0,
         unit: Some("rad".to_owned()),
-        ..ChannelSource::named("position")
+        ..ChannelSource::from_column("position")
     };
-    let current = ChannelSource::named("current");
+    let current = ChannelSource::from_column("current");
     let channels = vec![(Channel::MotorPosition, position), (Channel::MotorCurrent, current)];
     let uneven = Mapping { channels, ..Mapping::default() }.apply(&table).unwrap();
     assert!(uneven.remarks.iter().any(|r| matches!(r, Remark::Uneven { .. })), "{:?}", uneven.remarks);
     assert!((1.0 / uneven.sample_period_s - 430.0).abs() < 30.0, "{} Hz", 1.0 / uneven.sample_period_s);
     let Some(table) = recording("flexible-link/lqr.parquet") else { return };
-    let channels = vec![(Channel::HubPosition, ChannelSource::named("th1"))];
+    let channels = vec![(Channel::HubPosition, ChannelSource::from_column("th1"))];
     let even = Mapping { channels, ..Mapping::default() }.apply(&table).unwrap();
     let radians = even.samples(Channel::HubPosition).unwrap()[100];
     let degrees = table.column("th1").unwrap().values[100];

@@ -5,7 +5,7 @@
 use std::process::Command;
 
 use counterpoise_controller::sensitivity::Form;
-use counterpoise_export::forms::{PathForm, in_form};
+use counterpoise_export::forms::{PathForm, convert_to_form};
 use counterpoise_export::{Options, Ranges, Source, c99, single_precision};
 use counterpoise_pipeline::export::path_forms;
 use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
@@ -114,7 +114,7 @@ fn the_c_tells_the_forms_apart() {
     let controller = verified.controller();
     let mut off = Vec::new();
     for form in PathForm::ALL {
-        let other = in_form(controller, form).unwrap();
+        let other = convert_to_form(controller, form).unwrap();
         let (mut reference, mut double) = (controller.runner(), other.runner());
         let (mut single, mut worst) = (other.runner_in::<f32>(), [0.0_f64; 2]);
         for (readings, answer) in readings().iter().zip(answers(Source::Unverified(&other), form.name())) {

@@ -52,7 +52,7 @@ fn exported(project: &Project) -> (Plant, Controller) {
     let modelled = model(project).unwrap();
     let controller =
         synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller;
-    (Plant::lumped(&modelled.parameters).unwrap(), controller)
+    (Plant::from_lumped(&modelled.parameters).unwrap(), controller)
 }
 
 /// Sines of whole and odd frequencies: (amplitude, frequency in Hz, phase).

@@ -223,7 +223,7 @@ fn sealed_machines_have_no_fault_of_the_recorder() {
     let control = Loop::from(&sealed::controller());
     let seeds = SEEDS;
     let wrong = std::sync::Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(seeds.len(), &|k| {
+    counterpoise_tests::run_in_parallel(seeds.len(), &|k| {
         let case = sealed::case(seeds[k], &nominal);
         let examined = find_instrument_faults(&nominal, &control, &sealed::row::recordings(&case));
         if !examined.faults.is_empty() {

@@ -41,12 +41,12 @@ fn project() -> (Document, Project) {
 /// Triangle waves of two periods, and a slower one of another size, from rest.
 fn recordings(machine: &Parameters) -> Vec<Recording> {
     let one = |(k, (amplitude, period_s)): (usize, (f64, f64))| {
-        let mut simulator = Simulator::new(&Plant::lumped(machine).unwrap()).unwrap();
+        let mut simulator = Simulator::new(&Plant::from_lumped(machine).unwrap()).unwrap();
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude, period_s },
             imperfections: Imperfections::NoiseAndQuantisation { seed: 21 + k as u64 },
             detail: Detail::Recording,
-            ..Scenario::still(4.0)
+            ..Scenario::at_rest(4.0)
         };
         let history = simulator.run(&mut controller(), &scenario).unwrap();
         history.readings.recording(&format!("triangle {k}"), 1e-3)

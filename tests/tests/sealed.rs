@@ -15,7 +15,7 @@ struct Threads;
 
 impl Pool for Threads {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::in_parallel(count, job);
+        counterpoise_tests::run_in_parallel(count, job);
     }
 }
 

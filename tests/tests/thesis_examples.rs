@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_claims::identified::AMPLIFIER;
-use counterpoise_diagnose::identification::{Amplifier, identify, improved};
+use counterpoise_diagnose::identification::{Amplifier, apply_identified, identify};
 use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, diagnose_structure};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
@@ -83,7 +83,7 @@ fn the_amplifiers_curve_is_recovered_in_one_iteration_and_the_second_changes_not
     assert!(worst.1.abs() < 0.04, "{worst:?}");
     let moments: Vec<f64> = found.balances.iter().map(|b| b.out_of_balance_kg_m.value).collect();
     assert!((moments[0] - 10.617).abs() < 0.05 && (moments[1] - 75.835).abs() < 0.05, "{moments:?}");
-    let better = improved(&project.plant, &found);
+    let better = apply_identified(&project.plant, &found);
     let again = identify(&better, &states).unwrap();
     assert!(matches!(again.amplifier, Amplifier::AsInProject { .. }));
     // as figure 7-12: the balanced run, simulated with the linear and with the recovered amplifier

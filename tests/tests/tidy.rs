@@ -1,4 +1,4 @@
-//! The code stays tidy: short functions, `lib.rs` pages that list their modules, no dependency that is not used.
+//! The code stays tidy: short functions, names of functions that say what is done, `lib.rs` pages that list their modules, no dependency that is not used.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
@@ -306,6 +306,104 @@ fn tuples_are_told_from_bounds() {
         "(A)",
     ];
     assert!(!others.iter().any(|kind| holds_tuple(kind)));
+}
+
+/// Words that are no names of functions: where or when something is, not what is done or returned.
+const PREPOSITIONS_AND_ADVERBS: [&str; 46] = [
+    "about", "above", "across", "after", "against", "ahead", "along", "among", "apart", "around", "away",
+    "back", "before", "behind", "below", "beneath", "beside", "between", "beyond", "by", "down", "during",
+    "for", "here", "in", "inside", "near", "on", "onto", "out", "outside", "over", "past", "per", "since",
+    "still", "than", "there", "through", "toward", "towards", "under", "until", "up", "upon", "within",
+];
+
+/// Participles that do not end in `ed`. Those that are spelt as their verb are not here: `cut`, `put`, `read`, `run`, `set`, `split`.
+const IRREGULAR_PARTICIPLES: [&str; 43] = [
+    "begun", "bent", "broken", "brought", "built", "chosen", "done", "drawn", "driven", "fallen", "felt",
+    "found", "given", "gone", "grown", "heard", "held", "hidden", "kept", "known", "laid", "left", "lost",
+    "made", "meant", "met", "said", "seen", "sent", "shown", "sought", "spent", "stuck", "swept", "taken",
+    "taught", "thought", "thrown", "told", "undone", "won", "worn", "written",
+];
+
+/// Verbs and nouns in `ed`.
+const NO_PARTICIPLES: [&str; 7] = ["bed", "embed", "exceed", "feed", "need", "seed", "speed"];
+
+/// Returns whether a word is a participle.
+fn is_participle(word: &str) -> bool {
+    (word.ends_with("ed") && !NO_PARTICIPLES.contains(&word)) || IRREGULAR_PARTICIPLES.contains(&word)
+}
+
+/// A name that the law on names does not let pass and that may stay.
+struct AllowedName {
+    name: &'static str,
+    why: NameReason,
+}
+
+/// Why a function may be called so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum NameReason {
+    /// Toolboxes for control have a function of this name.
+    Toolbox,
+}
+
+/// Every public function whose name looks like a participle or a preposition and may, with the reason.
+const ALLOWED_NAMES: [AllowedName; 1] = [AllowedName { name: "balred", why: NameReason::Toolbox }];
+
+/// Returns what is wrong with the name of a public function: a participle says neither what is done nor what is returned, and a preposition less.
+/// `at`, `from`, `into`, `of`, `to`, `with` and `without` are idioms of Rust, alone and as first words.
+fn wrong_name(name: &str) -> Option<&'static str> {
+    let first = name.split('_').next().unwrap_or(name);
+    if first == name && is_participle(name) {
+        return Some("a bare participle");
+    }
+    PREPOSITIONS_AND_ADVERBS.contains(&first).then_some("a preposition or an adverb, or begins with one")
+}
+
+/// Returns the names of the public functions of a source, and of the functions of its traits, with their lines.
+fn public_functions(code: &str) -> Vec<Declared<'_>> {
+    let mut is_in_trait = false;
+    let is_public: Vec<bool> = code
+        .lines()
+        .map(|line| {
+            let words = ["pub trait ", "pub(crate) trait ", "pub(super) trait "];
+            is_in_trait = (is_in_trait && line != "}") || words.iter().any(|start| line.starts_with(start));
+            is_in_trait || line.trim_start().starts_with("pub")
+        })
+        .collect();
+    declared(code).into_iter().filter(|found| is_public[found.line - 1]).collect()
+}
+
+#[test]
+fn functions_are_not_named_by_participles_or_prepositions() {
+    let (mut wrong, mut needed) = (Vec::new(), Vec::new());
+    for folder in members() {
+        for (file, code) in sources(&folder) {
+            for found in public_functions(&code) {
+                let Some(what) = wrong_name(found.name) else { continue };
+                match ALLOWED_NAMES.iter().position(|allowed| allowed.name == found.name) {
+                    Some(at) => needed.push(at),
+                    None => {
+                        wrong.push(format!("{}:{}: {} is {what}", file.display(), found.line, found.name));
+                    }
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "name what is done (a verb) or returned (a noun):\n{}", wrong.join("\n"));
+    for (at, AllowedName { name, why }) in ALLOWED_NAMES.iter().enumerate() {
+        assert!(needed.contains(&at), "no function is called {name} ({why:?}): leave it out of the list");
+    }
+}
+
+#[test]
+fn participles_and_prepositions_are_told_from_verbs_and_nouns() {
+    let wrong = ["held", "measured", "over", "by_name", "in_si", "still"];
+    assert!(wrong.iter().all(|name| wrong_name(name).is_some()));
+    let right = ["hold", "read", "at_rest", "of", "with_range", "measured_plant", "speed", "is_cancelled"];
+    assert!(right.iter().all(|name| wrong_name(name).is_none()));
+    let code =
+        "pub trait A {\n    fn one(&self);\n}\nimpl B {\n    fn two() {\n    }\n    pub fn three() {}\n}\n";
+    let names: Vec<&str> = public_functions(code).iter().map(|found| found.name).collect();
+    assert_eq!(names, ["one", "three"]);
 }
 
 #[test]

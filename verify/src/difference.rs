@@ -39,7 +39,7 @@ impl Change {
     }
 
     /// Whether a requirement is met that was not, or the other way.
-    pub fn turned(&self) -> bool {
+    pub fn has_changed_verdict(&self) -> bool {
         matches!((self.held, self.holds), (Some(a), Some(b)) if a != b)
     }
 }
@@ -51,7 +51,7 @@ pub fn changes(before: &Verification, after: &Verification) -> Vec<Change> {
     figures.extend(gone.filter(|figure| after.figures.iter().all(|m| m.figure != *figure)));
     let change = |figure: Figure| Change {
         figure,
-        controlled: after.controlled(),
+        controlled: after.controlled_quantity(),
         before: before.value(figure),
         after: after.value(figure),
         held: held(before, figure),

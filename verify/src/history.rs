@@ -84,7 +84,7 @@ impl History {
 }
 
 /// The integral of a rate by the trapezoidal rule, from 0.
-pub(crate) fn integrated(rates: impl Iterator<Item = f64>, period_s: f64) -> Vec<f64> {
+pub(crate) fn integrate(rates: impl Iterator<Item = f64>, period_s: f64) -> Vec<f64> {
     let (mut sum, mut before) = (0.0, None);
     let mut next = |rate: f64| {
         sum += before.map_or(0.0, |last: f64| 0.5 * period_s * (last + rate));

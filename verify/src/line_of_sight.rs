@@ -7,10 +7,10 @@
 use counterpoise_models::{Plant, QuantityKind};
 
 use crate::coincidence::shots;
-use crate::history::{Experiment, History, integrated};
+use crate::history::{Experiment, History, integrate};
 use crate::measure::{Measured, Value};
 use crate::signals::rms;
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source, Unmeasured};
 
 impl Procedure {
@@ -70,14 +70,14 @@ impl SightAngles {
         let of = |rates: &[f64]| {
             let errors =
                 rates.iter().zip(&history.demand_rad_s).skip(first).map(|(rate, demand)| rate - demand);
-            centred(&integrated(errors, period_s))
+            subtract_mean(&integrate(errors, period_s))
         };
         Some(Self { period_s, hub_rad: of(&history.hub_rate_rad_s), tip_rad: of(&history.tip_rate_rad_s) })
     }
 
     /// Returns the first samples, about their mean.
     pub fn first(&self, samples: usize) -> Self {
-        let of = |angles: &[f64]| centred(&angles[..samples.min(angles.len())]);
+        let of = |angles: &[f64]| subtract_mean(&angles[..samples.min(angles.len())]);
         Self { period_s: self.period_s, hub_rad: of(&self.hub_rad), tip_rad: of(&self.tip_rad) }
     }
 
@@ -92,7 +92,7 @@ impl SightAngles {
     pub fn error(&self, exposure_s: f64) -> SightError {
         let window = self.samples_in(exposure_s);
         let jitter = |angle: &[f64]| {
-            let windows: Vec<f64> = angle.chunks_exact(window).flat_map(centred).collect();
+            let windows: Vec<f64> = angle.chunks_exact(window).flat_map(subtract_mean).collect();
             rms(&windows)
         };
         let bending: Vec<f64> = self.tip_rad.iter().zip(&self.hub_rad).map(|(tip, hub)| tip - hub).collect();
@@ -191,7 +191,7 @@ impl From<&Plant> for LoopHolds {
 }
 
 /// Returns the figures of a run that diverges: the error is infinite, nothing is within the window, and no image is left.
-pub(crate) fn diverged(procedure: &Procedure, ran: Experiment) -> Vec<Measured> {
+pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<Measured> {
     let Some(sight) = procedure.line_of_sight.filter(|_| ran == experiment(procedure)) else {
         return Vec::new();
     };

@@ -3,7 +3,7 @@
 use counterpoise_lti::{GainChange, Margins};
 
 use crate::history::{Experiment, History};
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
 use crate::{
     Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure, Unmeasured,
@@ -76,7 +76,7 @@ pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
 }
 
 /// The same figures of a history that does not exist because the loop diverges: all infinite.
-pub fn diverged(model: Model, experiment: Experiment) -> Vec<Measured> {
+pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<Measured> {
     let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
         (Figure::Step(m, _), Experiment::Step) | (Figure::Triangle(m, _), Experiment::Triangle) => {
             *m == model
@@ -132,7 +132,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
         (Quantity::HubPeak, of(&history.hub_rate_rad_s, peak)),
         (Quantity::TipRms, of(&history.tip_rate_rad_s, rms)),
         (Quantity::TipPeak, of(&history.tip_rate_rad_s, peak)),
-        (Quantity::ControlRms, of(&history.control_v, |part| rms(&centred(part)))),
+        (Quantity::ControlRms, of(&history.control_v, |part| rms(&subtract_mean(part)))),
         (Quantity::ControlPeak, of(&history.control_v, peak)),
         (Quantity::CurrentPeak, of(&history.current_a, peak)),
         (Quantity::TravelPeak, of(&history.travel_rad, peak)),

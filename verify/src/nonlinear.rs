@@ -8,8 +8,8 @@ use counterpoise_simulate::{
     TimeHistory, state_at_rest,
 };
 
-use crate::history::{Experiment, History, integrated};
-use crate::linear::arranged;
+use crate::history::{Experiment, History, integrate};
+use crate::linear::arrange;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// What acts on the mechanism: the controller, or the voltage that holds it.
@@ -72,7 +72,7 @@ pub fn run(
         Experiment::Disturbance(_, arrangement) => arrangement,
         Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
     };
-    let mut acting = match arranged(controller, arrangement)? {
+    let mut acting = match arrange(controller, arrangement)? {
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
@@ -130,7 +130,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
         initial: Initial::Rest { hub_angle_rad: procedure.operating_point.hub_angle_rad },
         detail: Detail::Everything,
         firing: firing(procedure, experiment),
-        ..Scenario::still(procedure.duration_s)
+        ..Scenario::at_rest(procedure.duration_s)
     };
     let angle = procedure.operating_point.platform_angle_rad;
     let platform = PlatformMotion { initial_angle_rad: angle, ..PlatformMotion::STILL };
@@ -232,7 +232,7 @@ fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
     }
     if from.measured.is_position() {
         let beyond = tip.iter().zip(&hub).map(|(tip, hub)| tip - hub);
-        let bent = integrated(beyond, period_s);
+        let bent = integrate(beyond, period_s);
         tip = travel_rad.iter().zip(bent).map(|(hub, bent)| hub + bent).collect();
         hub.clone_from(&travel_rad);
     }

@@ -147,7 +147,7 @@ impl Road {
     }
 
     /// The value of a column of the road at a time; 0 outside the record.
-    pub(crate) fn interpolated(&self, column: &[f64], time_s: f64) -> f64 {
+    pub(crate) fn interpolate(&self, column: &[f64], time_s: f64) -> f64 {
         between(column, time_s / self.sample_period_s)
     }
 

@@ -9,7 +9,7 @@ use realfft::RealFftPlanner;
 
 use crate::line_of_sight::SightAngles;
 use crate::signals::rms;
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 use crate::tolerance::{SIGHT_BANDS_A_DECADE, SIGHT_TAPERS};
 
 /// Bands of frequency that cover a record: each holds a whole number of the frequencies of its Fourier transform.
@@ -82,7 +82,7 @@ impl Bands {
 
     /// Returns the mean square of a record about its mean, in each band.
     fn mean_squares(&self, record: &[f64]) -> Vec<f64> {
-        let record = centred(record);
+        let record = subtract_mean(record);
         let total = rms(&record).powi(2);
         let mut sums = vec![0.0; self.len()];
         let plan = RealFftPlanner::<f64>::new().plan_fft_forward(record.len().max(1));
@@ -114,7 +114,7 @@ impl Bands {
 
 impl SightSpectrum {
     /// Returns a spectrum of a number of bands in which nothing moves.
-    pub fn still(bands: usize) -> Self {
+    pub fn at_rest(bands: usize) -> Self {
         Self { hub_rad2: vec![0.0; bands], tip_rad2: vec![0.0; bands], bending_rad2: vec![0.0; bands] }
     }
 
@@ -158,7 +158,7 @@ mod tests {
             let of = |t: f64| (TAU * 3.0 * t).sin() + 0.2 * (TAU * 71.0 * t).cos() + 4.0 * t;
             let angles = angles(of, samples);
             let found = Bands::of(samples, 1e-3).spectrum(&angles);
-            let expected = rms(&centred(&angles.hub_rad)).powi(2);
+            let expected = rms(&subtract_mean(&angles.hub_rad)).powi(2);
             for (bands, factor) in
                 [(&found.hub_rad2, 1.0), (&found.tip_rad2, 9.0), (&found.bending_rad2, 4.0)]
             {

@@ -17,9 +17,9 @@ use counterpoise_simulate::{
     PlatformMotion, Scenario, Signal, Simulator, TwoAxisHistory, TwoAxisScenario, TwoAxisSimulator,
 };
 
-use crate::history::integrated;
+use crate::history::integrate;
 use crate::signals::rms;
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 use crate::{Error, Limit, Step, Verdict};
 
 /// What is done to both axes.
@@ -345,7 +345,7 @@ impl Run<'_> {
         };
         let scenario = TwoAxisScenario {
             duration_s: self.duration_s(),
-            base: if self.moves() { self.base() } else { BaseMotion::still(self.gravity_m_s2()) },
+            base: if self.moves() { self.base() } else { BaseMotion::at_rest(self.gravity_m_s2()) },
             elevation: axis(demands.elevation, start.elevation, seeds.elevation),
             traverse: axis(demands.traverse, start.traverse, seeds.traverse),
             detail: Detail::Everything,
@@ -383,7 +383,7 @@ impl Run<'_> {
             platform: felt.map_or(PlatformMotion::STILL, |felt| platform(&felt, period_s)),
             imperfections: Imperfections::NoiseAndQuantisation { seed },
             initial: Initial::Rest { hub_angle_rad },
-            ..Scenario::still(self.duration_s())
+            ..Scenario::at_rest(self.duration_s())
         };
         let elevation = simulators.elevation.run(
             &mut self.machine.controllers.elevation.runner(),
@@ -427,7 +427,7 @@ impl Run<'_> {
         let period_s = self.machine.plants.elevation.parameters().interface.sample_period_s;
         let first = (self.procedure.settle_s / period_s).round() as usize;
         let settled = |rates: &[f64]| rates[first.min(rates.len())..].to_vec();
-        let angle = |rates: &[f64]| rms(&centred(&integrated(settled(rates).into_iter(), period_s)));
+        let angle = |rates: &[f64]| rms(&subtract_mean(&integrate(settled(rates).into_iter(), period_s)));
         Errors {
             elevation_rate: rms(&settled(elevation)),
             traverse_rate: rms(&settled(traverse)),

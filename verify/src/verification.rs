@@ -12,8 +12,8 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed::is_feedforward;
 use crate::linear::frequency::rejections;
-use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arranged};
-use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
+use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
+use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
 use crate::{
     ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
     Unmeasured, Verdict, nonlinear,
@@ -82,7 +82,7 @@ impl VerifiedController {
 
 impl Verification {
     /// What the loop controls.
-    pub fn controlled(&self) -> ControlledQuantity {
+    pub fn controlled_quantity(&self) -> ControlledQuantity {
         self.evidence.controlled
     }
 
@@ -233,8 +233,8 @@ fn nonlinear_part(
                 found.evidence.histories.push(history);
             }
             Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => {
-                found.figures.extend(diverged(Model::Nonlinear, experiment));
-                found.figures.extend(line_of_sight::diverged(procedure, experiment));
+                found.figures.extend(infinite_figures(Model::Nonlinear, experiment));
+                found.figures.extend(line_of_sight::infinite_figures(procedure, experiment));
             }
             Err(error) => return Err(error),
         }
@@ -343,7 +343,7 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        let closed = Closed::new(&sampled, arranged(controller, arrangement)?.as_ref(), moment)?;
+        let closed = Closed::new(&sampled, arrange(controller, arrangement)?.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     let whole = &loops[loops.len() - 1].closed;
@@ -424,7 +424,7 @@ fn linear_histories(
     for ArrangedLoop { arrangement, closed } in loops {
         for experiment in experiments(procedure, *arrangement) {
             match linear_history(sampled, closed, procedure, experiment)? {
-                None => figures.extend(diverged(Model::Linear, experiment)),
+                None => figures.extend(infinite_figures(Model::Linear, experiment)),
                 Some(mut history) => {
                     linear::surge::add(&mut history, sampled, loops, procedure)?;
                     figures.extend(history_figures(&history, procedure.settle_s));

@@ -64,7 +64,7 @@ fn fitting(axis: AccelerometerAxis) -> Controller {
 }
 
 fn hub_rms(axis: AccelerometerAxis, model: Model, road: Road) -> f64 {
-    let plant = Plant::lumped(&smooth(axis)).unwrap();
+    let plant = Plant::from_lumped(&smooth(axis)).unwrap();
     let found = verify(&plant, &fitting(axis), &procedure(road), &[]).unwrap();
     let figure = Figure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
     found.verification().value(figure).unwrap()
@@ -103,7 +103,7 @@ fn projected(model: Model, elevation_rad: f64, road: Road) -> f64 {
     let acting = controller().with(|parts| parts.projection = Some(projection)).unwrap();
     let operating_point = OperatingPoint { hub_angle_rad: elevation_rad, platform_angle_rad: 0.0 };
     let asked = Procedure { operating_point, ..procedure(road) };
-    let found = verify(&Plant::lumped(&p).unwrap(), &acting, &asked, &[]).unwrap();
+    let found = verify(&Plant::from_lumped(&p).unwrap(), &acting, &asked, &[]).unwrap();
     let figure = Figure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
     found.verification().value(figure).unwrap()
 }
@@ -123,7 +123,7 @@ fn two_accelerometers_projected_by_the_hubs_angle_take_surge_out_at_every_elevat
 #[test]
 fn a_sweep_has_surge_in_its_linear_figures() {
     for axis in [AccelerometerAxis::Vertical, AccelerometerAxis::Elevated] {
-        let plant = Plant::lumped(&smooth(axis)).unwrap();
+        let plant = Plant::from_lumped(&smooth(axis)).unwrap();
         for arrangement in [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated] {
             let figure = Figure::Disturbance(Model::Linear, Source::Road, arrangement, Quantity::HubRms);
             let found = figures_of(&plant, &fitting(axis), &procedure(road()), &[figure]).unwrap();
@@ -136,7 +136,7 @@ fn a_sweep_has_surge_in_its_linear_figures() {
 
 #[test]
 fn the_error_budget_adds_up_to_the_simulated_error() {
-    let plant = Plant::lumped(&rig()).unwrap();
+    let plant = Plant::from_lumped(&rig()).unwrap();
     let asked = Procedure { line_of_sight: Some(LineOfSight::default()), ..procedure(road()) };
     let figure = Figure::Sight(SightFigure::Hub);
     let limit = [Requirement::new(figure, Limit::AtMost(1.0)).unwrap()];
@@ -158,7 +158,7 @@ fn the_error_budget_adds_up_to_the_simulated_error() {
 /// Coincidence, hits and blur are measured where their sections are, and a requirement that asks for one without its section says so.
 #[test]
 fn gunner_and_observer_get_their_figures() {
-    let plant = Plant::lumped(&rig()).unwrap();
+    let plant = Plant::from_lumped(&rig()).unwrap();
     let coincidence =
         Coincidence { window_rad: 1e-3, delay_s: 0.01, target_rad: 1.5e-3, dispersion_rad: 2e-4 };
     let sight = LineOfSight {
@@ -209,7 +209,7 @@ fn a_shot_that_leaves_after_the_end_is_refused() {
 /// Without anything that is nonlinear, sources that do not move together superpose.
 #[test]
 fn in_a_linear_loop_the_sources_superpose() {
-    let plant = Plant::lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
+    let plant = Plant::from_lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
     let asked = Procedure { line_of_sight: Some(LineOfSight::default()), ..procedure(road()) };
     let verified = verify(&plant, &fitting(AccelerometerAxis::Vertical), &asked, &[]).unwrap();
     let budget = verified.verification().error_budget.as_ref().unwrap();
@@ -219,7 +219,7 @@ fn in_a_linear_loop_the_sources_superpose() {
 
 #[test]
 fn nobody_pays_for_a_budget_that_nobody_asks_for() {
-    let plant = Plant::lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
+    let plant = Plant::from_lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
     let limit = [Requirement::new(Figure::Sight(SightFigure::Hub), Limit::AtMost(1.0)).unwrap()];
     let verified = verify(&plant, &controller(), &procedure(road()), &limit).unwrap();
     let found = verified.verification();

@@ -26,7 +26,7 @@ fn transfer(numerator: &[f64], denominator: &[f64]) -> StateSpace {
 
 /// G + 1 / k: a nonlinearity of slopes from 0 to k round G is one of slopes from 0 to infinity round this.
 fn shifted(system: &Evaluated, k: f64, over: Interval) -> Option<Vec<Vec<Taylor>>> {
-    let G = system.over(over)?[0][0];
+    let G = system.evaluate_over(over)?[0][0];
     Some(vec![vec![G + Taylor::constant(C64::new(1.0 / k, 0.0), over)]])
 }
 

@@ -75,7 +75,7 @@ fn quiet() -> Parameters {
 }
 
 fn budget(p: &Parameters, asked: &Procedure) -> ErrorBudget {
-    error_budget(&Plant::lumped(p).unwrap(), &controller(), asked).unwrap().unwrap()
+    error_budget(&Plant::from_lumped(p).unwrap(), &controller(), asked).unwrap().unwrap()
 }
 
 fn of(budget: &ErrorBudget, source: ErrorSource) -> &Contribution {
@@ -156,7 +156,7 @@ fn noise_alone_has_the_mean_square_of_its_density() {
     for (k, (source, change)) in cases.iter().enumerate() {
         let mut p = quiet();
         change(&mut p);
-        let (plant, acting) = (Plant::lumped(&p).unwrap(), controller());
+        let (plant, acting) = (Plant::from_lumped(&p).unwrap(), controller());
         let mut simulator = Simulator::new(&plant).unwrap();
         let mut linear = None;
         let (mut squares, seeds) = ([0.0; 5], 150);
@@ -217,7 +217,7 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
         }),
         ..procedure()
     };
-    let plant = Plant::lumped(&p).unwrap();
+    let plant = Plant::from_lumped(&p).unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
     let acting = controller();
     let run = nonlinear::run(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
@@ -244,7 +244,7 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
 fn steps_of_converters_are_noise_where_they_are_dithered() {
     let asked = procedure();
     let angles = |p: &Parameters| {
-        let mut simulator = Simulator::new(&Plant::lumped(p).unwrap()).unwrap();
+        let mut simulator = Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap();
         let history = nonlinear::history(&mut simulator, &controller(), &asked, experiment(&asked)).unwrap();
         SightAngles::of(&history, asked.settle_s).unwrap()
     };
@@ -266,7 +266,7 @@ fn steps_of_converters_are_noise_where_they_are_dithered() {
         tip_rad: less(&stepped.tip_rad, &smooth.tip_rad),
     };
     let simulated = difference.error(0.02).values()[1];
-    let plant = Plant::lumped(&coarse).unwrap();
+    let plant = Plant::from_lumped(&coarse).unwrap();
     let acting = controller();
     let bands = Bands::of(smooth.hub_rad.len(), 1e-3);
     let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();

@@ -149,7 +149,7 @@ fn linear_rig() -> counterpoise_models::plant::Plant {
     {
         sensor.noise_rms = 0.0;
     }
-    counterpoise_models::plant::Plant::lumped(&rig).unwrap()
+    counterpoise_models::plant::Plant::from_lumped(&rig).unwrap()
 }
 
 #[test]

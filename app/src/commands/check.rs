@@ -68,7 +68,7 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
         say!("{} is of format {FORMAT} already", document.name());
         return Ok(Exit::SUCCESS);
     }
-    let migrated = document.migrated().context("the file cannot be migrated")?;
+    let migrated = document.migrate().context("the file cannot be migrated")?;
     let (before, after) = (Project::resolve(document, attachments), Project::resolve(&migrated, attachments));
     let same = before.ok().map(|parsed| parsed.project) == after.ok().map(|parsed| parsed.project);
     if !same {

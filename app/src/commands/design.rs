@@ -176,8 +176,8 @@ fn print(options: &DesignOptions, made: &Stages) {
 /// The verdicts, one a line, and their sum.
 pub fn print_verdicts(found: &Verification) {
     for (requirement, verdict) in &found.verdicts {
-        let name = requirement.figure.name(found.controlled());
-        let unit = requirement.figure.unit(found.controlled());
+        let name = requirement.figure.name(found.controlled_quantity());
+        let unit = requirement.figure.unit(found.controlled_quantity());
         let basis = found.acceptance(&requirement.figure).basis;
         match verdict {
             Verdict::Holds { value, limit, .. } => {

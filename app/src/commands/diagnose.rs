@@ -4,7 +4,7 @@ use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{FitTable, Hypothesis, Verdict};
 use counterpoise_diagnose::findings::channel_fits::Channels;
-use counterpoise_pipeline::configuration::in_configuration;
+use counterpoise_pipeline::configuration::apply_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
@@ -82,7 +82,7 @@ fn confirm(
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let read = read(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
     let control = control_for(&loaded.project, controller.as_ref(), read.iter().map(|item| &item.recording));
-    let improved = in_configuration(&loaded.project, &found.improved).map_err(refused)?;
+    let improved = apply_configuration(&loaded.project, &found.improved).map_err(refused)?;
     let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);
     read.iter().map(|item| Ok(describe_replay(&one(item)?))).collect()
 }
@@ -138,7 +138,7 @@ fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::R
 
 fn print_consequence(found: &Consequence) {
     say!("the project's design on the improved model:");
-    for change in found.changes.iter().filter(|change| change.turned()) {
+    for change in found.changes.iter().filter(|change| change.has_changed_verdict()) {
         let (_, word) = difference::classify_change(change);
         say!("  {word}: {} ({})", change.name(), difference::describe_size(change));
     }

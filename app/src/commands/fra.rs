@@ -144,11 +144,11 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     let analyser = Analyser::new(project, &modelled, plan, On::Simulation)?;
     let analyser = match options.plant {
         PlantName::Project => analyser,
-        PlantName::Lumped => analyser.on_structure(project, StructureChoice::Lumped, plan)?,
+        PlantName::Lumped => analyser.with_structure(project, StructureChoice::Lumped, plan)?,
         PlantName::Fe => {
             let structure = pipeline::finite_elements_of(project)
                 .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?;
-            analyser.on_structure(project, structure, plan)?
+            analyser.with_structure(project, structure, plan)?
         }
     };
     let workers = Workers::new(options.outputs.results.progress());

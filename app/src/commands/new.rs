@@ -103,7 +103,11 @@ fn answer(
     refused: &mut usize,
 ) -> Result<Document> {
     loop {
-        write_out(&format!("{} [{}] ", question.text, document.written(question.path).unwrap_or_default()));
+        write_out(&format!(
+            "{} [{}] ",
+            question.text,
+            document.source_text_at(question.path).unwrap_or_default()
+        ));
         let answer = line(input)?;
         if answer.is_empty() {
             return Ok(document);

@@ -2,7 +2,9 @@
 
 use anyhow::Error;
 use clap::Args;
-use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
+use counterpoise_host::large_recordings::{
+    BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, split_by_size,
+};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::PipelineError;
@@ -65,7 +67,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     if !options.open_loop {
         tell_other_export(&loaded);
     }
-    let BySize { whole, in_parts } = by_size(&options.recordings, READ_AT_ONCE);
+    let BySize { whole, in_parts } = split_by_size(&options.recordings, READ_AT_ONCE);
     let files = if whole.is_empty() { Vec::new() } else { projects::read_recordings(&whole)? };
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let controller = controller.as_ref();

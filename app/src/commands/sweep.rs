@@ -83,7 +83,7 @@ pub fn run(options: &SweepOptions) -> Done {
 }
 
 fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
-    if options.results.quiet { Ok(Pace::silent(count)) } else { Pace::shown(count) }
+    if options.results.quiet { Ok(Pace::silent(count)) } else { Pace::with_bar(count) }
 }
 
 /// Prints what a large campaign would cost on the error stream, apart from the results.
@@ -143,7 +143,7 @@ fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &Pace) -> Result<
     if path.exists() {
         let there = shards::read_shard(&path, &named.campaign, &named.name);
         if there.is_ok_and(|samples| samples.iter().map(|sample| sample.index).eq(range.clone())) {
-            pace.kept(range.len());
+            pace.count_kept(range.len());
             return Ok(());
         }
     }
@@ -208,7 +208,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
             ProvenanceEntry::new("command", &command),
         ],
     };
-    let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).reproduced_by(&command));
+    let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).with_command(&command));
     projects::write_file(&options.output.join("report.html"), page.as_bytes())?;
     let rows = sweep::sweep_figures(&found);
     if !output::json_list(&options.results, "figures", &rows)? {
@@ -278,7 +278,7 @@ fn one_sample(named: &Named, index: usize, changed: &[String], results: &Results
     }
     let sample = named.campaign.run_with(index, factors)?;
     let keys = named.campaign.variations().iter().map(|variation| variation.parameter.key());
-    let controlled = named.campaign.controlled();
+    let controlled = named.campaign.controlled_quantity();
     let figures =
         named.campaign.requirements().iter().map(|requirement| requirement.figure.key_in(controlled));
     let one = One {

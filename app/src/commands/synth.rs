@@ -319,7 +319,7 @@ fn verified_point(point: &Judged) -> VerifiedPoint {
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, limit, .. } => Some(format!(
             "{}: {} against {}",
-            requirement.figure.name(found.controlled()),
+            requirement.figure.name(found.controlled_quantity()),
             output::format_figure(*value),
             limit.value()
         )),

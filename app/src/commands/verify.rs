@@ -312,7 +312,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
         report.headline.detail = format!("{} {difference}", report.headline.detail).trim().to_owned();
         report.sections.insert(0, difference::changes_section(&before, changed));
     }
-    html_page(&report.reproduced_by(&origin.command))
+    html_page(&report.with_command(&origin.command))
 }
 
 /// A figure before and after, for another program.
@@ -354,7 +354,7 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
         );
     }
     let others = changed.iter().filter(|change| difference::has_changed(change)).count();
-    let turned = changed.iter().filter(|change| change.turned()).count();
+    let turned = changed.iter().filter(|change| change.has_changed_verdict()).count();
     let word = if turned == 1 { "verdict" } else { "verdicts" };
     say!("{turned} {word} turned; {others} of {} figures changed (--report shows all)", changed.len());
     Ok(())

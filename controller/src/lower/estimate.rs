@@ -1,6 +1,6 @@
 //! The estimator of the out-of-balance in a step.
 
-use crate::lower::regressors::{EstimatorInputs, fall, regressors, unexplained};
+use crate::lower::regressors::{EstimatorInputs, fall, regressors, write_unexplained};
 use crate::lower::schedule::{self, settable};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
@@ -30,7 +30,7 @@ fn gradient(
 ) {
     let p = &inputs.layout.estimate;
     let phi = regressors(inputs, estimator, writer);
-    let left = unexplained(inputs.control, p, &phi, writer);
+    let left = write_unexplained(inputs.control, p, &phi, writer);
     let squares: [Slot; 3] = std::array::from_fn(|i| writer.product(format!("square_{i}"), phi[i], phi[i]));
     let size = writer.local("excitation");
     let weights: Vec<Term> = (0..3).map(|i| scale[i].powi(2) * squares[i]).collect();

@@ -16,7 +16,7 @@ pub(super) struct Given<'a> {
 }
 
 /// Writes a_z cos(theta) - a_x sin(theta), and returns where it stands.
-pub(super) fn across(
+pub(super) fn project_across_beam(
     projection: Projection,
     given: &Given<'_>,
     states: &mut States,

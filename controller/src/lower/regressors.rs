@@ -54,7 +54,7 @@ pub(crate) fn regressors(
 }
 
 /// Writes the control less what the regressors explain of it.
-pub(crate) fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
+pub(crate) fn write_unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
     let mut terms = vec![1.0 * control];
     for (i, (p, phi)) in p.iter().zip(phi).enumerate() {
         terms.push(-1.0 * writer.product(format!("explained_{i}_v"), *p, *phi));

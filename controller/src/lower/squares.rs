@@ -1,6 +1,6 @@
 //! The estimator's recursive least squares in a step.
 
-use crate::lower::regressors::{EstimatorInputs, regressors, unexplained};
+use crate::lower::regressors::{EstimatorInputs, regressors, write_unexplained};
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, Slot, StateLimits};
 use crate::tolerance::{LEAST_VARIANCE, MOST_TOLD, MOST_VARIANCE, WHOLE, WOUND_END, WOUND_START};
@@ -35,7 +35,7 @@ pub(crate) fn squares(
         let heave = (inputs.signal)(Signal::PlatformAcceleration);
         gate(heave, &DeadBand { forget: *forget, rms_m_s2: *dead_band_m_s2 }, states, writer)
     });
-    let mut left = unexplained(control, &p, &phi, writer);
+    let mut left = write_unexplained(control, &p, &phi, writer);
     if let Some(gate) = gate {
         left = writer.product("gated_unexplained_v", gate, left);
         let gated = |(i, slot): (usize, &Slot)| writer.product(format!("gated_{i}"), gate, *slot);

@@ -58,7 +58,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     let mut signals = corrected(parts, &mut writer);
     if let Some(projection) = parts.projection {
         let given = project::Given { readings: &signals.readings, sample_period_s: parts.sample_period_s };
-        let across = project::across(projection, &given, states, &mut writer, &mut pending);
+        let across = project::project_across_beam(projection, &given, states, &mut writer, &mut pending);
         signals.readings[PLATFORM_ACCELERATION] = across;
     }
     demand_rate(parts, &mut signals, states, &mut writer, &mut pending);

@@ -149,8 +149,8 @@ impl ExperimentRequest<'_> {
     }
 
     fn simulated(&self, parameters: &Parameters, demand: &[f64]) -> Option<TimeHistory> {
-        let plant = Plant::lumped(parameters).ok()?;
-        let mut simulator = Simulator::new(&plant).ok()?.bounded(STEPS_PER_SAMPLE);
+        let plant = Plant::from_lumped(parameters).ok()?;
+        let mut simulator = Simulator::new(&plant).ok()?.with_step_bound(STEPS_PER_SAMPLE);
         let period_s = parameters.interface.sample_period_s;
         let scenario = Scenario {
             duration_s: demand.len() as f64 * period_s,

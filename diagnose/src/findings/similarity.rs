@@ -68,7 +68,7 @@ impl Scale {
     }
 
     /// Returns the dynamically similar machine with other torques and another gear.
-    pub fn applied(self, base: &Parameters) -> Parameters {
+    pub fn apply_to(self, base: &Parameters) -> Parameters {
         let (s, c) = (self.torque, self.ratio);
         let mut p = base.clone();
         if let Some(lumped) = &mut p.lumped {
@@ -145,7 +145,7 @@ impl Scale {
     }
 
     /// Returns the loop in which the scaled machine is replayed: under the recorded control if its readings are scaled, because a controller
-    /// reads those of the machine itself. [`Loop::under`] replays such a loop so anyway.
+    /// reads those of the machine itself. [`Loop::from_controller`] replays such a loop so anyway.
     pub fn replayed_loop(self, control: Loop, measured: Measured) -> Loop {
         if self.reading(measured) == 1.0 { control } else { Loop::Open }
     }
@@ -214,7 +214,7 @@ impl Scale {
         let mut probe = scaled.clone();
         definition.write(&mut probe, value);
         let taken = definition.read(&probe);
-        let own = definition.read(&self.inverse().applied(&probe));
+        let own = definition.read(&self.inverse().apply_to(&probe));
         let factor = own / taken;
         if factor.is_finite() && factor != 0.0 { value * factor } else { value }
     }
@@ -283,7 +283,7 @@ mod tests {
     use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
     fn rates(machine: &Parameters) -> (Vec<f64>, Vec<f64>) {
-        let plant = Plant::lumped(machine).unwrap();
+        let plant = Plant::from_lumped(machine).unwrap();
         let bias_v = plant.equilibrium(&Default::default()).control_v;
         let sample_period_s = machine.interface.sample_period_s;
         let mut controller = ProportionalIntegral {
@@ -297,7 +297,7 @@ mod tests {
             demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 1.0 },
             imperfections: Imperfections::None,
             detail: Detail::Recording,
-            ..Scenario::still(1.0)
+            ..Scenario::at_rest(1.0)
         };
         let run = Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap();
         (run.readings.hub_rate_rad_s, run.readings.control_v)
@@ -307,15 +307,15 @@ mod tests {
     fn a_scaled_machine_moves_alike_and_comes_back() {
         let rig = rig();
         let small = Scale { torque: 1e-4, ratio: 0.01 };
-        let machine = small.applied(&rig);
+        let machine = small.apply_to(&rig);
         let ((rate, control), (rate_small, control_small)) = (rates(&rig), rates(&machine));
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
         assert!(apart(&rate, &rate_small) < 1e-4 * 0.15, "{}", apart(&rate, &rate_small));
         assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
         let scale = Scale::of(&machine, &[]).unwrap();
-        let usual = scale.applied(&machine);
+        let usual = scale.apply_to(&machine);
         assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL_INERTIA_AND_RATIO.1)));
-        assert_eq!(scale.inverse().applied(&usual), machine);
+        assert_eq!(scale.inverse().apply_to(&usual), machine);
         assert!(Scale::of(&usual, &[]).is_none() && Scale::of(&rig, &[]).is_none());
         let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
         let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
@@ -326,10 +326,10 @@ mod tests {
     fn a_machine_on_a_cylinder_moves_alike_with_its_own_lever() {
         let mut crane = rig();
         put_cylinder(&mut crane, Lever::Constant(0.3));
-        let small = Scale { torque: 2f64.powi(-10), ratio: 1.0 }.applied(&crane);
+        let small = Scale { torque: 2f64.powi(-10), ratio: 1.0 }.apply_to(&crane);
         let scale = Scale::of(&small, &[]).unwrap();
         assert_eq!(scale.ratio, 1.0);
-        let (own, usual) = (read_in_open_loop(&small), read_in_open_loop(&scale.applied(&small)));
+        let (own, usual) = (read_in_open_loop(&small), read_in_open_loop(&scale.apply_to(&small)));
         let largest = own.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
         let off = own.iter().zip(&usual).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(largest > 1e-4 && off < 1e-3 * largest, "{off} of {largest} rad/s");
@@ -337,10 +337,10 @@ mod tests {
 
     /// The reading of the loop's sensor under a control that is played back.
     fn read_in_open_loop(machine: &Parameters) -> Vec<f64> {
-        let plant = Plant::lumped(machine).unwrap();
+        let plant = Plant::from_lumped(machine).unwrap();
         let held = plant.equilibrium(&Default::default()).control_v;
         let control: Vec<f64> = (0..1000).map(|k| held + (0.03 * f64::from(k)).sin()).collect();
-        let scenario = Scenario { detail: Detail::Recording, ..Scenario::still(1.0) };
+        let scenario = Scenario { detail: Detail::Recording, ..Scenario::at_rest(1.0) };
         let mut played = counterpoise_simulate::replay::Playback::new(&control);
         Simulator::new(&plant).unwrap().run(&mut played, &scenario).unwrap().readings.hub_rate_rad_s
     }
@@ -357,13 +357,13 @@ mod tests {
             dissipation_s_rad: 0.1,
         });
         let scale = Scale { torque: 2f64.powi(-12), ratio: 2f64.powi(-5) };
-        let machine = scale.applied(&rig);
+        let machine = scale.apply_to(&rig);
         let (of_rig, of_machine) = (read_in_open_loop(&rig), read_in_open_loop(&machine));
         let largest = of_rig.iter().map(|torque| (torque - of_rig[0]).abs()).fold(0.0, f64::max);
         let apart = |(a, b): (&f64, &f64)| (a - b / scale.torque).abs();
         let off = of_rig.iter().zip(&of_machine).map(apart).fold(0.0, f64::max);
         assert!(largest > 10.0 && off < 1e-3 * largest, "{off} of {largest} N m");
-        assert_eq!(scale.inverse().applied(&machine), rig);
+        assert_eq!(scale.inverse().apply_to(&machine), rig);
         let recording = Recording::new("", 1e-3).with(Channel::HubRate, of_machine.clone());
         let back = scale.inverse().recording(&recording, Measured::Torque);
         let read = back.samples(Channel::HubRate).unwrap();

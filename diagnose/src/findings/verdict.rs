@@ -66,13 +66,13 @@ impl Evidence<'_> {
     }
 
     /// Returns the mechanism with the found effects, or as it was.
-    pub fn improved(&self) -> Parameters {
-        self.named().map_or_else(|| self.base.clone(), |c| c.fit.parameters.clone())
+    pub fn improved_mechanism(&self) -> Parameters {
+        self.named_model().map_or_else(|| self.base.clone(), |c| c.fit.parameters.clone())
     }
 
     /// Returns the verdict.
     pub(crate) fn verdict(&self) -> Verdict {
-        let Some(accepted) = self.named() else {
+        let Some(accepted) = self.named_model() else {
             let explained = self.search.baseline.score.worst() < EXPLAINED;
             return if explained { Verdict::Consistent } else { Verdict::Unknown };
         };
@@ -86,7 +86,7 @@ impl Evidence<'_> {
 
     /// Returns the accepted model if it explains enough of the mismatch to be named: all of it, or most of it within its bounds. A
     /// parameter that went to a bound to explain a part stands for something else.
-    pub(crate) fn named(&self) -> Option<&Candidate> {
+    pub(crate) fn named_model(&self) -> Option<&Candidate> {
         let accepted = self.search.accepted.as_ref()?;
         let textbook =
             !self.sizes.typical && accepted.power_share(&self.search.baseline.score) > TEXTBOOK_SHARE_TO_NAME;
@@ -112,7 +112,7 @@ impl Evidence<'_> {
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
         let best = best.unwrap_or(accepted);
         let mut names: Vec<Name> = Vec::new();
-        for rival in rivals.iter().filter(|r| r.behind(best) < AMBIGUOUS) {
+        for rival in rivals.iter().filter(|r| r.log_likelihood_deficit(best) < AMBIGUOUS) {
             let Some(effect) = rival.newest().filter(|e| !same_name(e, chosen)) else { continue };
             let name = Name { effect: effect.effect, component: effect.component };
             if !names.contains(&name) {
@@ -142,7 +142,8 @@ impl Evidence<'_> {
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
         let best = best.unwrap_or(accepted);
         let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
-        let weight: f64 = others.map(|r| (-RIVAL_DECAY * r.behind(best).max(0.0)).exp()).sum();
+        let weight: f64 =
+            others.map(|r| (-RIVAL_DECAY * r.log_likelihood_deficit(best).max(0.0)).exp()).sum();
         let tried = |name: &Name| {
             rivals
                 .iter()
@@ -165,7 +166,7 @@ impl Evidence<'_> {
     }
 
     fn findings(&self, verdict: Verdict) -> Vec<Finding> {
-        match (self.named(), verdict) {
+        match (self.named_model(), verdict) {
             (Some(accepted), _) => {
                 (0..accepted.fit.effects.len()).map(|i| self.finding(accepted, i)).collect()
             }
@@ -269,7 +270,7 @@ impl Evidence<'_> {
 
     fn fit_table(&self) -> FitTable {
         let before = fits_by_channel(&self.search.baseline.score);
-        let Some(accepted) = self.named() else {
+        let Some(accepted) = self.named_model() else {
             return FitTable {
                 after: before.clone(),
                 held_out_before: before.clone(),
@@ -300,7 +301,7 @@ impl Evidence<'_> {
                     component: effect.component,
                     beside: beside(c),
                     values: newest_values(c),
-                    power_left: c.held_out_power_left(),
+                    power_left: c.held_out_power_share(),
                     log_likelihood_gain: c.held_out.gain_over(&c.held_out_before),
                     distance: c.whole.distance(),
                     worst: c.whole.worst(),

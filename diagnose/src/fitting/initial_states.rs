@@ -30,7 +30,7 @@ impl StartColumns {
     }
 
     /// Returns the shift of the initial state that reproduces a series best, in least squares.
-    pub fn absorbed(&self, series: &[f64]) -> StartShift {
+    pub fn fit_shift(&self, series: &[f64]) -> StartShift {
         let right: Vec<f64> =
             self.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| dot(c, series))).collect();
         let found = solve(&self.normal, &Mat::col(&right)).ok().filter(Mat::is_finite);
@@ -41,7 +41,7 @@ impl StartColumns {
     }
 
     /// Returns what is left of a series after a shift of the initial state is removed.
-    pub fn left(&self, series: &[f64], shift: &StartShift) -> Vec<f64> {
+    pub fn subtract_shift(&self, series: &[f64], shift: &StartShift) -> Vec<f64> {
         let mut out = series.to_vec();
         for (column, s) in self.columns.iter().zip(shift) {
             for (o, c) in out.iter_mut().zip(column.as_deref().unwrap_or(&[])) {
@@ -63,9 +63,9 @@ mod tests {
         let columns = vec![Some(one.clone()), None, Some(other.clone()), None, None, None];
         let starts = StartColumns::new(columns);
         let series: Vec<f64> = one.iter().zip(&other).map(|(a, b)| 2.0 * a - b).collect();
-        let shift = starts.absorbed(&series);
+        let shift = starts.fit_shift(&series);
         assert!((shift[0] - 2.0).abs() < 0.01 && (shift[2] + 1.0).abs() < 0.01, "{shift:?}");
-        let left = starts.left(&series, &shift);
+        let left = starts.subtract_shift(&series, &shift);
         assert!(dot(&left, &left) < 1e-4 * dot(&series, &series));
     }
 }

@@ -151,7 +151,7 @@ pub struct Preference {
 
 impl Preference {
     /// Returns by how much parameter values miss it.
-    pub(crate) fn missed(&self, values: &[f64]) -> f64 {
+    pub(crate) fn shortfall(&self, values: &[f64]) -> f64 {
         self.weights.iter().map(|(place, weight)| weight * values[*place]).sum::<f64>() - self.target
     }
 }
@@ -199,7 +199,10 @@ impl Problem<'_> {
         let now = FitState { cost: mean_square(&residual), x, shifts, residual };
         let starts = self.start_columns(&now, near);
         let left = |own: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-            own.iter().zip(&starts).map(|(own, starts)| starts.left(own, &starts.absorbed(own))).collect()
+            own.iter()
+                .zip(&starts)
+                .map(|(own, starts)| starts.subtract_shift(own, &starts.fit_shift(own)))
+                .collect()
         };
         let per_value = |(column, parameter): (&Vec<Vec<f64>>, &&Parameter)| {
             let mut left = left(column);
@@ -224,7 +227,7 @@ impl Problem<'_> {
         let mut columns = Vec::new();
         let mut limit_reached = true;
         for iteration in 0..iterations {
-            if self.pool.cancelled() {
+            if self.pool.is_cancelled() {
                 break;
             }
             if iteration % STARTS_KEPT == 0 {
@@ -280,7 +283,7 @@ impl Problem<'_> {
         let of_recordings = (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k]));
         let mut all = of_recordings.collect::<Option<Vec<_>>>()?;
         if !self.preferences.is_empty() {
-            all.push(self.preferences.iter().map(|preference| preference.missed(&values)).collect());
+            all.push(self.preferences.iter().map(|preference| preference.shortfall(&values)).collect());
         }
         Some(all)
     }
@@ -407,7 +410,9 @@ impl Problem<'_> {
                 let mut own: Option<Vec<Vec<f64>>> = own.collect();
                 if let Some(own) = own.as_mut().filter(|_| !self.preferences.is_empty()) {
                     let values = values(j);
-                    own.push(self.preferences.iter().map(|preference| preference.missed(&values)).collect());
+                    own.push(
+                        self.preferences.iter().map(|preference| preference.shortfall(&values)).collect(),
+                    );
                 }
                 let change = |(a, b): (&Vec<f64>, &Vec<f64>)| {
                     a.iter().zip(b).map(|(a, b)| (a - b) / steps[j]).collect()
@@ -426,9 +431,9 @@ impl Problem<'_> {
         let columns = self.difference_columns(now, near);
         let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
             let absorbed: Vec<StartShift> =
-                starts.iter().zip(column).map(|(starts, own)| starts.absorbed(own)).collect();
+                starts.iter().zip(column).map(|(starts, own)| starts.fit_shift(own)).collect();
             let left = column.iter().enumerate().flat_map(|(r, own)| match starts.get(r) {
-                Some(starts) => starts.left(own, &absorbed[r]),
+                Some(starts) => starts.subtract_shift(own, &absorbed[r]),
                 None => own.clone(),
             });
             let left = left.collect();
@@ -443,7 +448,7 @@ impl Problem<'_> {
         let places = self.stretches(near, residual.len());
         let sums: Vec<Vec<f64>> = columns.iter().map(|c| stretch_sums(c, &residual, &places)).collect();
         let scatter = Mat::from_fn(size, size, |i, j| long_run(&sums[i], &sums[j]) / (count * count));
-        let alone = starts.iter().zip(&now.residual).map(|(s, own)| s.absorbed(own)).collect();
+        let alone = starts.iter().zip(&now.residual).map(|(s, own)| s.fit_shift(own)).collect();
         LinearisedCost { normal, gradient, scatter, absorbed, alone }
     }
 

@@ -20,7 +20,7 @@ pub fn breakaway(
     fit: &Fit,
     before: f64,
 ) -> Result<Option<Estimate>, Error> {
-    let short = Problem::through(p, states, &problem.knots_v, BREAKAWAY_DEVIATION_S)?;
+    let short = Problem::with_low_pass(p, states, &problem.knots_v, BREAKAWAY_DEVIATION_S)?;
     let excesses: Vec<f64> = short
         .parts
         .iter()

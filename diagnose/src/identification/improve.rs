@@ -9,8 +9,8 @@ use crate::tolerance::identification::{DIGITS, LINEAR_FROM_SHARE};
 /// The mechanism with the identified values of the first state of balance. A value stays where its interval holds
 /// what the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for
 /// that: then both shrink alike. Inertia changes in hub and beam alike.
-pub fn improved(p: &Parameters, found: &Identified) -> Parameters {
-    let mut out = moved(p, found);
+pub fn apply_identified(p: &Parameters, found: &Identified) -> Parameters {
+    let mut out = apply_except_amplifier(p, found);
     if let Amplifier::Curve { points } = &found.amplifier {
         out.amplifier.map = map(p, points.iter().map(|q| [q.input_v, q.current_a]));
         out.amplifier.dead_zone_v = 0.0;
@@ -19,7 +19,7 @@ pub fn improved(p: &Parameters, found: &Identified) -> Parameters {
 }
 
 /// The same, the amplifier as it was.
-pub(super) fn moved(p: &Parameters, found: &Identified) -> Parameters {
+pub(super) fn apply_except_amplifier(p: &Parameters, found: &Identified) -> Parameters {
     let mut out = p.clone();
     if let Some(balance) = found.balances.first() {
         inertia(&mut out, balance.out_of_balance_kg_m, balance.inertia_kg_m2);

@@ -25,7 +25,7 @@ mod breakaway;
 mod gain;
 mod problem;
 
-pub use improve::improved;
+pub use improve::apply_identified;
 pub use outcome::{
     Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, SensorErrors, Unidentifiable,
 };
@@ -53,7 +53,7 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identified, E
     }
     let mut found = round(p, states, &Before::of(p))?;
     for _ in 1..ROUNDS {
-        found = round(&improve::moved(p, &found), states, &Before::of(p))?;
+        found = round(&improve::apply_except_amplifier(p, &found), states, &Before::of(p))?;
     }
     Ok(found)
 }

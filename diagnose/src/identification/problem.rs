@@ -84,11 +84,11 @@ pub struct Problem {
 impl Problem {
     /// The problem with the usual low-pass; `knots_v` holds the ends as well, or nothing.
     pub fn new(p: &Parameters, states: &[&[Recording]], knots_v: &[f64]) -> Result<Self, Error> {
-        Self::through(p, states, knots_v, LOW_PASS_S)
+        Self::with_low_pass(p, states, knots_v, LOW_PASS_S)
     }
 
     /// The problem through a low-pass of a standard deviation, s.
-    pub fn through(
+    pub fn with_low_pass(
         p: &Parameters,
         states: &[&[Recording]],
         knots_v: &[f64],

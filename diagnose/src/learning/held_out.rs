@@ -142,7 +142,7 @@ fn minimum<'g>(
         right.iter_mut().zip(&group.right).for_each(|(sum, own)| *sum -= own);
     }
     for preference in preferences {
-        let missed = preference.missed(values);
+        let missed = preference.shortfall(values);
         for (i, a) in &preference.weights {
             right[*i] -= a * missed;
             for (j, b) in &preference.weights {

@@ -157,7 +157,8 @@ impl LearningTask<'_> {
     /// none at all.
     pub(crate) fn with_more(&self, found: Option<FittedFunctions>) -> Option<FittedFunctions> {
         let mut found = found.or_else(|| self.one_function())?;
-        while found.gains.len() < FUNCTIONS_AT_MOST && !found.explains() && !self.searcher.pool.cancelled() {
+        while found.gains.len() < FUNCTIONS_AT_MOST && !found.explains() && !self.searcher.pool.is_cancelled()
+        {
             let Some(next) = self.next(Some(&found.learned)) else { break };
             found.gains.push(next.candidate.gain() - found.gains.iter().sum::<f64>());
             found.learned = next;
@@ -202,7 +203,7 @@ impl LearningTask<'_> {
             if best.as_ref().is_none_or(|(_, b)| self.is_better(&tried, b, template)) {
                 best = Some((template, tried));
             }
-            if searcher.pool.cancelled() {
+            if searcher.pool.is_cancelled() {
                 return None;
             }
         }
@@ -226,7 +227,7 @@ impl LearningTask<'_> {
         let mut all = Vec::new();
         for (k, template) in templates.iter().enumerate() {
             self.searcher.pool.progress("modelling", k, templates.len());
-            if self.searcher.pool.cancelled() {
+            if self.searcher.pool.is_cancelled() {
                 break;
             }
             let promise = self.promise(context, *template, assessed);
@@ -396,7 +397,7 @@ impl LearningTask<'_> {
             if let Some(element) = learned_element(effect) {
                 all.extend(preferences(element, first, smooth.roughness, smooth.curvature));
                 if span == Span::Head {
-                    let known = self.visited.known_from_heads(element);
+                    let known = self.visited.determined_points(element);
                     all.extend(flat_preferences(&known, first, smooth.curvature));
                 }
             }

@@ -93,7 +93,7 @@ impl LearningTask<'_> {
         let reading = read(&element)?;
         let forms = library_forms(&element, &reading, self.base);
         let fitted = forms.iter().filter_map(|form| self.fit_form(form, functions, named));
-        fitted.min_by(|a, b| a.behind(b).total_cmp(&0.0))
+        fitted.min_by(|a, b| a.log_likelihood_deficit(b).total_cmp(&0.0))
     }
 
     /// Fits a form of the library in the place of a function.

@@ -122,7 +122,7 @@ impl Visited {
     }
 
     /// Returns whether the first parts of the recordings determine each point of an element.
-    pub(crate) fn known_from_heads(&self, element: &LearnedElement) -> Vec<bool> {
+    pub(crate) fn determined_points(&self, element: &LearnedElement) -> Vec<bool> {
         if matches!(element.variable, RegimeVariable::Turn | RegimeVariable::Time) {
             return vec![true; element.points.len()];
         }
@@ -158,7 +158,7 @@ impl Visited {
     }
 
     /// Returns how far the recordings leave the range over which an element is known; `None` if they hardly do.
-    pub fn beyond(&self, element: &LearnedElement) -> Option<RangeExceedance> {
+    pub fn range_exceedance(&self, element: &LearnedElement) -> Option<RangeExceedance> {
         let (Some(&first), Some(&last)) = (element.points.first(), element.points.last()) else {
             return None;
         };

@@ -109,7 +109,7 @@ pub struct Effect {
 
 impl Effect {
     /// Returns the mechanism with the parameters at the given values.
-    pub fn applied(&self, base: &Parameters, values: &[f64]) -> Parameters {
+    pub fn apply_to(&self, base: &Parameters, values: &[f64]) -> Parameters {
         let mut changed = base.clone();
         for (parameter, &value) in self.parameters.iter().zip(values) {
             parameter.write(&mut changed, value);

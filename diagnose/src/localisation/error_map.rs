@@ -12,7 +12,7 @@ use crate::localisation::error_hypotheses::{
     COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Quantity, Regime,
 };
 use crate::localisation::free_functions::{
-    KnotSpacing, classify_knot_function, on_knots, place_knots, sines, turns, waves,
+    KnotSpacing, classify_knot_function, hat_series, place_knots, sines, turns, waves,
 };
 use crate::localisation::residual_regression::{ErrorTerm, ReplayedRecording, ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
@@ -100,7 +100,7 @@ impl FittedHypothesis {
                 let spacing =
                     if variable.is_dense_at_rest() { KnotSpacing::DenseAtRest } else { KnotSpacing::Even };
                 let knots = place_knots(&variables, spacing)?;
-                let columns = regression.columns(port, &on_knots(&variables, &carriers, &knots));
+                let columns = regression.columns(port, &hat_series(&variables, &carriers, &knots));
                 Some(Self { knots, ..plain(columns) })
             }
             Law::Fixed(terms) => Some(plain(

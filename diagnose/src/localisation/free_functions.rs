@@ -43,7 +43,7 @@ fn between(knots: &[f64], value: f64) -> (usize, f64) {
 }
 
 /// Returns one series for each knot: the function that is 1 there and falls to 0 at the next, times the carrier.
-pub(crate) fn on_knots(variable: &Series, carrier: &Series, knots: &[f64]) -> Vec<Series> {
+pub(crate) fn hat_series(variable: &Series, carrier: &Series, knots: &[f64]) -> Vec<Series> {
     let mut out = vec![carrier.iter().map(|c| vec![0.0; c.len()]).collect::<Series>(); knots.len()];
     for (r, (values, carried)) in variable.iter().zip(carrier).enumerate() {
         for (k, (value, c)) in values.iter().zip(carried).enumerate() {
@@ -141,7 +141,7 @@ mod tests {
     fn a_function_on_knots_is_the_straight_line_between_them() {
         let variable = vec![(0..100).map(|k| f64::from(k) * 0.1).collect::<Vec<f64>>()];
         let knots = place_knots(&variable, KnotSpacing::Even).unwrap();
-        let columns = on_knots(&variable, &vec![vec![1.0; 100]], &knots);
+        let columns = hat_series(&variable, &vec![vec![1.0; 100]], &knots);
         for k in 0..100 {
             let line: f64 = columns.iter().zip(&knots).map(|(c, knot)| (2.0 - 3.0 * knot) * c[0][k]).sum();
             assert!((line - (2.0 - 3.0 * variable[0][k])).abs() < 1e-9);

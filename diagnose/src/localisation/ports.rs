@@ -23,7 +23,7 @@ pub(crate) enum Port {
 
 impl Port {
     /// Returns what an error here adds to a balance of these signals.
-    pub fn shown(self, balance: Balance, error: &[f64], at: &Signals) -> Vec<f64> {
+    pub fn balance_error(self, balance: Balance, error: &[f64], at: &Signals) -> Vec<f64> {
         let stiffness = at.p.gearbox.stiffness_nm_rad;
         let slope = || derivative(error, at.period_s);
         let times = |series: &[f64], factor: f64| series.iter().map(|x| factor * x).collect();

@@ -75,7 +75,7 @@ impl<'a> ResidualRegression<'a> {
             motor_rate: has(|m| m.motor_rate.is_some()),
             hub_position: has(|m| m.hub_position.is_some()),
         };
-        let balances = Balance::allowed(usable_sensors(p, recorded));
+        let balances = Balance::select_allowed(usable_sensors(p, recorded));
         let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
         let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
             let in_loop = r.assessment.source == ControlSource::ClosedLoop;
@@ -110,7 +110,7 @@ impl<'a> ResidualRegression<'a> {
         let (mut out, mut next) = (Vec::new(), 0);
         for (balance, series) in all.iter().enumerate() {
             let whitener = &self.whiteners[balance];
-            let lengths: Vec<usize> = series.iter().map(|s| whitener.applied(s).len()).collect();
+            let lengths: Vec<usize> = series.iter().map(|s| whitener.whiten(s).len()).collect();
             for half in 0..2 {
                 let count: usize =
                     lengths.iter().map(|&n| (0..n).filter(|&k| half_of(k, n) == half).count()).sum();
@@ -125,7 +125,7 @@ impl<'a> ResidualRegression<'a> {
     fn rows(&self, all: &[Series]) -> Vec<f64> {
         let mut out = Vec::new();
         for (series, whitener) in all.iter().zip(&self.whiteners) {
-            let white: Series = series.iter().map(|s| whitener.applied(s)).collect();
+            let white: Series = series.iter().map(|s| whitener.whiten(s)).collect();
             for half in 0..2 {
                 for one in &white {
                     let kept = one.iter().enumerate().filter(|(k, _)| half_of(*k, one.len()) == half);
@@ -163,7 +163,7 @@ impl<'a> ResidualRegression<'a> {
             let of = |r: usize| {
                 let mut sum = vec![0.0; self.signals[r].hub.len()];
                 for term in terms {
-                    let part = term.port.shown(balance, &term.error[r], &self.signals[r]);
+                    let part = term.port.balance_error(balance, &term.error[r], &self.signals[r]);
                     sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
                 }
                 thin(&sum)

@@ -52,7 +52,7 @@ named! {
 
 impl Balance {
     /// Returns the balances that a set of sensors allows.
-    pub(crate) fn allowed(sensors: RedundantSensors) -> Vec<Self> {
+    pub(crate) fn select_allowed(sensors: RedundantSensors) -> Vec<Self> {
         list_balances(sensors).into_iter().filter(|row| row.available).map(|row| row.balance).collect()
     }
 }
@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn sensors_decide_which_balances_there_are() {
         let allowed =
-            |motor_rate, hub_position| Balance::allowed(RedundantSensors { motor_rate, hub_position });
+            |motor_rate, hub_position| Balance::select_allowed(RedundantSensors { motor_rate, hub_position });
         assert_eq!(allowed(false, false), [Balance::Drive]);
         assert_eq!(allowed(false, true), [Balance::Angle, Balance::Drive]);
         assert_eq!(allowed(true, true), Balance::ALL[1..]);

@@ -26,7 +26,7 @@ impl Whitener {
     }
 
     /// Returns the whitened series, without its first [`WHITENING_ORDER`] samples.
-    pub fn applied(&self, series: &[f64]) -> Vec<f64> {
+    pub fn whiten(&self, series: &[f64]) -> Vec<f64> {
         let at = |window: &[f64]| window.iter().rev().zip(&self.taps).map(|(x, tap)| x * tap).sum();
         series.windows(WHITENING_ORDER + 1).map(at).collect()
     }
@@ -64,7 +64,7 @@ mod tests {
                 state
             })
             .collect();
-        let white = Whitener::of(std::slice::from_ref(&series)).applied(&series);
+        let white = Whitener::of(std::slice::from_ref(&series)).whiten(&series);
         assert!((crate::recording::series::rms(&white) - 1.0).abs() < 0.02);
         assert!(crate::recording::series::correlation_time(&white) < 1.1);
     }

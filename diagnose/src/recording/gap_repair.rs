@@ -164,7 +164,7 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
     let count = stretches.len();
     let part = |(k, stretch): (usize, Range<usize>)| {
         let part = whole.part(stretch);
-        if count > 1 { part.named(format!("{} (part {})", whole.name, k + 1)) } else { part }
+        if count > 1 { part.with_name(format!("{} (part {})", whole.name, k + 1)) } else { part }
     };
     let parts = stretches.into_iter().enumerate().map(part).collect();
     (parts, Some(repair))

@@ -42,7 +42,7 @@ impl Candidate {
 
     /// Returns the log-likelihood by which the candidate is behind another on all data, with each effect and each
     /// parameter at its price.
-    pub fn behind(&self, other: &Self) -> f64 {
+    pub fn log_likelihood_deficit(&self, other: &Self) -> f64 {
         self.whole.loss_against(&other.whole) + self.price() - other.price()
     }
 
@@ -70,7 +70,7 @@ impl Candidate {
     }
 
     /// Returns the share of the power of the residual that it leaves on held-out data, mean over recordings and channels.
-    pub fn held_out_power_left(&self) -> f64 {
+    pub fn held_out_power_share(&self) -> f64 {
         let cells = self.held_out.cells.iter().zip(&self.held_out_before.cells);
         let left: f64 = cells.map(|(after, before)| (after.rms_error / before.rms_error).powi(2)).sum();
         left / self.held_out.cells.len().max(1) as f64
@@ -122,7 +122,9 @@ impl Candidate {
 pub(crate) fn rank_candidates(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     candidates.sort_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
     if let Some(nearest) = candidates.first().cloned() {
-        candidates.sort_by(|a, b| a.behind(&nearest).total_cmp(&b.behind(&nearest)));
+        candidates.sort_by(|a, b| {
+            a.log_likelihood_deficit(&nearest).total_cmp(&b.log_likelihood_deficit(&nearest))
+        });
     }
     let mut kept: Vec<Candidate> = Vec::new();
     for candidate in candidates {

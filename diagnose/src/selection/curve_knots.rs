@@ -43,7 +43,7 @@ impl Searcher<'_> {
         let fine = fine_inputs(present);
         let knots = self.slopes(candidate, &fine)?.chosen(present);
         let inputs: Vec<f64> = knots.iter().map(|&k| fine[k]).collect();
-        if inputs == present || self.pool.cancelled() {
+        if inputs == present || self.pool.is_cancelled() {
             return None;
         }
         let mut effects = effects.clone();
@@ -55,7 +55,7 @@ impl Searcher<'_> {
             ..FitSelection::all(self.simulator.count())
         };
         let fit = self.fit(effects, &start, &selection, &candidate.assessments)?;
-        self.replace_fit(candidate, fit).filter(|sharper| sharper.behind(candidate) < 0.0)
+        self.replace_fit(candidate, fit).filter(|sharper| sharper.log_likelihood_deficit(candidate) < 0.0)
     }
 
     /// Returns what each knot of a fine curve does to all recordings.
@@ -74,7 +74,7 @@ impl Searcher<'_> {
     fn columns(&self, candidate: &Candidate, recording: usize, fine: &'static Effect) -> Option<Columns> {
         let near = candidate.assessments.get(recording)?;
         let values = fine.values(&candidate.fit.parameters);
-        let parameters = fine.applied(&candidate.fit.parameters, &values);
+        let parameters = fine.apply_to(&candidate.fit.parameters, &values);
         let channels = weighted(self.simulator.residuals(&parameters, recording, Span::Whole, near)?, near);
         let length = channels.first().map_or(0, Vec::len);
         let residual: Vec<f64> = channels.into_iter().flatten().collect();
@@ -85,7 +85,7 @@ impl Searcher<'_> {
         let columns = map(self.pool, values.len(), |k| {
             let mut moved = values.clone();
             moved[k] += CURVE_STEP;
-            let there = fine.applied(&parameters, &moved);
+            let there = fine.apply_to(&parameters, &moved);
             Some(change(self.simulator.residuals(&there, recording, Span::Whole, near)?, CURVE_STEP))
         });
         let columns: Vec<Vec<f64>> = columns.into_iter().collect::<Option<_>>()?;
@@ -98,7 +98,7 @@ impl Searcher<'_> {
             Some(change(there, 1.0)).filter(|column| column.iter().any(|v| *v != 0.0))
         });
         let starts = StartColumns::new(starts);
-        let left = |series: &Vec<f64>| starts.left(series, &starts.absorbed(series));
+        let left = |series: &Vec<f64>| starts.subtract_shift(series, &starts.fit_shift(series));
         let whole = columns.len() == values.len();
         whole.then(|| (Series { values: left(&residual), length }, columns.iter().map(left).collect()))
     }

@@ -24,9 +24,9 @@ pub(crate) fn spring_in_place_of_hose(
     let spring = find_effects(Component::Structure, EffectName::PositionStiffness)
         .find(|e| e.parameters.len() == 2)?;
     let others = added.iter().filter(|e| !is_hose(e) && !is_spring(e));
-    let kept = others.map(|e| EffectSignature::seeded(e, e.values(&best.fit.parameters), recordings));
+    let kept = others.map(|e| EffectSignature::from_start(e, e.values(&best.fit.parameters), recordings));
     Some(
-        std::iter::once(EffectSignature::seeded(spring, vec![both, centre], recordings))
+        std::iter::once(EffectSignature::from_start(spring, vec![both, centre], recordings))
             .chain(kept)
             .collect(),
     )

@@ -18,7 +18,7 @@ impl Searcher<'_> {
         let effects = &best.fit.effects;
         let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
         let pairs = (0..effects.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
-        let mut pairs = pairs.filter(|[i, j]| of_one(i, j) && !self.pool.cancelled());
+        let mut pairs = pairs.filter(|[i, j]| of_one(i, j) && !self.pool.is_cancelled());
         pairs.find_map(|pair| self.merge_pair(best, pair, search))
     }
 
@@ -45,8 +45,12 @@ impl Searcher<'_> {
         }
         let simpler =
             map(self.pool, signatures.len(), |k| self.fit_with_one_more(best, &kept, &signatures[k]));
-        let simpler = simpler.into_iter().flatten().filter(|c| c.is_within_bounds() && c.behind(best) < 0.0);
-        let simplest = simpler.min_by(|a, b| a.behind(best).total_cmp(&b.behind(best)))?;
+        let simpler = simpler
+            .into_iter()
+            .flatten()
+            .filter(|c| c.is_within_bounds() && c.log_likelihood_deficit(best) < 0.0);
+        let simplest = simpler
+            .min_by(|a, b| a.log_likelihood_deficit(best).total_cmp(&b.log_likelihood_deficit(best)))?;
         self.validate_candidate(simplest, &search.baseline.score, &search.baseline.fitted)
             .filter(Candidate::is_acceptable)
     }

@@ -4,7 +4,7 @@ use crate::tolerance::selection::PAIRED_PARAMETERS;
 use counterpoise_models::Parameters;
 
 use crate::recording::series::dot;
-use crate::selection::signature::{EffectSignature, thinned, weighted};
+use crate::selection::signature::{EffectSignature, thin_weighted, weight_residuals};
 use crate::simulator_access::Assessment;
 use crate::tolerance::selection::INDEPENDENT_SIGNATURES;
 
@@ -22,14 +22,14 @@ pub struct Pair {
 impl Pair {
     /// Returns both signatures, with the starts of a fit of the two together.
     pub fn signatures(&self, signatures: &[EffectSignature], base: &Parameters) -> [EffectSignature; 2] {
-        [0, 1].map(|k| signatures[self.members[k]].scaled(self.shares[k], base))
+        [0, 1].map(|k| signatures[self.members[k]].scale_change(self.shares[k], base))
     }
 }
 
 /// Returns the best pairs of different effects, by linear regression on both of their traces; best first.
 pub fn rank_pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize) -> Vec<Pair> {
-    let here = weighted(judged);
-    let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
+    let here = weight_residuals(judged);
+    let target: Vec<f64> = thin_weighted(&here, |r, k| here.residuals[r][k]);
     let total = dot(&target, &target).max(f64::MIN_POSITIVE);
     let simple = |i: &usize| signatures[*i].effect.parameters.len() <= PAIRED_PARAMETERS;
     let usable: Vec<usize> =

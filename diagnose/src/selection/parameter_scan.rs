@@ -10,7 +10,9 @@ use counterpoise_models::Parameters;
 use crate::fitting::output_error::Fit;
 use crate::library::{Component, Effect, EffectName, Mapping, find_effects, find_scan_range};
 use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple_perturbation};
-use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
+use crate::selection::signature::{
+    EffectSignature, ScreeningContext, is_close, measure_signature, weight_residuals,
+};
 use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
 
@@ -23,7 +25,7 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     let near = Assessment { source: ControlSource::Playback, ..scene.judged[index].clone() };
     let cost = |value: f64| {
         let channels =
-            scene.simulator.residuals(&effect.applied(scene.base, &[value]), index, Span::Head, &near);
+            scene.simulator.residuals(&effect.apply_to(scene.base, &[value]), index, Span::Head, &near);
         let sum = |m: Vec<ChannelResidual>| m.iter().map(|m| m.relative_rms().max(1.0).ln()).sum();
         channels.map_or(f64::INFINITY, sum)
     };
@@ -54,7 +56,7 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
     };
     let here = played(scene.base, &scene.judged[index])?;
     let cost = |value: f64| {
-        let parameters = effect.applied(scene.base, &[value]);
+        let parameters = effect.apply_to(scene.base, &[value]);
         let judged = scene.simulator.assess(&parameters, index);
         judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
     };
@@ -72,12 +74,12 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
         }
         (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
     }
-    Some(EffectSignature::seeded(effect, vec![best], scene.judged.len()))
+    Some(EffectSignature::from_start(effect, vec![best], scene.judged.len()))
 }
 
 /// Returns the orders of a repeating torque that explain most of the first part of the most active recording.
 pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effect) -> Vec<Perturbation> {
-    let here = weighted(scene.judged);
+    let here = weight_residuals(scene.judged);
     let one = [scene.simulator.most_active_recording()];
     let ratio = scene.base.gearbox.ratio;
     let at_pivot = effect.component == Component::Pivot;

@@ -67,7 +67,7 @@ pub(crate) fn apply_perturbation(
     let x = perturbation.origin.iter().zip(direction).map(|(a, b)| a + b);
     let values: Vec<f64> =
         perturbation.effect.parameters.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
-    perturbation.effect.applied(base, &values)
+    perturbation.effect.apply_to(base, &values)
 }
 
 pub(crate) fn start_values(perturbation: &Perturbation, coefficients: &[f64], most: f64) -> Vec<f64> {

@@ -23,7 +23,7 @@ impl Searcher<'_> {
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
         let fit = self.fit(effects, &start, &selection, &candidate.assessments);
         match fit.and_then(|fit| self.replace_fit(&candidate, fit)) {
-            Some(finer) if finer.behind(&candidate) < 0.0 => finer,
+            Some(finer) if finer.log_likelihood_deficit(&candidate) < 0.0 => finer,
             _ => candidate,
         }
     }
@@ -89,14 +89,16 @@ impl Searcher<'_> {
         let again = |rival: Candidate| {
             if rival.has_same_effects(best) {
                 Candidate { whole: best.whole.clone(), ..rival }
-            } else if rival.behind(&first) < AMBIGUOUS && rival.behind(best) >= AMBIGUOUS {
+            } else if rival.log_likelihood_deficit(&first) < AMBIGUOUS
+                && rival.log_likelihood_deficit(best) >= AMBIGUOUS
+            {
                 self.refit_candidate(rival)
             } else {
                 rival
             }
         };
         let mut heard: Vec<Candidate> = rivals.into_iter().map(again).collect();
-        heard.sort_by(|a, b| a.behind(best).total_cmp(&b.behind(best)));
+        heard.sort_by(|a, b| a.log_likelihood_deficit(best).total_cmp(&b.log_likelihood_deficit(best)));
         heard
     }
 
@@ -104,12 +106,13 @@ impl Searcher<'_> {
     fn swap_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<Vec<Candidate>> {
         let mut all = Vec::new();
         for index in 0..best.fit.effects.len() {
-            let Some(without) = self.remove_effect(best, index).filter(|_| !self.pool.cancelled()) else {
+            let Some(without) = self.remove_effect(best, index).filter(|_| !self.pool.is_cancelled()) else {
                 all.push(Vec::new());
                 continue;
             };
             let rivals = self.find_rivals(search, &without);
-            let better = rivals.iter().find(|c| c.is_acceptable() && c.behind(best) < -SWAP_NEEDED);
+            let better =
+                rivals.iter().find(|c| c.is_acceptable() && c.log_likelihood_deficit(best) < -SWAP_NEEDED);
             if let Some(better) = better {
                 *best = self.refit_candidate(better.clone());
                 best.move_last_to(index);
@@ -121,7 +124,7 @@ impl Searcher<'_> {
 
     /// Returns what else could be in the place of an effect: from the stage that tried it, or from a new screening.
     fn find_rivals(&self, search: &SearchOutcome, without: &Candidate) -> Vec<Candidate> {
-        let tried = search.stages.iter().map(|stage| stage.beside(without)).max_by_key(Vec::len);
+        let tried = search.stages.iter().map(|stage| stage.extend_candidate(without)).max_by_key(Vec::len);
         match tried.filter(|tried| tried.len() >= RIVALS) {
             Some(tried) => tried,
             None => self.run_stage(without, StageBreadth::Rivals).adding_one(without.fit.effects.len()),
@@ -132,7 +135,7 @@ impl Searcher<'_> {
     fn prune_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<usize> {
         let mut dropped = Vec::new();
         let mut index = 0;
-        while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.cancelled() {
+        while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.is_cancelled() {
             let Some(without) = self.remove_effect(best, index) else { break };
             let needed = best.is_worth_more_than(&without.whole, &search.baseline.score)
                 && (index + 1 < best.fit.effects.len() || self.exceeds_null_gain(best, &without.whole));

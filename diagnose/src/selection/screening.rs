@@ -10,7 +10,7 @@ use crate::library::Effect;
 use crate::selection::parameter_scan::{scan_parameter, scan_ripple_orders};
 use crate::selection::perturbations::{Combination, Perturbation, apply_perturbation, perturbations_of};
 use crate::selection::signature::{
-    EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weighted,
+    EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weight_residuals,
 };
 use crate::simulator_access::{Assessment, Span, map_with_progress};
 use crate::tolerance::selection::STARTS_VISITED;
@@ -30,7 +30,7 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
         scene.pool.progress("scanning", scans - effects.len() + k, scans);
         perturbations.extend(scan_parameter(scene, effect));
     }
-    let here = weighted(scene.judged);
+    let here = weight_residuals(scene.judged);
     let all: Vec<usize> = (0..scene.judged.len()).collect();
     let span = if scene.reach == ScreeningDepth::Full { Span::Whole } else { Span::Head };
     let found = map_with_progress(scene.pool, "screening", perturbations.len(), |t| {

@@ -32,7 +32,7 @@ impl Searcher<'_> {
             search.stages.push(stage);
             let Some(best) = best else { break };
             search.accepted = Some(self.refine_effects(self.refit_candidate(best)));
-            if self.pool.cancelled() {
+            if self.pool.is_cancelled() {
                 search.cancelled = true;
                 break;
             }

@@ -39,7 +39,7 @@ pub struct EffectSignature {
 
 impl EffectSignature {
     /// Returns a signature for an effect whose values are known from elsewhere: it is fitted whatever it explains.
-    pub fn seeded(effect: &'static Effect, start: Vec<f64>, recordings: usize) -> Self {
+    pub fn from_start(effect: &'static Effect, start: Vec<f64>, recordings: usize) -> Self {
         Self {
             effect,
             start,
@@ -60,7 +60,7 @@ impl EffectSignature {
 
     /// Returns the signature with its change scaled by `share`: all parameters of a plain effect, only the first of one with a
     /// shape. A ripple keeps its phase if the share is negative.
-    pub(crate) fn scaled(&self, share: f64, base: &Parameters) -> Self {
+    pub(crate) fn scale_change(&self, share: f64, base: &Parameters) -> Self {
         let ripple = self.effect.is_ripple();
         let moves = |j: usize| j == 0 || (self.effect.starts.is_empty() && !ripple);
         let share = if ripple { share.abs() } else { share };
@@ -113,15 +113,15 @@ pub(crate) type Residuals = Vec<Vec<f64>>;
 fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
     let of = |s: &Residuals, r: usize, k: usize| s[r].get(k).copied().unwrap_or(0.0);
     let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * of(s, r, k)).sum();
-    let series = thinned(here, taken);
+    let series = thin_weighted(here, taken);
     let size = dot(&series, &series).sqrt();
     if size > 0.0 {
         return series;
     }
-    thinned(here, |r, k| of(&signatures[0], r, k))
+    thin_weighted(here, |r, k| of(&signatures[0], r, k))
 }
 
-pub(crate) fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+pub(crate) fn thin_weighted(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let of = |r: usize| (0..here.residuals[r].len()).step_by(TRACE_STRIDE).map(move |k| (r, k));
     (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
 }
@@ -132,7 +132,7 @@ pub(crate) struct Weighted {
     pub weights: Residuals,
 }
 
-pub(crate) fn weighted(judged: &[Assessment]) -> Weighted {
+pub(crate) fn weight_residuals(judged: &[Assessment]) -> Weighted {
     let weights = |j: &Assessment| -> Vec<f64> {
         let weight = |(c, m): (usize, &ChannelResidual)| {
             let size = m.relative_rms().max(1.0).max(1.0 / j.weight(c));

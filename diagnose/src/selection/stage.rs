@@ -40,7 +40,7 @@ impl Stage {
     }
 
     /// Returns the candidates that have all effects of a smaller model and one more.
-    pub(crate) fn beside(&self, smaller: &Candidate) -> Vec<Candidate> {
+    pub(crate) fn extend_candidate(&self, smaller: &Candidate) -> Vec<Candidate> {
         let has = |c: &Candidate, e: &Effect| c.fit.effects.iter().any(|f| std::ptr::eq(*f, e));
         let all = |c: &&Candidate| {
             c.fit.effects.len() == smaller.fit.effects.len() + 1
@@ -154,7 +154,7 @@ impl Searcher<'_> {
     /// Returns the effects whose values are known from elsewhere.
     fn seed_signatures(&self, scene: &ScreeningContext) -> Vec<EffectSignature> {
         let one = |(effect, start): &(&'static Effect, Vec<f64>)| {
-            EffectSignature::seeded(effect, start.clone(), self.simulator.count())
+            EffectSignature::from_start(effect, start.clone(), self.simulator.count())
         };
         self.seeds.iter().map(one).chain(scan_backlash(scene)).collect()
     }

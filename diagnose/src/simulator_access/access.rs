@@ -94,7 +94,7 @@ pub trait SimulatorAccess: Sync {
     /// Returns the number of recordings.
     fn count(&self) -> usize;
     /// Returns the measured signals of a recording; `None` if the simulator has no recordings of a machine.
-    fn measured(&self, _index: usize) -> Option<MeasuredSignals> {
+    fn measured_signals(&self, _index: usize) -> Option<MeasuredSignals> {
         None
     }
     /// Returns the index of the recording in which the machine moves most.

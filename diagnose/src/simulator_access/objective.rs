@@ -73,7 +73,7 @@ impl<'a> RecordingReplays<'a> {
         prepared: &'a PreparedRecordings,
     ) -> Result<Self, Error> {
         let ready = |recordings: &'a [Recording]| {
-            let one = |r: &'a Recording| Ok(Replayer::new(base, r)?.bounded(STEPS_PER_SAMPLE));
+            let one = |r: &'a Recording| Ok(Replayer::new(base, r)?.with_step_bound(STEPS_PER_SAMPLE));
             recordings.iter().map(one).collect::<Result<Vec<_>, counterpoise_simulate::Error>>()
         };
         let control_floor = match control {
@@ -110,7 +110,7 @@ impl<'a> RecordingReplays<'a> {
     }
 
     /// Returns the signals of a recording; `None` if it has no hub rate or no control.
-    pub fn measured_at(&self, index: usize) -> Option<MeasuredSignals> {
+    pub fn signals_of(&self, index: usize) -> Option<MeasuredSignals> {
         let measured = self.base.sensors.measured;
         self.prepared.whole.get(index).and_then(|recording| read_signals(recording, measured))
     }
@@ -285,8 +285,8 @@ impl SimulatorAccess for RecordingReplays<'_> {
         self.whole.len()
     }
 
-    fn measured(&self, index: usize) -> Option<MeasuredSignals> {
-        self.measured_at(index)
+    fn measured_signals(&self, index: usize) -> Option<MeasuredSignals> {
+        self.signals_of(index)
     }
 
     fn most_active_recording(&self) -> usize {

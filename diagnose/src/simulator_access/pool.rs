@@ -11,7 +11,7 @@ pub trait Pool: Sync {
         1
     }
     /// Whether the user asked to stop.
-    fn cancelled(&self) -> bool {
+    fn is_cancelled(&self) -> bool {
         false
     }
     /// Says how many parts of a stage are done, from none to all of them.
@@ -31,7 +31,7 @@ impl Pool for Serial {
 pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let slots: Vec<std::sync::Mutex<Option<T>>> = (0..count).map(|_| std::sync::Mutex::new(None)).collect();
     pool.run(count, &|index| {
-        if pool.cancelled() {
+        if pool.is_cancelled() {
             return;
         }
         let result = job(index);

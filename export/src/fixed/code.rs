@@ -9,7 +9,7 @@ use crate::comment::comment_text;
 use crate::fixed::format::{to_integer, unit};
 use crate::fixed::guard::{FixedSettings, SHARE_BITS};
 use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner, FixedTerm};
-use crate::guard::{flags, guard_bytes, marked};
+use crate::guard::{flags, guard_bytes, mark_files};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};
 use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields};
@@ -46,7 +46,7 @@ pub fn fixed_c99<'a>(
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
         Ok(File { name: format!("{name}{ending}"), text })
     };
-    Ok(marked(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
+    Ok(mark_files(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
 fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {

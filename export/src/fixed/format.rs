@@ -38,7 +38,7 @@ impl Span {
         Self { low, high }
     }
 
-    pub fn scaled(self, by: i128) -> Self {
+    pub fn scale(self, by: i128) -> Self {
         self.times(Self { low: by, high: by })
     }
 
@@ -55,12 +55,12 @@ impl Span {
         self.low.max(-self.high)
     }
 
-    pub fn squared(self) -> Self {
+    pub fn square(self) -> Self {
         let low = self.nearest().max(0);
         Self { low: low * low, high: self.size() * self.size() }
     }
 
-    pub fn narrowed(self, shift: u32) -> Self {
+    pub fn shift_right(self, shift: u32) -> Self {
         let half = if shift > 0 { 1_i128 << (shift - 1) } else { 0 };
         let down = |value: i128| ((value + half) >> shift).clamp(ALL.low, ALL.high);
         Self { low: down(self.low), high: down(self.high) }

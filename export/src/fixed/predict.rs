@@ -9,7 +9,8 @@ use crate::fixed::writer::{OperationError, Writer};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::{Run, RunState, RunVisitor, play};
 use crate::rounding::{
-    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
+    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, deviation, is_kept, setting_errors,
+    state_increment, to_grid,
 };
 
 /// Returns how far the control can be from the reference.
@@ -26,7 +27,7 @@ pub(crate) fn predict(
         Slot::State(i) if is_kept(controller, *slot) => left[*i],
         _ => 0.0,
     };
-    let kept = left_wrong(controller, ranges, &error);
+    let kept = setting_errors(controller, ranges, &error);
     let readings = fixed.step.inputs.iter().map(|bits| OperationError::nearest(0.5 * unit(*bits)));
     let errors = errors.into_iter().chain(readings).collect();
     let quantised = Quantised { fixed, errors, set: set.errors(), kept };
@@ -87,7 +88,7 @@ impl Arithmetic for Quantised<'_> {
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
     /// the sign of the quotient.
-    fn rounded(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded {
+    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded {
         let ExecutedOperation { number, operation, read, written: value } = *executed;
         let error = match line {
             Line::Step => self.errors[number],
@@ -96,7 +97,7 @@ impl Arithmetic for Quantised<'_> {
         if (value / unit(error.bits)).fract() == 0.0 {
             return Rounded::default();
         }
-        let known = match added(operation, read) {
+        let known = match state_increment(operation, read) {
             Some((state, rest)) if error.squares > 0.0 && self.fixed.states[state] <= error.bits => {
                 to_grid(rest, unit(error.bits))
             }

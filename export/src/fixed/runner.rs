@@ -161,7 +161,7 @@ impl Adjustable for FixedRunner {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn copied(&self) -> Box<dyn Adjustable> {
+    fn clone_boxed(&self) -> Box<dyn Adjustable> {
         Box::new(self.clone())
     }
 }

@@ -189,7 +189,7 @@ impl<'a> Writer<'a> {
             if shift > 0 { OperationError::nearest(0.5 * unit(bits)) } else { OperationError::default() };
         let error = OperationError { worst: rounding.worst + worst, ..rounding };
         let sum = FixedOperation::Sum { into, constant: start, terms: factors, shift };
-        self.put(sum, into, bits, span.narrowed(shift), error);
+        self.put(sum, into, bits, span.shift_right(shift), error);
         Ok(())
     }
 
@@ -215,12 +215,12 @@ impl<'a> Writer<'a> {
     /// Returns what the sum can be, and a bound of all its partial sums.
     fn accumulated(&self, start: i64, factors: &[FixedTerm]) -> (Span, i128) {
         let start = Span { low: start.into(), high: start.into() };
-        let each = factors.iter().map(|term| self.span(term.of).scaled(term.factor.into()));
+        let each = factors.iter().map(|term| self.span(term.of).scale(term.factor.into()));
         each.fold((start, start.size()), |(sum, size), term| (sum.plus(term), size + term.size()))
     }
 
     fn product(&mut self, into: Slot, a: Slot, b: Slot, seen: f64) -> Result<(), FixedError> {
-        let span = if a == b { self.span(a).squared() } else { self.span(a).times(self.span(b)) };
+        let span = if a == b { self.span(a).square() } else { self.span(a).times(self.span(b)) };
         let both = self.bits(a) + self.bits(b);
         let bits = self.target(into, seen, self.size(a) * self.size(b)).min(both);
         if !span.fits() || self.cannot_take(into, bits) {
@@ -228,7 +228,7 @@ impl<'a> Writer<'a> {
         }
         let shift = (both - bits) as u32;
         let product = FixedOperation::Product { into, a, b, shift };
-        self.put(product, into, bits, span.narrowed(shift), OperationError::nearest(0.5 * unit(bits)));
+        self.put(product, into, bits, span.shift_right(shift), OperationError::nearest(0.5 * unit(bits)));
         Ok(())
     }
 
@@ -252,7 +252,7 @@ impl<'a> Writer<'a> {
         let left = (bits - own).max(0) as u32;
         let shift = (own + left as i32 - bits) as u32;
         let size = (self.span(above).size() << left) / nearest;
-        let span = Span { low: -size, high: size }.narrowed(shift);
+        let span = Span { low: -size, high: size }.shift_right(shift);
         let quotient = FixedOperation::Quotient { into, above, below, left, shift };
         self.put(quotient, into, bits, span, cut(bits, shift));
         Ok(())

@@ -8,7 +8,7 @@ use super::machine::{list, number};
 /// Returns the free functions: their tables, what they follow, and what they add at each place.
 pub(crate) fn functions(plant: &Plant) -> Vec<minijinja::Value> {
     plant
-        .learned()
+        .learned_functions()
         .into_iter()
         .flat_map(LearnedFunctions::iter)
         .enumerate()

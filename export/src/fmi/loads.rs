@@ -82,7 +82,7 @@ pub(super) fn cylinder(plant: &Plant) -> Option<Value> {
         Lever::Constant(_) => context! { linkage => false },
         Lever::Linkage(pins) => context! {
             linkage => true,
-            between => number(pins.between_rad(0.0)),
+            between => number(pins.included_angle_rad(0.0)),
             arms => number(pins.arm_m * pins.anchor_m),
             squares => number(pins.arm_m * pins.arm_m + pins.anchor_m * pins.anchor_m),
             sense => number(pulling_sense(&pins)),

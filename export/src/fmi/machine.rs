@@ -428,7 +428,7 @@ fn frequency(sensor: &Sensor) -> f64 {
 }
 
 /// Returns how many values a delayed signal keeps.
-pub(crate) fn past(plant: &Plant) -> usize {
+pub(crate) fn count_delayed_values(plant: &Plant) -> usize {
     let interface = &plant.parameters().interface;
     let late =
         fitted(plant).into_iter().map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);

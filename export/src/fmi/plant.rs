@@ -55,7 +55,7 @@ pub enum PlantUnitError {
 pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>, PlantUnitError> {
     let PlantUnit { plant, name } = asked;
     check_name(name)?;
-    let past = machine::past(plant);
+    let past = machine::count_delayed_values(plant);
     let bonds = machine::bristles(plant);
     within("delay in samples", past as f64, MOST_DELAY_SAMPLES)?;
     within("number of bristles", bonds as f64, MOST_BRISTLES)?;

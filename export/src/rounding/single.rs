@@ -4,7 +4,8 @@ use counterpoise_controller::program::{Operation, Slot, Term};
 use counterpoise_controller::{Controller, Number, Runner};
 
 use super::{
-    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid,
+    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, deviation, is_kept, setting_errors,
+    state_increment, to_grid,
 };
 use crate::Ranges;
 use crate::ranges::{Run, RunState, RunVisitor, play};
@@ -49,7 +50,7 @@ impl Arithmetic for Single<'_> {
         play(runs, &StoredCoefficients(self.controller)).into_iter().map(|state| state.voltages_v).collect()
     }
 
-    fn rounded(&self, _: Line, executed: &ExecutedOperation<'_>) -> Rounded {
+    fn rounding_of(&self, _: Line, executed: &ExecutedOperation<'_>) -> Rounded {
         let ExecutedOperation { operation, read, written: value, .. } = *executed;
         let square = match operation {
             Operation::Sum { constant, terms, .. } => sum(*constant, terms, read),
@@ -57,7 +58,7 @@ impl Arithmetic for Single<'_> {
             Operation::Product { .. } | Operation::Quotient { .. } => half_unit(value).powi(2),
             Operation::Magnitude { .. } | Operation::Clamp { .. } => 0.0,
         };
-        let known = match added(operation, read) {
+        let known = match state_increment(operation, read) {
             Some((_, rest)) if square > 0.0 && SMALL * rest.abs() < value.abs() => {
                 to_grid(rest, 2.0 * half_unit(value))
             }
@@ -91,7 +92,7 @@ impl Single<'_> {
             true => KEPT_ROUNDINGS * UNIT * self.ranges.of(*slot),
             false => 0.0,
         };
-        left_wrong(self.controller, self.ranges, &error)
+        setting_errors(self.controller, self.ranges, &error)
     }
 
     /// Returns the sum of the magnitudes that an operation rounds.
@@ -181,13 +182,13 @@ impl Number for Stored {
     fn times(&self, other: &Self) -> Self {
         Self(self.0 * other.0)
     }
-    fn over(&self, other: &Self) -> Self {
+    fn divide_by(&self, other: &Self) -> Self {
         Self(self.0 / other.0)
     }
     fn magnitude(&self) -> Self {
         Self(self.0.abs())
     }
-    fn clamped(&self, low: &Self, high: &Self) -> Self {
+    fn clamp_to(&self, low: &Self, high: &Self) -> Self {
         Self(self.0.max(low.0).min(high.0))
     }
 }

@@ -101,7 +101,7 @@ impl<'a> Tangent<'a> {
     }
 
     /// Returns each operation of the last run with what it read and wrote.
-    pub fn executed(&self) -> impl Iterator<Item = ExecutedOperation<'_>> + '_ {
+    pub fn executed_operations(&self) -> impl Iterator<Item = ExecutedOperation<'_>> + '_ {
         let first = self.values.len() - self.operations.len();
         self.operations.iter().enumerate().map(move |(number, operation)| {
             let read = &self.operands[self.first_reads[number]..self.first_reads[number + 1]];

@@ -88,7 +88,7 @@ impl Walk<'_> {
 
 fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic, rounded: &mut Vec<Rounded>) {
     rounded.clear();
-    rounded.extend(tangent.executed().map(|executed| arithmetic.rounded(line, &executed)));
+    rounded.extend(tangent.executed_operations().map(|executed| arithmetic.rounding_of(line, &executed)));
 }
 
 /// Known errors of the states and the covariance bound of the rest.

@@ -78,5 +78,5 @@ fn solve_precisely(A: &Mat, Q: &Mat, kind: Kind) -> Option<Mat> {
         return None;
     }
     let [X] = smith::lyapunov(&Precise::from(&A.t()), [Precise::from(Q)], kind)?;
-    Some(X.rounded())
+    Some(X.round())
 }

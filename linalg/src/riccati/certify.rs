@@ -103,7 +103,7 @@ pub(super) fn certify_precise(
     found: precise::Solution,
 ) -> Option<Certified> {
     let kind = Equation::kind(equation);
-    let X = found.X.rounded().symmetric_part();
+    let X = found.X.round().symmetric_part();
     let residual = equation.linearise(&Precise::from(&X))?.residual.high;
     let size = equation.evaluate(&X.clone().into())?.terms;
     let remaining = residual.norm_fro();
@@ -123,9 +123,9 @@ pub(super) fn certify_precise(
         newton_steps: found.steps,
     };
     let normwise = Normwise::Norms(found.inverse_norms);
-    let mut closed_loop = eigenvalues(&found.closed.rounded()).ok()?;
+    let mut closed_loop = eigenvalues(&found.closed.round()).ok()?;
     closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
-    let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
+    let solution = Riccati { X, F: found.gain.round(), closed_loop, certificate };
     let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
     Some(Certified { solution, residual, operator_norm, contraction: 0.0, normwise })
 }

@@ -7,8 +7,8 @@ use crate::sylvester::Kind;
 use crate::tolerance::PRECISE_STATES;
 
 use super::certify::{Certified, certify};
-use super::decide::{Failure, Refusal, decide, in_callers_units, is_beyond_doubt, unless_lost};
-use super::doubling::{PARAMETERS, by_doubling};
+use super::decide::{Failure, Refusal, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
+use super::doubling::{PARAMETERS, solve_by_doubling};
 use super::equation::{Continuous, Data, Quadratic};
 use super::modes::Modes;
 use super::newton::{Equation, refine};
@@ -49,7 +49,8 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         2.0 * (A.t() * &found.X).norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    solve_scaled(&equation, &scaled.problem).try_map(|found| in_callers_units(found, &scaled, gain, terms))
+    solve_scaled(&equation, &scaled.problem)
+        .try_map(|found| convert_to_callers_units(found, &scaled, gain, terms))
 }
 
 /// Solves `A'X + XA - XGX + Q = 0` for the stabilising `X`: `A - G X` is stable. `G` and `Q` symmetric, of any sign, as
@@ -74,7 +75,8 @@ pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
         2.0 * (A.t() * &found.X).norm_fro() + (&found.X * &found.F).norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, d, &back);
-    solve_scaled(&equation, &scaled.problem).try_map(|found| in_callers_units(found, &scaled, gain, terms))
+    solve_scaled(&equation, &scaled.problem)
+        .try_map(|found| convert_to_callers_units(found, &scaled, gain, terms))
 }
 
 /// The checks that both time bases share.
@@ -160,14 +162,14 @@ fn attempt(
     let problem = modes.problem;
     let (first, method) = match way {
         Start::Schur => {
-            let start = subspace::by_schur(problem);
+            let start = subspace::solve_by_schur(problem);
             if let Some(value) = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES) {
                 *nearest = Nearest::Known(value);
             }
             (start.first, Method::Schur)
         }
         Start::Doubling(parameters) => {
-            (by_doubling(modes, parameters).map_err(Failure::Certain)?, Method::Doubling)
+            (solve_by_doubling(modes, parameters).map_err(Failure::Certain)?, Method::Doubling)
         }
     };
     let first = first.ok_or(Reason::NoGraph)?;

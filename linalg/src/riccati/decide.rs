@@ -1,6 +1,6 @@
 //! The last word on a problem: accepted as solved in doubles, solved again in 32 digits, or refused with the reason.
 
-use crate::error::{Error, in_range};
+use crate::error::{Error, check_range};
 use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::{
@@ -167,7 +167,7 @@ fn explained(refusal: Refusal, modes: &Modes) -> Reason {
 }
 
 /// The solution in the caller's units, if they hold it; `terms` gives the sum of the norms of the equation's terms there.
-pub(super) fn in_callers_units(
+pub(super) fn convert_to_callers_units(
     found: Certified,
     units: &Scaled,
     gain: impl FnOnce(&Mat) -> Mat,
@@ -185,8 +185,8 @@ pub(super) fn in_callers_units(
         rescale(&residual, &back, &back).norm_fro()
     };
     solution.certificate.term_norm = terms(&solution);
-    solution.X = in_range("the solution of the Riccati equation", solution.X)?;
-    solution.F = in_range("the gain of the Riccati equation", solution.F)?;
+    solution.X = check_range("the solution of the Riccati equation", solution.X)?;
+    solution.F = check_range("the gain of the Riccati equation", solution.F)?;
     solution.certificate.bound_unknown();
     Ok(solution)
 }

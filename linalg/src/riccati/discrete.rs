@@ -7,7 +7,7 @@ use crate::tolerance::EPS;
 
 use super::certify::{Certified, certify};
 use super::continuous::{check_input, fold};
-use super::decide::{Failure, decide, in_callers_units, is_beyond_doubt, unless_lost};
+use super::decide::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::equation::{Data, Discrete};
 use super::modes::Modes;
 use super::newton::refine;
@@ -44,7 +44,7 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         (A.t() * &XA).norm_fro() + found.X.norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    solve_in_units(&Discrete(data)).try_map(|found| in_callers_units(found, &units, gain, terms))
+    solve_in_units(&Discrete(data)).try_map(|found| convert_to_callers_units(found, &units, gain, terms))
 }
 
 /// The size of `R`, or where that vanishes beside what the cost makes of the input after one step, of `B'QB`.
@@ -109,8 +109,8 @@ fn shifted(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
 fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Certified, Failure> {
     let scaled = scale(problem.clone());
     let first = match method {
-        Method::Schur => subspace::by_discrete_schur(&scaled.problem),
-        Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()).settled(),
+        Method::Schur => subspace::solve_by_discrete_schur(&scaled.problem),
+        Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()).approximation(),
     };
     let first = first.ok_or(Reason::NoGraph)?;
     let modes = Modes::of(&scaled.problem, Kind::Discrete);

@@ -24,7 +24,7 @@ pub(super) const PARAMETERS: [f64; 3] = [0.3, 1.7, 0.05];
 ///
 /// # Errors
 /// The reason why there is no solution, if a solution that keeps growing made the question worth its time.
-pub(super) fn by_doubling(modes: &Modes, parameters: &[f64]) -> Result<Option<Mat>, Reason> {
+pub(super) fn solve_by_doubling(modes: &Modes, parameters: &[f64]) -> Result<Option<Mat>, Reason> {
     let Problem { A, G, Q } = modes.problem;
     let early = if A.nrows() > PRECISE_STATES { DOUBLING_EARLY_LARGE } else { DOUBLING_EARLY };
     let base = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()) / (A.nrows() as f64).sqrt();
@@ -55,7 +55,7 @@ pub(super) enum Outcome {
 
 impl Outcome {
     /// The approximation, if there is one.
-    pub(super) fn settled(self) -> Option<Mat> {
+    pub(super) fn approximation(self) -> Option<Mat> {
         match self {
             Self::Settled(X) => Some(X),
             Self::Unsettled | Self::Unsolvable(_) | Self::Broken => None,

@@ -82,7 +82,7 @@ impl Data {
     }
 
     /// `A - B K`
-    pub(super) fn closed(&self, K: &Mat) -> Mat {
+    pub(super) fn closed_matrix(&self, K: &Mat) -> Mat {
         &self.A - &(&self.B * K)
     }
 }
@@ -115,7 +115,7 @@ impl Equation for Continuous {
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
-        let half = E * self.0.closed(&before.gain);
+        let half = E * self.0.closed_matrix(&before.gain);
         let driven = self.0.B.t() * E;
         let gain = solve(&self.0.R, &driven).ok()?;
         let residual = &half + &half.t() - driven.t() * &gain;
@@ -123,7 +123,7 @@ impl Equation for Continuous {
     }
 
     fn closed_loop(&self, K: &Mat) -> Mat {
-        self.0.closed(K)
+        self.0.closed_matrix(K)
     }
 
     fn residual_error(&self, K: &Mat, _: &Mat) -> f64 {
@@ -151,7 +151,7 @@ impl PreciseEquation for Continuous {
         half.t() + half + self.0.weight_moduli(K)
     }
 
-    fn folded(&self, _: f64) -> Option<[Precise; 3]> {
+    fn fold_shift(&self, _: f64) -> Option<[Precise; 3]> {
         let data = &self.0;
         let cross = data.S.as_ref().map(Precise::from);
         data.fold_precisely(&Precise::from(&data.Q), &Precise::from(&data.R), cross.as_ref())
@@ -219,7 +219,7 @@ impl PreciseEquation for Quadratic {
         half.t() + half + moduli(&self.Q) + &x * &moduli(&self.G) * &x
     }
 
-    fn folded(&self, _: f64) -> Option<[Precise; 3]> {
+    fn fold_shift(&self, _: f64) -> Option<[Precise; 3]> {
         Some([&self.A, &self.G, &self.Q].map(Precise::from))
     }
 
@@ -300,7 +300,7 @@ impl Equation for Discrete {
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change> {
-        let closed = self.0.closed(&before.gain);
+        let closed = self.0.closed_matrix(&before.gain);
         let moved = E * &closed;
         let driven = self.0.B.t() * &moved;
         let gain = solve(&self.weight(X), &driven).ok()?;
@@ -309,12 +309,12 @@ impl Equation for Discrete {
     }
 
     fn closed_loop(&self, K: &Mat) -> Mat {
-        self.0.closed(K)
+        self.0.closed_matrix(K)
     }
 
     fn residual_error(&self, K: &Mat, X: &Mat) -> f64 {
         let weight = self.weight(X);
-        let products = EXTENDED_ERROR * self.0.closed(K).norm_fro().powi(2) * X.norm_fro();
+        let products = EXTENDED_ERROR * self.0.closed_matrix(K).norm_fro().powi(2) * X.norm_fro();
         products + (EPS * K.norm_fro()).powi(2) * weight.norm_fro()
     }
 
@@ -338,11 +338,11 @@ impl PreciseEquation for Discrete {
     fn moduli(&self, K: &Mat, X: &Mat) -> Mat {
         let data = &self.0;
         let inner = moduli(&data.A) + moduli(&data.B) * &moduli(K);
-        let half = moduli(&data.closed(K)).t() * &moduli(X) * &inner;
+        let half = moduli(&data.closed_matrix(K)).t() * &moduli(X) * &inner;
         half.t() + half + data.weight_moduli(K)
     }
 
-    fn folded(&self, shift: f64) -> Option<[Precise; 3]> {
+    fn fold_shift(&self, shift: f64) -> Option<[Precise; 3]> {
         let data = &self.0;
         let (A, B) = (Precise::from(&data.A), Precise::from(&data.B));
         let (mut Q, mut R) = (Precise::from(&data.Q), Precise::from(&data.R));

@@ -37,7 +37,7 @@ pub enum Outcome<T> {
 
 impl<T> Outcome<T> {
     /// The solution, if there is one.
-    pub fn solved(self) -> Option<T> {
+    pub fn solution(self) -> Option<T> {
         match self {
             Self::Solved(solution) => Some(solution),
             Self::Infeasible(_) => None,

@@ -46,9 +46,9 @@ impl<'a> Modes<'a> {
     }
 
     /// Those on the boundary of stability as far as the entries of `A` say.
-    pub(super) fn on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<Mode<'_>> {
+    pub(super) fn modes_on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<Mode<'_>> {
         let Some(table) = self.table() else { return Vec::new() };
-        let found = table.spectrum.on_boundary(excess);
+        let found = table.spectrum.eigenvalues_on_boundary(excess);
         self.all().filter(|mode| found.contains(&mode.value())).collect()
     }
 

@@ -5,7 +5,7 @@
 //! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
 
 use crate::extended::Extended;
-use crate::lyapunov::{Operator, dlyap, lyap, transposed};
+use crate::lyapunov::{Operator, dlyap, lyap, transpose_form};
 use crate::mat::Mat;
 use crate::schur::schur;
 use crate::sylvester::Kind;
@@ -187,5 +187,5 @@ fn short_step(kind: Kind) -> f64 {
 }
 
 fn derivative_of(closed: &Mat, kind: Kind) -> Option<Operator> {
-    Operator::new(transposed(&schur(closed).ok()?), kind).ok()
+    Operator::new(transpose_form(&schur(closed).ok()?), kind).ok()
 }

@@ -27,7 +27,7 @@ pub(super) trait PreciseEquation {
     /// Returns residual, closed loop and gain at `X`; `None` if a weight is singular.
     fn linearise(&self, X: &Precise) -> Option<Linearised>;
     /// Returns the equation without input as `A`, `G`, `Q`, for `X - shift I`; `None` if a weight is singular.
-    fn folded(&self, shift: f64) -> Option<[Precise; 3]>;
+    fn fold_shift(&self, shift: f64) -> Option<[Precise; 3]>;
     /// Returns the sum of the moduli of all products in the residual at `X` with the gain `K`: what a change of every entry of the data by a
     /// share e may change the residual by, over e.
     fn moduli(&self, K: &Mat, X: &Mat) -> Mat;
@@ -75,7 +75,7 @@ fn stabilising(equation: &impl PreciseEquation) -> Option<Precise> {
     if equation.kind() == Kind::Discrete {
         return None;
     }
-    let [A, G, _] = equation.folded(0.0)?;
+    let [A, G, _] = equation.fold_shift(0.0)?;
     let n = A.high.nrows();
     let shift = Precise::identity(n, power_of_two(2.0 * A.high.norm_fro().max(f64::MIN_POSITIVE)));
     let [Z] = lyapunov(&A.plus(&shift).t().scale(-1.0), [G.scale(2.0)], Kind::Continuous)?;
@@ -84,10 +84,9 @@ fn stabilising(equation: &impl PreciseEquation) -> Option<Precise> {
 
 /// The solution from the doubling's approximations of the equation shifted by `shift`.
 fn approximations(equation: &impl PreciseEquation, shift: f64) -> Option<Solution> {
-    let data = equation.folded(shift)?;
+    let data = equation.fold_shift(shift)?;
     let n = data[0].high.nrows();
-    let (units, d) =
-        common_units(Problem { A: data[0].rounded(), G: data[1].rounded(), Q: data[2].rounded() });
+    let (units, d) = common_units(Problem { A: data[0].round(), G: data[1].round(), Q: data[2].round() });
     let (d, back) = (&d, d.iter().map(|d| 1.0 / d).collect::<Vec<_>>());
     let [A, G, Q] = [data[0].rescale(&back, d), data[1].rescale(&back, &back), data[2].rescale(d, d)];
     let offset = Precise::identity(n, shift);

@@ -172,7 +172,7 @@ pub(super) fn certainly_unsolvable(modes: &Modes, X: &Mat) -> Option<Reason> {
 /// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.
 fn certainly_unseen(modes: &Modes) -> Option<Reason> {
     let n = modes.problem.A.nrows() as f64;
-    let sights = modes.on_boundary(|l| l.re).into_iter().map(Mode::sight);
+    let sights = modes.modes_on_boundary(|l| l.re).into_iter().map(Mode::sight);
     let mut unseen = sights.filter(|sight| sight.normwise.max(sight.entrywise) < n * LOST_MODE);
     unseen.next().map(|sight| Reason::Unobservable { mode: sight.mode, distance: sight.normwise })
 }

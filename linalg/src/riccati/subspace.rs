@@ -20,14 +20,14 @@ pub(super) struct SchurStart {
 }
 
 /// Returns a first approximation of the stabilising solution, and the eigenvalue that is in the way if there is none.
-pub(super) fn by_schur(problem: &Problem) -> SchurStart {
+pub(super) fn solve_by_schur(problem: &Problem) -> SchurStart {
     let Ok(form) = schur(&hamiltonian(problem)) else { return SchurStart::default() };
     let nearest = form.eigenvalues().into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
     SchurStart { first: stable_graph(form), nearest }
 }
 
 /// The same for the discrete equation, whose symplectic pencil a Cayley transform makes Hamiltonian.
-pub(super) fn by_discrete_schur(problem: &Problem) -> Option<Mat> {
+pub(super) fn solve_by_discrete_schur(problem: &Problem) -> Option<Mat> {
     let Problem { A, G, Q } = problem;
     let identity = Mat::eye(A.nrows());
     let plus = Mat::from_blocks(&[&[&(A + &identity), G], &[&-Q, &(&identity + &A.t())]]);

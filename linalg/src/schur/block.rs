@@ -19,7 +19,7 @@ impl Rotation {
 
     /// Rows `k`, `k + 1` of the columns from `from` on.
     #[inline(always)]
-    pub(super) fn left(self, H: &mut Mat, k: usize, from: usize) {
+    pub(super) fn apply_left(self, H: &mut Mat, k: usize, from: usize) {
         let ld = H.nrows();
         for column in H.as_mut_slice()[from * ld..].chunks_exact_mut(ld) {
             let (x, y) = (column[k], column[k + 1]);
@@ -30,7 +30,7 @@ impl Rotation {
 
     /// Columns `k`, `k + 1` of the first `rows` rows.
     #[inline(always)]
-    pub(super) fn right(self, H: &mut Mat, k: usize, rows: usize) {
+    pub(super) fn apply_right(self, H: &mut Mat, k: usize, rows: usize) {
         let ld = H.nrows();
         let (left, right) = H.as_mut_slice()[k * ld..(k + 2) * ld].split_at_mut(ld);
         for (x, y) in left[..rows].iter_mut().zip(&mut right[..rows]) {
@@ -55,10 +55,10 @@ impl Rotation {
 pub(super) fn standardise(T: &mut Mat, U: &mut Mat, k: usize) {
     let block = [T[(k, k)], T[(k, k + 1)], T[(k + 1, k)], T[(k + 1, k + 1)]];
     let ([a, b, c, d], turn) = standard(block);
-    turn.left(T, k, k);
-    turn.right(T, k, k + 2);
+    turn.apply_left(T, k, k);
+    turn.apply_right(T, k, k + 2);
     let rows = U.nrows();
-    turn.right(U, k, rows);
+    turn.apply_right(U, k, rows);
     T[(k, k)] = a;
     T[(k, k + 1)] = b;
     T[(k + 1, k)] = c;

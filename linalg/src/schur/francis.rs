@@ -144,12 +144,12 @@ impl Iteration<'_> {
             Scope::Form => (0, n),
             Scope::Values => (start, end + 1),
         };
-        reflector.left(self.H.as_mut_slice(), n, k, k..right);
+        reflector.apply_left(self.H.as_mut_slice(), n, k, k..right);
         let rows = top..(k + 4).min(end + 1);
-        reflector.right(self.H.as_mut_slice(), n, k, rows);
+        reflector.apply_right(self.H.as_mut_slice(), n, k, rows);
         if self.scope == Scope::Form {
             let rows = self.Z.nrows();
-            reflector.right(self.Z.as_mut_slice(), rows, k, 0..rows);
+            reflector.apply_right(self.Z.as_mut_slice(), rows, k, 0..rows);
         }
     }
 }
@@ -242,7 +242,7 @@ impl Reflector {
 
     /// Applies the reflection to rows `k..k + size` of the columns in `range`.
     #[inline(always)]
-    pub(super) fn left(&self, h: &mut [f64], ld: usize, k: usize, range: std::ops::Range<usize>) {
+    pub(super) fn apply_left(&self, h: &mut [f64], ld: usize, k: usize, range: std::ops::Range<usize>) {
         let (t1, v2, v3) = (self.tau, self.v2, self.v3);
         if t1 == 0.0 {
             return;
@@ -266,7 +266,7 @@ impl Reflector {
 
     /// Applies the reflection to columns `k..k + size` of the rows in `rows`.
     #[inline(always)]
-    pub(super) fn right(&self, h: &mut [f64], ld: usize, k: usize, rows: std::ops::Range<usize>) {
+    pub(super) fn apply_right(&self, h: &mut [f64], ld: usize, k: usize, rows: std::ops::Range<usize>) {
         let (t1, v2, v3) = (self.tau, self.v2, self.v3);
         if t1 == 0.0 {
             return;

@@ -54,10 +54,10 @@ vectorised! {
     fn swap_single<'a>(T: &'a mut Mat, U: &'a mut Mat, k: usize) -> () {
         let (upper, lower) = (T[(k, k)], T[(k + 1, k + 1)]);
         let turn = Rotation::zeroing(T[(k, k + 1)], lower - upper);
-        turn.left(T, k, k);
-        turn.right(T, k, k + 2);
+        turn.apply_left(T, k, k);
+        turn.apply_right(T, k, k + 2);
         let rows = U.nrows();
-        turn.right(U, k, rows);
+        turn.apply_right(U, k, rows);
         T[(k, k)] = lower;
         T[(k + 1, k + 1)] = upper;
         T[(k + 1, k)] = 0.0;

@@ -22,14 +22,16 @@ impl SparseCholesky {
     /// # Errors
     /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::NotPositiveDefinite`], or [`Error::TooLarge`] if the factors do not fit into memory.
     pub fn of(A: &Sparse) -> Result<Self, Error> {
-        Self::watched(A, Analysis::of(A, &[])?, "factorising a matrix", &mut |_| ControlFlow::Continue(()))
+        Self::with_progress(A, Analysis::of(A, &[])?, "factorising a matrix", &mut |_| {
+            ControlFlow::Continue(())
+        })
     }
 
     /// Does the same with an analysis of the pattern, tells `watch` the percentage that is done, and stops if it asks to.
     ///
     /// # Errors
     /// As for [`SparseCholesky::of`], and [`Error::Cancelled`].
-    pub fn watched(
+    pub fn with_progress(
         A: &Sparse,
         analysis: Analysis,
         stage: &'static str,

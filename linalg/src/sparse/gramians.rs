@@ -65,7 +65,7 @@ impl LowRankGramians {
     ///
     /// # Errors
     /// [`Error::NoConvergence`] of the singular value decomposition.
-    pub fn balanced(&self, pencil: &QuadraticPencil) -> Result<BalancedDirections, Error> {
+    pub fn balanced_directions(&self, pencil: &QuadraticPencil) -> Result<BalancedDirections, Error> {
         let carried = times_e(pencil, &self.reachability);
         let parts = svd(&transpose_times(&self.observability, &carried)?)?;
         let count = parts.s.len();

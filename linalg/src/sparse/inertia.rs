@@ -50,7 +50,7 @@ impl<'a> ModeCounter<'a> {
     ///
     /// # Errors
     /// [`Error::TooLarge`], [`Error::Singular`] for such a pivot, or [`Error::Cancelled`].
-    pub fn below(&self, limit: f64, watch: &mut Watch) -> Result<Vec<usize>, Error> {
+    pub fn count_below(&self, limit: f64, watch: &mut Watch) -> Result<Vec<usize>, Error> {
         let terms = [Term { factor: 1.0, matrix: self.K }, Term { factor: -limit, matrix: self.M }];
         let stage = "counting the modes";
         let pivots = factorise(&self.analysis, &terms, Wanted::Pivots, stage, watch)?.pivots;
@@ -75,9 +75,9 @@ impl<'a> ModeCounter<'a> {
 /// Returns how many eigenvalues of `K x = l M x` lie below `limit`; see [`ModeCounter`].
 ///
 /// # Errors
-/// As for [`ModeCounter::of`] and [`ModeCounter::below`].
+/// As for [`ModeCounter::of`] and [`ModeCounter::count_below`].
 pub fn count_below(K: &Sparse, M: &Sparse, limit: f64) -> Result<usize, Error> {
-    let counts = ModeCounter::of(K, M, &[])?.below(limit, &mut |_| ControlFlow::Continue(()))?;
+    let counts = ModeCounter::of(K, M, &[])?.count_below(limit, &mut |_| ControlFlow::Continue(()))?;
     Ok(counts.last().copied().unwrap_or(0))
 }
 
@@ -126,7 +126,7 @@ mod tests {
             let held = [17, 60];
             let counter = ModeCounter::of(&K, &M, &held).unwrap();
             for limit in [2.5, 3.7, 4.1, 5.0] {
-                let counts = counter.below(limit, &mut |_| ControlFlow::Continue(())).unwrap();
+                let counts = counter.count_below(limit, &mut |_| ControlFlow::Continue(())).unwrap();
                 for (k, &count) in counts.iter().enumerate() {
                     let kept: Vec<usize> = (0..90).filter(|row| !held[k..].contains(row)).collect();
                     let (values, _) = sym_eigen(&K.select(&kept).to_dense()).unwrap();

@@ -74,12 +74,12 @@ pub fn highest_cut(sets: &[&LowestModes]) -> Option<Cut> {
 
 impl LowestModes {
     /// Returns how many modes lie below a limit, the square of a rate.
-    pub fn below(&self, limit: f64) -> usize {
+    pub fn count_below(&self, limit: f64) -> usize {
         self.squares.iter().filter(|square| **square < limit).count()
     }
 
     /// Returns these modes and others, by frequency, the lowest `count` of them.
-    pub fn merged(&self, other: &Self, count: usize) -> Self {
+    pub fn merge(&self, other: &Self, count: usize) -> Self {
         let all: Vec<f64> = self.squares.iter().chain(&other.squares).copied().collect();
         let residuals: Vec<f64> = self.residuals.iter().chain(&other.residuals).copied().collect();
         let shapes = self.shapes.hstack(&other.shapes);

@@ -23,7 +23,7 @@ const NARROW: usize = 8;
 /// A number that sparse factors are made of.
 pub(super) trait Number: Scalar + ComplexField {
     /// The product with a real number.
-    fn scaled(self, by: f64) -> Self;
+    fn scale_by(self, by: f64) -> Self;
     /// 1 / x
     fn inverse(self) -> Self;
     /// The real part.
@@ -31,7 +31,7 @@ pub(super) trait Number: Scalar + ComplexField {
 }
 
 impl Number for f64 {
-    fn scaled(self, by: f64) -> Self {
+    fn scale_by(self, by: f64) -> Self {
         self * by
     }
     fn inverse(self) -> Self {
@@ -43,7 +43,7 @@ impl Number for f64 {
 }
 
 impl Number for C64 {
-    fn scaled(self, by: f64) -> Self {
+    fn scale_by(self, by: f64) -> Self {
         self * by
     }
     fn inverse(self) -> Self {
@@ -160,7 +160,7 @@ impl<T: Number> Elimination<'_, T> {
                 for (i, value) in term.matrix.column(analysis.order[c] as usize) {
                     let row = analysis.place[i] as usize;
                     if row >= c {
-                        column[self.local[row] as usize] += term.factor.scaled(value);
+                        column[self.local[row] as usize] += term.factor.scale_by(value);
                     }
                 }
             }

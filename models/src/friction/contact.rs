@@ -70,7 +70,7 @@ impl<const N: usize> Contact<N> {
         let mut moved = 0.0_f64;
         for (i, bound) in bounds.iter().enumerate() {
             let Some(bound) = bound else { continue };
-            let wanted = bound.held(self.torque_nm[i] + self.rate_rad_s[i] / mobility[(i, i)]);
+            let wanted = bound.holding_torque_nm(self.torque_nm[i] + self.rate_rad_s[i] / mobility[(i, i)]);
             let change = wanted - self.torque_nm[i];
             self.torque_nm[i] = wanted;
             for (k, rate) in self.rate_rad_s.iter_mut().enumerate() {

@@ -73,9 +73,9 @@ impl Dahl {
 impl<R: Copy> Dahl<R> {
     /// Returns the law in other numbers: each of its numbers as `convert` has it.
     #[inline(always)]
-    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> Dahl<T> {
+    pub fn map_numbers<T>(&self, convert: impl Fn(R) -> T) -> Dahl<T> {
         Dahl {
-            level: self.level.converted(&convert),
+            level: self.level.map_numbers(&convert),
             rest_stiffness_nm_rad: convert(self.rest_stiffness_nm_rad),
             exponent: self.exponent,
         }

@@ -33,7 +33,7 @@ pub struct DryFriction<R = f64> {
 impl<const N: usize> DryFriction<[f64; N]> {
     /// Returns the friction of several mechanisms side by side; `None` if their laws are of different kinds or not smooth, or if their
     /// level depends on more than the rate.
-    pub fn joined(models: [&FrictionModel; N]) -> Option<Self> {
+    pub fn join(models: [&FrictionModel; N]) -> Option<Self> {
         if models.iter().any(|model| model.is_modulated()) {
             return None;
         }
@@ -75,13 +75,13 @@ fn joined_dahl<const N: usize>(laws: [Dahl; N]) -> Option<Dahl<[f64; N]>> {
     if laws.iter().any(|law| law.exponent != exponent) {
         return None;
     }
-    let level = super::stribeck::joined(laws.map(|law| law.level))?;
+    let level = super::stribeck::join_levels(laws.map(|law| law.level))?;
     Some(Dahl { level, rest_stiffness_nm_rad: laws.map(|law| law.rest_stiffness_nm_rad), exponent })
 }
 
 fn joined_lugre<const N: usize>(laws: [Lugre; N]) -> Option<Lugre<[f64; N]>> {
     Some(Lugre {
-        level: super::stribeck::joined(laws.map(|law| law.level))?,
+        level: super::stribeck::join_levels(laws.map(|law| law.level))?,
         stiffness_nm_rad: laws.map(|law| law.stiffness_nm_rad),
         damping_nm_s_rad: laws.map(|law| law.damping_nm_s_rad),
     })
@@ -112,13 +112,13 @@ impl<R: Copy> DryFriction<R> {
 
     /// Returns the friction in other numbers: each of its numbers as `convert` has it.
     #[inline(always)]
-    pub fn converted<T>(&self, convert: impl Fn(R) -> T + Copy) -> DryFriction<T> {
+    pub fn map_numbers<T>(&self, convert: impl Fn(R) -> T + Copy) -> DryFriction<T> {
         let law = match &self.law {
             SmoothLaw::None => SmoothLaw::None,
-            SmoothLaw::Dahl(law) => SmoothLaw::Dahl(law.converted(convert)),
-            SmoothLaw::Lugre(law) => SmoothLaw::Lugre(law.converted(convert)),
-            SmoothLaw::ResetIntegrator(law) => SmoothLaw::ResetIntegrator(law.converted(convert)),
-            SmoothLaw::Walrath(law) => SmoothLaw::Walrath(law.converted(convert)),
+            SmoothLaw::Dahl(law) => SmoothLaw::Dahl(law.map_numbers(convert)),
+            SmoothLaw::Lugre(law) => SmoothLaw::Lugre(law.map_numbers(convert)),
+            SmoothLaw::ResetIntegrator(law) => SmoothLaw::ResetIntegrator(law.map_numbers(convert)),
+            SmoothLaw::Walrath(law) => SmoothLaw::Walrath(law.map_numbers(convert)),
         };
         DryFriction { law, asymmetry: convert(self.asymmetry) }
     }

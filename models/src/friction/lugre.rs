@@ -22,9 +22,9 @@ pub struct Lugre<R = f64> {
 impl<R: Copy> Lugre<R> {
     /// Returns the law in other numbers: each of its numbers as `convert` has it.
     #[inline(always)]
-    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> Lugre<T> {
+    pub fn map_numbers<T>(&self, convert: impl Fn(R) -> T) -> Lugre<T> {
         Lugre {
-            level: self.level.converted(&convert),
+            level: self.level.map_numbers(&convert),
             stiffness_nm_rad: convert(self.stiffness_nm_rad),
             damping_nm_s_rad: convert(self.damping_nm_s_rad),
         }

@@ -58,11 +58,11 @@ impl FrictionModel {
     /// [`Error::Parameter`] names the first parameter outside its range of [`ranges`], as `friction.` and its field; a load
     /// coefficient needs a Coulomb level, and a polynomial Stribeck curve must stay positive.
     pub fn new(friction: &Friction) -> Result<Self, Error> {
-        Self::named("friction", friction)
+        Self::new_at_path("friction", friction)
     }
 
     /// Returns the model with these parameters as [`FrictionModel::new`] does; errors name the parameter with its path.
-    pub(crate) fn named(path: &str, friction: &Friction) -> Result<Self, Error> {
+    pub(crate) fn new_at_path(path: &str, friction: &Friction) -> Result<Self, Error> {
         ranges::check_shared(path, friction)?;
         let coulomb = friction.coulomb_nm();
         Ok(Self {

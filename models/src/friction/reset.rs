@@ -23,7 +23,7 @@ pub struct ResetIntegrator<R = f64> {
 impl<R: Copy> ResetIntegrator<R> {
     /// Returns the law in other numbers: each of its numbers as `convert` has it.
     #[inline(always)]
-    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> ResetIntegrator<T> {
+    pub fn map_numbers<T>(&self, convert: impl Fn(R) -> T) -> ResetIntegrator<T> {
         ResetIntegrator {
             coulomb_nm: convert(self.coulomb_nm),
             static_ratio: convert(self.static_ratio),

@@ -10,7 +10,7 @@ use super::stribeck::StribeckLevel;
 /// "Computer simulation of stick-slip friction in mechanical dynamic systems", ASME JDSMC 107, 1985).
 ///
 /// What holds at rest is a matter of the whole mechanism: the simulator asks for the [`Stick`] and applies
-/// [`Stick::held`] to the torque that would otherwise move the joint.
+/// [`Stick::holding_torque_nm`] to the torque that would otherwise move the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sliding {
     /// Sliding level by the rate; breakaway is its value at rest.
@@ -54,7 +54,7 @@ pub struct Stick {
 impl Stick {
     /// Returns the friction torque at rest against the torque that would accelerate the joint: all of it, up to breakaway.
     #[inline]
-    pub fn held(&self, applied_nm: f64) -> f64 {
+    pub fn holding_torque_nm(&self, applied_nm: f64) -> f64 {
         applied_nm.clamp(-self.negative_nm, self.positive_nm)
     }
 

@@ -70,7 +70,7 @@ impl StribeckLevel {
 impl<R: Copy> StribeckLevel<R> {
     /// Returns the level in other numbers: each of its numbers as `convert` has it.
     #[inline(always)]
-    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> StribeckLevel<T> {
+    pub fn map_numbers<T>(&self, convert: impl Fn(R) -> T) -> StribeckLevel<T> {
         StribeckLevel {
             coulomb_nm: convert(self.coulomb_nm),
             excess_nm: convert(self.excess_nm),
@@ -81,7 +81,7 @@ impl<R: Copy> StribeckLevel<R> {
 }
 
 /// Returns the levels of several laws side by side; `None` if their curves differ.
-pub(super) fn joined<const N: usize>(levels: [StribeckLevel; N]) -> Option<StribeckLevel<[f64; N]>> {
+pub(super) fn join_levels<const N: usize>(levels: [StribeckLevel; N]) -> Option<StribeckLevel<[f64; N]>> {
     let curve = levels.first()?.curve;
     levels.iter().all(|level| level.curve == curve).then(|| StribeckLevel {
         coulomb_nm: levels.map(|level| level.coulomb_nm),

@@ -22,7 +22,7 @@ pub struct Walrath<R = f64> {
 impl<R: Copy> Walrath<R> {
     /// Returns the law in other numbers: each of its numbers as `convert` has it.
     #[inline(always)]
-    pub fn converted<T>(&self, convert: impl Fn(R) -> T) -> Walrath<T> {
+    pub fn map_numbers<T>(&self, convert: impl Fn(R) -> T) -> Walrath<T> {
         Walrath {
             coulomb_nm: convert(self.coulomb_nm),
             time_constant_s: convert(self.time_constant_s),

@@ -87,7 +87,7 @@ impl Lever {
 
 /// Returns -1 for a cylinder that raises the hub at the angle 0 as it shortens, 1 for one that pushes.
 pub fn pulling_sense(pins: &Linkage) -> f64 {
-    -pins.between_rad(0.0).sin().signum()
+    -pins.included_angle_rad(0.0).sin().signum()
 }
 
 /// The slopes of a valve's flow at an operating point.

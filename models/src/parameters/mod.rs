@@ -156,7 +156,7 @@ impl Parameters {
     ///
     /// # Errors
     /// The name of a mass that the beam does not have.
-    pub fn configured(&self, configuration: &Configuration) -> Result<Self, crate::Error> {
+    pub fn with_configuration(&self, configuration: &Configuration) -> Result<Self, crate::Error> {
         let mut out = self.clone();
         let Some(lumped) = out.lumped.as_mut() else { return Ok(out) };
         lumped.hub_inertia_kg_m2 += configuration.added_hub_inertia_kg_m2;

@@ -54,7 +54,7 @@ impl Body {
     ///
     /// (the out-of-balance torque acts on the hub). Inertias and stiffness must be positive. A rigid structure
     /// ([`Lumped::is_rigid`]) is one inertia without a mode.
-    pub fn lumped(lumped: &Lumped) -> Self {
+    pub fn from_lumped(lumped: &Lumped) -> Self {
         let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
         let total = hub + beam;
         if lumped.is_rigid() {
@@ -90,7 +90,7 @@ impl Body {
     /// [`Error::Linalg`] if the eigenproblem has no solution.
     pub fn chain(lumped: &Lumped) -> Result<Self, Error> {
         if lumped.chain.is_empty() {
-            return Ok(Self::lumped(lumped));
+            return Ok(Self::from_lumped(lumped));
         }
         let mut inertias = vec![lumped.hub_inertia_kg_m2];
         let mut springs = Vec::new();

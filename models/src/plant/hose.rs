@@ -35,7 +35,7 @@ impl Hose {
 
     /// Returns the torque after the hub has turned by an angle, N m: exact, whatever the rate was, as long as it kept its sign.
     #[inline]
-    pub fn after(&self, torque_nm: f64, travel_rad: f64) -> f64 {
+    pub fn torque_after_nm(&self, torque_nm: f64, travel_rad: f64) -> f64 {
         let (sense, mut left) = (travel_rad.signum(), travel_rad.abs());
         let mut along = torque_nm * sense;
         if along < 0.0 {
@@ -69,12 +69,12 @@ mod tests {
         for k in 0..400_000 {
             let rate = 0.2 * (1.5 * f64::from(k) * step).cos();
             let turned = 0.2 / 1.5 * (1.5 * f64::from(k + 1) * step).sin();
-            torque = hose.after(torque, turned - angle);
+            torque = hose.torque_after_nm(torque, turned - angle);
             angle = turned;
             let middle = marched + 0.5 * step * hose.slope(marched, rate);
             marched += step * hose.slope(middle, 0.2 * (1.5 * (f64::from(k) + 0.5) * step).cos());
         }
         assert!((torque - marched).abs() < 1e-3 * hose.level_nm, "{torque} {marched}");
-        assert!(hose.after(0.0, 10.0) <= 40.0 && hose.after(0.0, -10.0) >= -40.0);
+        assert!(hose.torque_after_nm(0.0, 10.0) <= 40.0 && hose.torque_after_nm(0.0, -10.0) >= -40.0);
     }
 }

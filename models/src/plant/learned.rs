@@ -322,7 +322,7 @@ fn value_torque_nm(function: &LearnedFunction, value: f64, plant: &Plant, at: &L
 
 impl Plant {
     /// Returns the free functions of the plant; `None` if it has none.
-    pub fn learned(&self) -> Option<&LearnedFunctions> {
+    pub fn learned_functions(&self) -> Option<&LearnedFunctions> {
         self.learned.as_ref()
     }
 

@@ -112,7 +112,7 @@ impl LinearPlant {
     ///
     /// # Errors
     /// [`Error::Lti`] if the matrices do not fit, which those of a linearisation do.
-    pub fn driven_by_torques(&self) -> Result<Self, Error> {
+    pub fn with_torque_inputs(&self) -> Result<Self, Error> {
         let g = &self.system;
         let kept = |of: f64, column: usize| if column == Self::CONTROL { of } else { 0.0 };
         let B = Mat::from_fn(g.order(), 3, |i, j| match j {
@@ -138,7 +138,7 @@ impl Plant {
         friction: FrictionLinearisation,
         angles: Angles,
     ) -> Result<LinearPlant, Error> {
-        let local = self.cylinder_local(equilibrium).or_else(|| self.learned_local(equilibrium));
+        let local = self.cylinder_local(equilibrium).or_else(|| self.linearise_learned(equilibrium));
         let Some((local, added)) = local else {
             return self.linearise_with(equilibrium, friction, angles, [Impedance::default(); 2]);
         };

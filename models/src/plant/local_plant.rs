@@ -32,7 +32,7 @@ impl Plant {
             return self.cylinder_equilibrium(cylinder, point);
         }
         let bare = self.equilibrium_under(point, MeshLoss::default());
-        match self.learned() {
+        match self.learned_functions() {
             Some(functions) => self.learned_equilibrium(functions, bare),
             None => bare,
         }
@@ -56,7 +56,7 @@ impl Plant {
     ///
     /// Functions of an angle or a rate keep their slope; those of load, control and time their value, and those over a turn, as
     /// cogging, have none.
-    pub(super) fn learned_local(&self, at: &Equilibrium) -> Option<(Self, [Impedance; 2])> {
+    pub(super) fn linearise_learned(&self, at: &Equilibrium) -> Option<(Self, [Impedance; 2])> {
         let functions = self.learned.as_ref()?;
         let regime = self.regime_at(at);
         let local = self.local(functions, &regime, Around::SmallMotion)?;

@@ -64,9 +64,9 @@ impl Plant {
     ///
     /// # Errors
     /// [`Error::NoStructure`] without lumped inertias, [`Error::Parameter`] for the first parameter out of range.
-    pub fn lumped(parameters: &Parameters) -> Result<Self, Error> {
+    pub fn from_lumped(parameters: &Parameters) -> Result<Self, Error> {
         let lumped = parameters.lumped.as_ref().ok_or(Error::NoStructure)?;
-        ranges::lumped(parameters, lumped)?;
+        ranges::check_lumped(parameters, lumped)?;
         let mut whole = lumped.clone();
         whole.hub_inertia_kg_m2 += parameters.reflected_inertia_kg_m2();
         Self::with_whole_body(parameters, Body::chain(&whole)?)
@@ -98,8 +98,8 @@ impl Plant {
             .as_ref()
             .map_or((0.0, 0.0), |l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
         let mut plant = Self {
-            motor_friction: FrictionModel::named("motor_friction", &parameters.motor_friction)?,
-            pivot_friction: FrictionModel::named("pivot_friction", &parameters.pivot_friction)?,
+            motor_friction: FrictionModel::new_at_path("motor_friction", &parameters.motor_friction)?,
+            pivot_friction: FrictionModel::new_at_path("pivot_friction", &parameters.pivot_friction)?,
             parameters: parameters.clone(),
             body,
             spring,

@@ -21,7 +21,7 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
 }
 
 /// Refuses a two-inertia structure that has no finite, damped mode.
-pub(super) fn lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Error> {
+pub(super) fn check_lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Error> {
     positive("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2 + parameters.reflected_inertia_kg_m2())?;
     not_negative("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2)?;
     not_negative("lumped.beam_inertia_kg_m2", lumped.beam_inertia_kg_m2)?;

@@ -54,7 +54,7 @@ impl BalancedShapes {
             },
             other => other.into(),
         })?;
-        let directions = gramians.balanced(&pencil)?;
+        let directions = gramians.balanced_directions(&pencil)?;
         let kept = directions.values.len().min(2 * (modes + SPARE_MODES));
         let n = free.len();
         let positions = directions.right.block(0, 0, n, kept);
@@ -70,7 +70,7 @@ impl BalancedShapes {
             );
         let shapes = orthonormal(&M, &both, SHAPE_NOISE)?;
         Ok(Self {
-            shapes: clamped.extended(&shapes),
+            shapes: clamped.extend_rows(&shapes),
             truncation: Truncation {
                 kept,
                 estimated_error: 2.0 * dropped / largest,

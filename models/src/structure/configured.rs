@@ -3,7 +3,7 @@
 use super::damping::{modal_with_stiffness, rayleigh, rayleigh_coefficients};
 use super::fe::{FeModel, FeOptions, Fitted};
 use super::modes::{Support, modes};
-use super::reduced::{PinnedStructure, lumped, pinned};
+use super::reduced::{PinnedStructure, pinned_modes, reduce_to_lumped};
 use crate::Error;
 use crate::parameters::{Beam, Configuration, Parameters, StructuralDamping};
 
@@ -59,21 +59,21 @@ impl Structure {
     /// Returns its first `modes` flexible modes, pinned at the hub: what [`crate::Plant::with_body`] takes.
     ///
     /// # Errors
-    /// As for [`FeModel::beam`] and [`pinned`].
-    pub fn pinned(&self, options: &FeOptions, modes: usize) -> Result<PinnedStructure, Error> {
-        pinned(&self.fe(options)?, &self.beam.modal_damping, modes)
+    /// As for [`FeModel::beam`] and [`pinned_modes`].
+    pub fn pinned_modes(&self, options: &FeOptions, modes: usize) -> Result<PinnedStructure, Error> {
+        pinned_modes(&self.fe(options)?, &self.beam.modal_damping, modes)
     }
 }
 
 /// Returns the parameters with two inertias derived from the bare beam if none are given, and as they are otherwise.
 ///
 /// # Errors
-/// [`Error::NoStructure`] if there is neither, else as for [`FeModel::beam`] and [`lumped`].
+/// [`Error::NoStructure`] if there is neither, else as for [`FeModel::beam`] and [`reduce_to_lumped`].
 pub fn with_derived_lumped(parameters: &Parameters, options: &FeOptions) -> Result<Parameters, Error> {
     if parameters.lumped.is_some() {
         return Ok(parameters.clone());
     }
     let structure = Structure::new(parameters, None)?;
-    let derived = lumped(&structure.fe(options)?, &structure.beam.modal_damping)?;
+    let derived = reduce_to_lumped(&structure.fe(options)?, &structure.beam.modal_damping)?;
     Ok(Parameters { lumped: Some(derived), ..parameters.clone() })
 }

@@ -57,7 +57,7 @@ pub fn element(
     integration: Integration,
 ) -> Result<Element, Error> {
     match integration {
-        Integration::Quadrature => Ok(integrate(profile, from_m, to_m, theory, |x| profile.after(x))),
+        Integration::Quadrature => Ok(integrate(profile, from_m, to_m, theory, |x| profile.section_after(x))),
         Integration::UniformAverage => {
             let average = profile.average(from_m, to_m);
             Ok(integrate(profile, from_m, to_m, theory, |_| average))
@@ -89,11 +89,11 @@ fn integrate(
 /// # Errors
 /// [`Error::PowerLaw`] if the three cross sections are not monotone, so that no power law passes through them.
 fn power_law_element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Element, Error> {
-    let (near, far) = (profile.after(from_m), profile.before(to_m));
-    let middle = profile.after(0.5 * (from_m + to_m));
+    let (near, far) = (profile.section_after(from_m), profile.section_before(to_m));
+    let middle = profile.section_after(0.5 * (from_m + to_m));
     let refused = || Error::PowerLaw { from_m, to_m };
-    let area = PowerLaw::through(near.area_m2, middle.area_m2, far.area_m2).ok_or_else(refused)?;
-    let second = PowerLaw::through(near.second_moment_m4, middle.second_moment_m4, far.second_moment_m4);
+    let area = PowerLaw::fit(near.area_m2, middle.area_m2, far.area_m2).ok_or_else(refused)?;
+    let second = PowerLaw::fit(near.second_moment_m4, middle.second_moment_m4, far.second_moment_m4);
     let length = to_m - from_m;
     let line_mass = profile.density_kg_m3() * near.area_m2;
     let rigidity = profile.youngs_modulus_pa() * near.second_moment_m4;

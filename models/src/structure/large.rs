@@ -53,7 +53,7 @@ impl SparseStructure {
     /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass or a mode without damping where shapes are
     /// balanced, [`Error::MovesFreely`] if K leaves other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch`
     /// asked to stop.
-    pub fn condensed(&self, wanted: &Condensation, watch: &mut Watch) -> Result<FeModel, Error> {
+    pub fn condense(&self, wanted: &Condensation, watch: &mut Watch) -> Result<FeModel, Error> {
         self.check()?;
         let clamped = Clamped::of(self, watch)?;
         let mut shapes = clamped.solve(&self.M.times(&self.rigid()));

@@ -9,11 +9,11 @@
 //! [`reduced`], [`refinement`], [`configured`], [`sparse_structure`], `supported`, [`balanced`], [`large`], [`import`].
 //!
 //! ```
-//! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
+//! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, reduce_to_lumped};
 //! let rig = counterpoise_models::reference::rig();
 //! let beam = rig.beam.ok_or(counterpoise_models::Error::NoStructure)?;
 //! let model = FeModel::beam(&beam, &Fitted::default(), &FeOptions::default())?;
-//! let two_inertias = lumped(&model, &beam.modal_damping)?;
+//! let two_inertias = reduce_to_lumped(&model, &beam.modal_damping)?;
 //! assert!((two_inertias.hub_inertia_kg_m2 - 74.1).abs() < 0.1);
 //! # Ok::<(), counterpoise_models::Error>(())
 //! ```
@@ -41,5 +41,7 @@ pub use large::{Condensation, Shapes};
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, modes};
 pub use profile::Profile;
-pub use reduced::{LockedMode, LockedStructure, PinnedStructure, locked, lumped, pinned};
+pub use reduced::{
+    LockedMode, LockedStructure, PinnedStructure, locked_modes, pinned_modes, reduce_to_lumped,
+};
 pub use sparse_structure::SparseStructure;

@@ -18,7 +18,7 @@ pub struct PowerLaw {
 impl PowerLaw {
     /// Returns the law through the values at the near end, the middle and the far end: (5-19), (5-20). `None` if the
     /// middle is not strictly between the ends, unless all three are the same.
-    pub fn through(near: f64, middle: f64, far: f64) -> Option<Self> {
+    pub fn fit(near: f64, middle: f64, far: f64) -> Option<Self> {
         let same = |a: f64, b: f64| (a - b).abs() <= SAME_SECTION * near.abs();
         if same(near, far) {
             return same(near, middle).then_some(Self { excess: 0.0, exponent: 1.0 });

@@ -104,13 +104,13 @@ impl Profile {
     }
 
     /// Returns the cross section at x, of the section that begins there where two meet.
-    pub fn after(&self, x_m: f64) -> CrossSection {
+    pub fn section_after(&self, x_m: f64) -> CrossSection {
         let at = self.sections.iter().rposition(|s| s.from_m <= x_m).unwrap_or(0);
         self.cross_section(at, x_m)
     }
 
     /// Returns the cross section at x, of the section that ends there where two meet.
-    pub fn before(&self, x_m: f64) -> CrossSection {
+    pub fn section_before(&self, x_m: f64) -> CrossSection {
         let at = self.sections.iter().position(|s| x_m <= s.to_m).unwrap_or(self.sections.len() - 1);
         self.cross_section(at, x_m)
     }

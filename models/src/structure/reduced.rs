@@ -62,7 +62,7 @@ pub struct LockedMode {
 ///
 /// # Errors
 /// As for [`modes`] with the hub pinned.
-pub fn pinned(model: &FeModel, damping_ratios: &[f64], count: usize) -> Result<PinnedStructure, Error> {
+pub fn pinned_modes(model: &FeModel, damping_ratios: &[f64], count: usize) -> Result<PinnedStructure, Error> {
     let all = modes(model, Support::Pinned)?;
     let hub = model.hub.ok_or(Error::NoHubNode)?;
     let shares = all.participation(model, Direction::Heave);
@@ -94,7 +94,7 @@ pub fn pinned(model: &FeModel, damping_ratios: &[f64], count: usize) -> Result<P
 ///
 /// # Errors
 /// As for [`modes`] with the hub clamped.
-pub fn locked(model: &FeModel, count: usize) -> Result<LockedStructure, Error> {
+pub fn locked_modes(model: &FeModel, count: usize) -> Result<LockedStructure, Error> {
     let all = modes(model, Support::Clamped)?;
     let shares = all.participation(model, Direction::Heave);
     let couplings = all.participation(model, Direction::Pitch);
@@ -119,8 +119,8 @@ pub fn locked(model: &FeModel, count: usize) -> Result<LockedStructure, Error> {
 /// The out-of-balance torque acts on the hub, so the flexible share of weight and heave is the lumped plant's own.
 ///
 /// # Errors
-/// As for [`pinned`] and [`locked`].
-pub fn lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<Lumped, Error> {
+/// As for [`pinned_modes`] and [`locked_modes`].
+pub fn reduce_to_lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<Lumped, Error> {
     let pinned = modes(model, Support::Pinned)?;
     let locked = modes(model, Support::Clamped)?;
     let (wp, wc) = (pinned.flexible_rad_s()[0], locked.flexible_rad_s()[0]);

@@ -71,20 +71,20 @@ impl Clamped {
         }
         let K = structure.K.select(&free);
         let factor =
-            SparseCholesky::watched(&K, Analysis::of(&K, &[])?, stage, watch).map_err(
-                |error| match error {
+            SparseCholesky::with_progress(&K, Analysis::of(&K, &[])?, stage, watch).map_err(|error| {
+                match error {
                     linalg::Error::NotPositiveDefinite { .. } => {
                         Error::MovesFreely { support: "the structure clamped at its hub" }
                     }
                     other => other.into(),
-                },
-            )?;
+                }
+            })?;
         Ok(Self { factor, free, size })
     }
 
     /// The displacements under the given loads, zero at the hub.
     pub(super) fn solve(&self, loads: &Mat) -> Mat {
-        self.extended(&self.factor.solve(&self.inner(loads)))
+        self.extend_rows(&self.factor.solve(&self.inner(loads)))
     }
 
     /// The unknowns that are free.
@@ -98,7 +98,7 @@ impl Clamped {
     }
 
     /// The rows of the free unknowns among all, zero at the hub.
-    pub(super) fn extended(&self, inner: &Mat) -> Mat {
+    pub(super) fn extend_rows(&self, inner: &Mat) -> Mat {
         let mut out = Mat::zeros(self.size, inner.ncols());
         for j in 0..inner.ncols() {
             let column = out.column_mut(j);

@@ -109,12 +109,12 @@ impl<'a> SupportedModes<'a> {
             let counts = self.count(cut, watch)?;
             for &k in together {
                 let search = &self.searches[k];
-                let missing = counts.of(search.support).saturating_sub(found[k].below(counts.limit));
+                let missing = counts.of(search.support).saturating_sub(found[k].count_below(counts.limit));
                 if missing > 0 {
                     is_complete = false;
                     let known = search.rigid.hstack(&found[k].shapes);
                     let others = self.iterate(search, &known, missing, watch)?;
-                    found[k] = found[k].merged(&others, search.count);
+                    found[k] = found[k].merge(&others, search.count);
                 }
             }
             if is_complete {
@@ -133,7 +133,7 @@ impl<'a> SupportedModes<'a> {
         let mut answer = Err(linalg::Error::Singular { what: "the shifted stiffness", rcond: 0.0 });
         for share in CUT_SHARES {
             let limit = cut.low + share * (cut.high - cut.low);
-            answer = self.counter.below(limit, watch).map(|counts| Counts { limit, counts });
+            answer = self.counter.count_below(limit, watch).map(|counts| Counts { limit, counts });
             if !matches!(answer, Err(linalg::Error::Singular { .. })) {
                 break;
             }

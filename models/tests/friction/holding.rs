@@ -66,6 +66,9 @@ fn laws_without_a_state_hold_up_to_breakaway_in_each_direction() {
     for law in laws {
         let stick = model(law, 1.5, 0.01).stick(1.0).unwrap();
         assert!(stick.holds(2.99) && stick.holds(-2.99) && !stick.holds(3.01) && !stick.holds(-3.01));
-        assert_eq!((stick.held(1.0), stick.held(5.0), stick.held(-5.0)), (1.0, 3.0, -3.0));
+        assert_eq!(
+            (stick.holding_torque_nm(1.0), stick.holding_torque_nm(5.0), stick.holding_torque_nm(-5.0)),
+            (1.0, 3.0, -3.0)
+        );
     }
 }

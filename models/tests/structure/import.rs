@@ -2,7 +2,7 @@ use super::{assert_all, assert_close, options, uniform};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, dmig, matrix_market, op4};
-use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Support, lumped, modes};
+use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Support, modes, reduce_to_lumped};
 use std::fmt::Write;
 
 const ELEMENTS: usize = 6;
@@ -41,7 +41,8 @@ fn assert_same(imported: &Imported, map: &NodeMap) {
     }
     assert_close(found.inertia_kg_m2(), expected.inertia_kg_m2(), 1e-8);
     assert_close(found.first_moment_kg_m(), expected.first_moment_kg_m(), 1e-8);
-    let (found, expected) = (lumped(&found, &[0.01]).unwrap(), lumped(&expected, &[0.01]).unwrap());
+    let (found, expected) =
+        (reduce_to_lumped(&found, &[0.01]).unwrap(), reduce_to_lumped(&expected, &[0.01]).unwrap());
     assert_close(found.hub_inertia_kg_m2 / expected.hub_inertia_kg_m2, 1.0, 1e-6);
 }
 
@@ -57,7 +58,7 @@ fn matrix_market_gives_the_same_structure() {
     let mut coordinate =
         format!("%%MatrixMarket matrix coordinate real symmetric\n{0} {0} {1}\n", K.nrows(), lower.len());
     lower.iter().for_each(|&(i, j)| writeln!(coordinate, "{} {} {:e}", i + 1, j + 1, K[(i, j)]).unwrap());
-    let imported = Imported::in_order_of(
+    let imported = Imported::from_row_order(
         &map,
         matrix_market(&array).unwrap(),
         None,
@@ -284,11 +285,11 @@ fn a_map_names_what_is_missing_or_wrong() {
     let map = NodeMap::parse(&map_text().replace("node 12", "node 99")).unwrap();
     let (M, K) = (mapped(&model().M, &map), mapped(&model().K, &map));
     let sparse = Sparse::from_dense;
-    assert!(Imported::in_order_of(&map, sparse(&M), None, sparse(&K)).structure(&map).is_err());
+    assert!(Imported::from_row_order(&map, sparse(&M), None, sparse(&K)).structure(&map).is_err());
     let good = NodeMap::parse(&map_text()).unwrap();
     let skewed =
         &K + &Mat::from_fn(K.nrows(), K.ncols(), |i, j| if i == 0 && j == 3 { K.norm_max() } else { 0.0 });
-    assert!(Imported::in_order_of(&good, sparse(&M), None, sparse(&skewed)).structure(&good).is_err());
+    assert!(Imported::from_row_order(&good, sparse(&M), None, sparse(&skewed)).structure(&good).is_err());
 }
 
 #[test]
@@ -347,10 +348,10 @@ fn what_is_fitted_to_imported_matrices_is_what_is_fitted_to_the_beam() {
     let bare = model();
     let map = NodeMap::parse(&map_text()).unwrap();
     let sparse = |A: &Mat| Sparse::from_dense(&mapped(A, &map));
-    let imported = Imported::in_order_of(&map, sparse(&bare.M), None, sparse(&bare.K));
+    let imported = Imported::from_row_order(&map, sparse(&bare.M), None, sparse(&bare.K));
     let mass = super::mass(-0.2, 3.0, 0.1);
     let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.7 };
-    let made = imported.fitted(&map, &fitted).unwrap().structure(&map).unwrap();
+    let made = imported.with_fitted_masses(&map, &fitted).unwrap().structure(&map).unwrap();
     let (arm, pivot) = (-0.2 - map.position(map.pivot).unwrap(), bare.inertia_kg_m2());
     assert_close(made.mass_kg(), bare.mass_kg() + 3.0, 1e-12);
     assert_close(made.first_moment_kg_m(), bare.first_moment_kg_m() + 3.0 * arm, 1e-12);

@@ -2,7 +2,7 @@ use super::{assert_all, assert_close, options, uniform};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::structure::{
     Condensation, Direction, FeModel, Fitted, Integration, Mesh, NodeRows, Shapes, SparseStructure, Support,
-    modes, pinned,
+    modes, pinned_modes,
 };
 use counterpoise_models::{Error, PointMass};
 use std::ops::ControlFlow;
@@ -36,7 +36,7 @@ fn a_condensed_structure_has_the_modes_and_the_flexibility_of_the_whole() {
     let (whole, sparse) = structures(40);
     let mut stages = Vec::new();
     let small = sparse
-        .condensed(&Condensation::modes(4), &mut |at| {
+        .condense(&Condensation::modes(4), &mut |at| {
             stages.push(at.stage);
             ControlFlow::Continue(())
         })
@@ -51,7 +51,7 @@ fn a_condensed_structure_has_the_modes_and_the_flexibility_of_the_whole() {
                 .for_each(|k| assert_close(a[exact.rigid + k], b[found.rigid + k], 1e-6 * whole.mass_kg()));
         }
     }
-    let (exact, found) = (pinned(&whole, &[], 4).unwrap(), pinned(&small, &[], 4).unwrap());
+    let (exact, found) = (pinned_modes(&whole, &[], 4).unwrap(), pinned_modes(&small, &[], 4).unwrap());
     assert_close(found.body.inertia_kg_m2 / exact.body.inertia_kg_m2, 1.0, 1e-10);
     assert_close(found.body.out_of_balance_kg_m / exact.body.out_of_balance_kg_m, 1.0, 1e-10);
     let ratio = found.residual_flexibility_rad_nm / exact.residual_flexibility_rad_nm;
@@ -76,10 +76,10 @@ fn a_structure_that_moves_otherwise_is_refused() {
     (sparse.M, sparse.K, sparse.C) = (grown(&sparse.M, 1.0), grown(&sparse.K, 0.0), None);
     sparse.heave.push(0.0);
     sparse.pitch.push(0.0);
-    let answer = sparse.condensed(&Condensation::modes(2), &mut |_| ControlFlow::Continue(()));
+    let answer = sparse.condense(&Condensation::modes(2), &mut |_| ControlFlow::Continue(()));
     assert!(matches!(answer, Err(Error::MovesFreely { .. })), "{answer:?}");
     let (_, sparse) = structures(12);
-    assert!(sparse.condensed(&Condensation::modes(2), &mut |_| ControlFlow::Break(())).is_err());
+    assert!(sparse.condense(&Condensation::modes(2), &mut |_| ControlFlow::Break(())).is_err());
 }
 
 /// Twenty equal oscillators inside a structure give a mode that is repeated twenty times, far more often than the iteration's blocks are wide:
@@ -102,7 +102,7 @@ fn a_mode_that_is_repeated_often_is_found_as_often() {
     for motion in [&mut whole.heave, &mut whole.pitch, &mut sparse.heave, &mut sparse.pitch] {
         motion.resize(n + COPIES, 0.0);
     }
-    let small = sparse.condensed(&Condensation::modes(6), &mut |_| ControlFlow::Continue(())).unwrap();
+    let small = sparse.condense(&Condensation::modes(6), &mut |_| ControlFlow::Continue(())).unwrap();
     for (support, count) in [(Support::Free, 6), (Support::Pinned, 12), (Support::Clamped, 6)] {
         let (exact, found) = (modes(&whole, support).unwrap(), modes(&small, support).unwrap());
         assert_all(&found.flexible_rad_s()[..count], &exact.flexible_rad_s()[..count], 1e-7);
@@ -114,7 +114,7 @@ fn a_mode_that_is_repeated_often_is_found_as_often() {
 fn balanced_shapes_leave_out_what_no_load_moves() {
     const LOCAL: usize = 60;
     let (mut whole, mut sparse) = structures(32);
-    let exact = pinned(&whole, &[], 3).unwrap();
+    let exact = pinned_modes(&whole, &[], 3).unwrap();
     let second = exact.body.modes[1].frequency_rad_s;
     let n = whole.M.nrows();
     let grown = |A: &Mat, corner: &dyn Fn(usize) -> f64| {
@@ -133,10 +133,10 @@ fn balanced_shapes_leave_out_what_no_load_moves() {
         motion.resize(n + LOCAL, 0.0);
     }
     let wanted = Condensation { shapes: Shapes::Balanced, ..Condensation::modes(3) };
-    let small = sparse.condensed(&wanted, &mut |_| ControlFlow::Continue(())).unwrap();
+    let small = sparse.condense(&wanted, &mut |_| ControlFlow::Continue(())).unwrap();
     let left_out = small.truncation.unwrap();
     assert!(left_out.estimated_error < 1e-3 && left_out.kept <= 18, "{left_out:?}");
-    let found = pinned(&small, &[], 3).unwrap();
+    let found = pinned_modes(&small, &[], 3).unwrap();
     assert_close(found.body.inertia_kg_m2 / exact.body.inertia_kg_m2, 1.0, 1e-10);
     for (a, b) in found.body.modes.iter().zip(&exact.body.modes) {
         assert_close(a.frequency_rad_s / b.frequency_rad_s, 1.0, 1e-4);
@@ -146,10 +146,10 @@ fn balanced_shapes_leave_out_what_no_load_moves() {
     // Without a damping matrix a common ratio ranks the same motions; a mode without damping cannot be balanced.
     let ratio = Condensation { damping_ratio: 0.01, ..wanted };
     let proportional = SparseStructure { C: None, ..sparse.clone() };
-    let small = proportional.condensed(&ratio, &mut |_| ControlFlow::Continue(())).unwrap();
-    let first = pinned(&small, &[0.01], 1).unwrap().body.modes[0].frequency_rad_s;
+    let small = proportional.condense(&ratio, &mut |_| ControlFlow::Continue(())).unwrap();
+    let first = pinned_modes(&small, &[0.01], 1).unwrap().body.modes[0].frequency_rad_s;
     assert_close(first / exact.body.modes[0].frequency_rad_s, 1.0, 1e-4);
     sparse.C = sparse.C.map(|C| C.map(|_, _, _| 0.0));
-    let answer = sparse.condensed(&wanted, &mut |_| ControlFlow::Continue(()));
+    let answer = sparse.condense(&wanted, &mut |_| ControlFlow::Continue(()));
     assert!(matches!(answer, Err(Error::Parameter { .. })), "{answer:?}");
 }

@@ -2,7 +2,7 @@ use super::{assert_close, options, uniform};
 use counterpoise_linalg::{Mat, solve, sym_gen_eigen};
 use counterpoise_models::plant::Body;
 use counterpoise_models::structure::{
-    FeModel, Fitted, Integration, Mesh, Support, locked, lumped, modes, pinned,
+    FeModel, Fitted, Integration, Mesh, Support, locked_modes, modes, pinned_modes, reduce_to_lumped,
 };
 
 fn model() -> FeModel {
@@ -16,7 +16,7 @@ fn model() -> FeModel {
 fn all_pinned_modes_together_are_the_static_model() {
     let model = model();
     let hub = model.hub.unwrap();
-    let reduced = pinned(&model, &[0.0], usize::MAX).unwrap();
+    let reduced = pinned_modes(&model, &[0.0], usize::MAX).unwrap();
     // A unit hub torque that is balanced by the inertia of a rigid rotation, relative to the rotation of the hub.
     let free: Vec<usize> =
         (0..model.M.nrows()).filter(|&i| i != hub.deflection && i != hub.rotation).collect();
@@ -35,8 +35,8 @@ fn all_pinned_modes_together_are_the_static_model() {
 #[test]
 fn what_truncation_leaves_out_is_reported() {
     let model = model();
-    let all = pinned(&model, &[0.0], usize::MAX).unwrap();
-    let two = pinned(&model, &[0.0], 2).unwrap();
+    let all = pinned_modes(&model, &[0.0], usize::MAX).unwrap();
+    let two = pinned_modes(&model, &[0.0], 2).unwrap();
     let left: f64 = all.body.modes[2..].iter().map(|m| (m.hub_shape / m.frequency_rad_s).powi(2)).sum();
     assert_eq!(two.body.modes.len(), 2);
     assert_close(two.residual_flexibility_rad_nm / left, 1.0, 1e-10);
@@ -46,7 +46,7 @@ fn what_truncation_leaves_out_is_reported() {
 #[test]
 fn the_locked_form_has_the_pinned_frequencies() {
     let model = model();
-    let form = locked(&model, usize::MAX).unwrap();
+    let form = locked_modes(&model, usize::MAX).unwrap();
     let n = form.modes.len() + 1;
     let (mut M, mut K) = (Mat::eye(n), Mat::zeros(n, n));
     M[(0, 0)] = form.inertia_kg_m2;
@@ -67,7 +67,7 @@ fn weight_bends_the_locked_beam_as_its_modes_say() {
     let beam = uniform();
     let model =
         FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(10), Integration::Quadrature)).unwrap();
-    let form = locked(&model, usize::MAX).unwrap();
+    let form = locked_modes(&model, usize::MAX).unwrap();
     let sag: f64 =
         form.modes.iter().map(|m| -m.load_share_kg_m * m.tip_deflection_m / m.frequency_rad_s.powi(2)).sum();
     assert_close(sag, -1.0 / 8.0, 1e-9);
@@ -76,12 +76,12 @@ fn weight_bends_the_locked_beam_as_its_modes_say() {
 #[test]
 fn the_lumped_form_keeps_inertia_moment_and_both_frequencies() {
     let model = model();
-    let two = lumped(&model, &[0.02, 0.01]).unwrap();
+    let two = reduce_to_lumped(&model, &[0.02, 0.01]).unwrap();
     assert_close(two.hub_inertia_kg_m2 + two.beam_inertia_kg_m2, model.inertia_kg_m2(), 1e-12);
     assert_close(two.out_of_balance_kg_m, model.first_moment_kg_m(), 1e-12);
     let locked = (two.stiffness_nm_rad / two.beam_inertia_kg_m2).sqrt();
     assert_close(locked / modes(&model, Support::Clamped).unwrap().flexible_rad_s()[0], 1.0, 1e-12);
-    let body = Body::lumped(&two);
+    let body = Body::from_lumped(&two);
     assert_close(body.modes[0].damping_ratio, 0.02, 1e-12);
     assert_close(
         body.modes[0].frequency_rad_s / modes(&model, Support::Pinned).unwrap().flexible_rad_s()[0],
@@ -94,7 +94,7 @@ fn the_lumped_form_keeps_inertia_moment_and_both_frequencies() {
 fn a_damping_matrix_takes_the_place_of_ratios() {
     let mut model = model();
     model.C = Some(model.K.scale(1e-3));
-    for mode in pinned(&model, &[0.5], 3).unwrap().body.modes {
+    for mode in pinned_modes(&model, &[0.5], 3).unwrap().body.modes {
         assert_close(mode.damping_ratio, 0.5e-3 * mode.frequency_rad_s, 1e-10);
     }
 }

@@ -2,7 +2,9 @@
 
 use super::assert_close;
 use counterpoise_models::reference::rig;
-use counterpoise_models::structure::{FeOptions, Structure, Support, lumped, modes, with_derived_lumped};
+use counterpoise_models::structure::{
+    FeOptions, Structure, Support, modes, reduce_to_lumped, with_derived_lumped,
+};
 use counterpoise_models::{Parameters, Plant, StructuralDamping};
 use std::f64::consts::TAU;
 
@@ -37,7 +39,8 @@ fn the_derived_two_inertias_are_the_given_ones() {
     let rig = rig();
     let structure = Structure::new(&rig, None).unwrap();
     let derived =
-        lumped(&structure.fe(&FeOptions::default()).unwrap(), &structure.beam.modal_damping).unwrap();
+        reduce_to_lumped(&structure.fe(&FeOptions::default()).unwrap(), &structure.beam.modal_damping)
+            .unwrap();
     let given = rig.lumped.clone().unwrap();
     for (derived, given, relative) in [
         (derived.hub_inertia_kg_m2, given.hub_inertia_kg_m2, 1e-3),
@@ -57,7 +60,7 @@ fn each_configuration_has_its_inertia_and_moment() {
     let rig = rig();
     for configuration in &rig.configurations {
         let model = Structure::new(&rig, Some(configuration)).unwrap().fe(&FeOptions::default()).unwrap();
-        let lumped = rig.configured(configuration).unwrap().lumped.unwrap();
+        let lumped = rig.with_configuration(configuration).unwrap().lumped.unwrap();
         let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2;
         assert_close(model.inertia_kg_m2() / inertia, 1.0, 3e-4);
         assert_close(model.first_moment_kg_m(), lumped.out_of_balance_kg_m, 0.01);
@@ -69,7 +72,7 @@ fn the_plant_takes_any_number_of_modes() {
     let rig = rig();
     let structure = Structure::new(&rig, None).unwrap();
     for count in [1, 3, 14, 40] {
-        let pinned = structure.pinned(&FeOptions::default(), count).unwrap();
+        let pinned = structure.pinned_modes(&FeOptions::default(), count).unwrap();
         assert_eq!(pinned.body.modes.len(), count);
         assert!(Plant::with_body(&rig, pinned.body).is_ok());
     }
@@ -77,7 +80,7 @@ fn the_plant_takes_any_number_of_modes() {
 
 #[test]
 fn damping_ratios_go_by_mode_and_the_last_holds_above() {
-    let pinned = Structure::new(&rig(), None).unwrap().pinned(&FeOptions::default(), 6).unwrap();
+    let pinned = Structure::new(&rig(), None).unwrap().pinned_modes(&FeOptions::default(), 6).unwrap();
     let ratios: Vec<f64> = pinned.body.modes.iter().map(|m| m.damping_ratio).collect();
     assert_eq!(ratios, [0.010, 0.008, 0.008, 0.010, 0.010, 0.010]);
 }
@@ -87,7 +90,7 @@ fn the_damping_of_the_plant_follows_the_law_that_the_beam_names() {
     let ratios = |damping| {
         let mut structure = Structure::new(&rig(), None).unwrap();
         structure.beam.damping = damping;
-        let pinned = structure.pinned(&FeOptions::default(), 6).unwrap();
+        let pinned = structure.pinned_modes(&FeOptions::default(), 6).unwrap();
         pinned.body.modes.iter().map(|m| (m.frequency_rad_s, m.damping_ratio)).collect::<Vec<_>>()
     };
     let modal = ratios(StructuralDamping::Modal);

@@ -107,7 +107,7 @@ impl BalanceResult {
             input_limit_v: amplifier.input_limit_v,
             curve_v: amplifier.map.iter().map(|point| [point.input_v, point.current_a / stall]).collect(),
             valve: ValveBalance::of(parameters),
-            has_free_functions: plant.learned().is_some(),
+            has_free_functions: plant.learned_functions().is_some(),
         }
     }
 }

@@ -97,7 +97,7 @@ impl SignalResult {
     }
 
     /// Returns the states x1, x2, ... of a system whose states have no meaning of their own.
-    pub fn numbered(count: usize) -> Vec<Self> {
+    pub fn numbered_states(count: usize) -> Vec<Self> {
         (1..=count).map(|k| Self { name: format!("x{k}"), unit: "" }).collect()
     }
 }
@@ -116,7 +116,7 @@ impl SystemResult {
             B: rows(&system.B),
             C: rows(&system.C),
             D: rows(&system.D),
-            states: SignalResult::numbered(system.order()),
+            states: SignalResult::numbered_states(system.order()),
             inputs: SignalResult::all(inputs.iter().copied()),
             outputs: SignalResult::all(outputs.iter().copied())
                 .into_iter()

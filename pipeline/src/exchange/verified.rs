@@ -5,7 +5,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed::{Closed, arranged, resolver_use};
+use counterpoise_verify::linear::closed::{Closed, arrange, resolver_use};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
     Verification, linear_plant,
@@ -166,7 +166,7 @@ fn controllers(
     for (arrangement, name) in
         [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
     {
-        let Some(part) = arranged(controller, arrangement)? else { continue };
+        let Some(part) = arrange(controller, arrangement)? else { continue };
         let closed = Closed::new(sampled, Some(&part), moment)?;
         systems.extend(closed.controller.as_ref().map(|system| {
             SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])
@@ -225,7 +225,7 @@ fn delays(parameters: &Parameters) -> Vec<usize> {
 /// Returns the time histories of a verification.
 pub fn history_results(found: &Verification) -> Vec<HistoryResult> {
     let sample_time_s = found.evidence.sample_period_s;
-    let result = |history| HistoryResult::new(history, sample_time_s, found.controlled());
+    let result = |history| HistoryResult::new(history, sample_time_s, found.controlled_quantity());
     found.evidence.histories.iter().map(result).collect()
 }
 
@@ -276,7 +276,7 @@ pub fn response_results(found: &Verification) -> Vec<ResponseResult> {
             Figure::Rejection { source: one.source, arrangement: one.arrangement, frequency_hz: 1.0 };
         let key = figure.key();
         let stem = key.split("_drr_db").next().unwrap_or_default();
-        (format!("{} over platform, {stem}", found.controlled().name()), &one.response)
+        (format!("{} over platform, {stem}", found.controlled_quantity().name()), &one.response)
     });
     let all = plant.chain(controller).chain(broken).chain(sensitivities).chain(rejection);
     all.map(|(name, values)| ResponseResult::new(&name, hz, values)).collect()

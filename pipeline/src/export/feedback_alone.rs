@@ -37,7 +37,7 @@ fn lines(found: &Verification) -> Vec<String> {
     let stable = found.evidence.margins.closed_loop_stable;
     let mut lines =
         vec![if stable { "the linear loop is stable" } else { "the linear loop is UNSTABLE" }.to_owned()];
-    let of = found.controlled();
+    let of = found.controlled_quantity();
     let loops = found.figures.iter().map(|measured| measured.figure);
     let loops = loops.filter(|figure| matches!(figure, Figure::Loop(_)));
     let said = loops.filter_map(|figure| Some((figure, found.value(figure)?)));

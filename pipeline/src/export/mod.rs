@@ -258,7 +258,7 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
 fn provenance(project: &Project, verified: &VerifiedController, world: &dyn World) -> Provenance {
     let verification = verified.verification();
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
-        let controlled = verification.controlled();
+        let controlled = verification.controlled_quantity();
         let (figure, unit) = (requirement.figure.name(controlled), requirement.figure.unit(controlled));
         let basis = verification.acceptance(&requirement.figure).basis;
         let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({limit}; {basis})");

@@ -14,9 +14,9 @@ use super::read::{
     Gaps, RecordingFile, control_for, read, recording_controller, unused_columns, without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
-use super::tracks::{Track, before_and_after};
+use super::tracks::{Track, replay_before_and_after};
 use crate::PipelineError;
-use crate::configuration::{in_configuration, without_configuration};
+use crate::configuration::{apply_configuration, without_configuration};
 
 /// A diagnosis with the way in which the recordings were replayed, and everything that a report of it shows.
 #[derive(Debug, Clone)]
@@ -57,7 +57,7 @@ pub fn diagnose(
         Contradiction::Ignore
     };
     let recordings: Vec<Recording> = read.iter().map(|item| item.recording.clone()).collect();
-    let base = in_configuration(project, &project.plant)?;
+    let base = apply_configuration(project, &project.plant)?;
     let request = Request { base: &base, control, contradiction, recordings: &recordings };
     let mut diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
@@ -66,7 +66,8 @@ pub fn diagnose(
     let control = diagnosis.control.clone();
     let answer = &diagnosis.answer;
     let chart = build_chart(&answer.map, &answer.isolability, &answer.findings);
-    let tracks = before_and_after(&repaired(&diagnosis, project), &control, &base, &diagnosis.improved);
+    let tracks =
+        replay_before_and_after(&repaired(&diagnosis, project), &control, &base, &diagnosis.improved);
     let residuals = study_residuals(&tracks);
     diagnosis.improved = without_configuration(project, &diagnosis.improved)?;
     Ok(DiagnosedRecordings { diagnosis, control, without_demand, remarks, chart, tracks, residuals })

@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::read::recording_controller;
 use crate::PipelineError;
-use crate::configuration::in_configuration;
+use crate::configuration::apply_configuration;
 
 /// What the JSON result of a diagnosis says of the machines that are left.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -98,7 +98,7 @@ pub fn plan_experiment(
         section: "recording_controller",
         needed_by: "the plan of an experiment",
     })?;
-    let plant = in_configuration(project, &project.plant)?;
+    let plant = apply_configuration(project, &project.plant)?;
     let machines = match findings {
         Some(findings) => findings.machines(&plant),
         None => usual_machines(&plant),
@@ -166,7 +166,7 @@ struct ValuedEffect {
 
 /// Returns a mechanism with effects at given values; their parameters are free in a fit.
 fn machine(plant: &Parameters, effects: &[ValuedEffect]) -> PossibleMachine {
-    let parameters = effects.iter().fold(plant.clone(), |p, one| one.effect.applied(&p, &one.values));
+    let parameters = effects.iter().fold(plant.clone(), |p, one| one.effect.apply_to(&p, &one.values));
     let name = |one: &ValuedEffect| format!("{} {}", one.effect.component, one.effect.effect);
     let names: Vec<String> = effects.iter().map(name).collect();
     let free: Vec<&'static Parameter> = effects.iter().flat_map(|one| one.effect.parameters).collect();

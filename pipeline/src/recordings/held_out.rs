@@ -8,7 +8,7 @@ use super::column_remarks::ColumnRemark;
 use super::read::{Gaps, RecordingFile, control_for, read, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
-use crate::configuration::in_configuration;
+use crate::configuration::apply_configuration;
 
 /// One held-out recording by both models, over the same length.
 #[derive(Debug, Clone)]
@@ -55,8 +55,8 @@ pub fn replay_held_out(
     improved: &Parameters,
     files: &[RecordingFile],
 ) -> Result<Vec<HeldOutRecording>, PipelineError> {
-    let plant = in_configuration(project, &project.plant)?;
-    let improved = in_configuration(project, improved)?;
+    let plant = apply_configuration(project, &project.plant)?;
+    let improved = apply_configuration(project, improved)?;
     let controller = recording_controller(project)?;
     let read = read(project, controller.as_ref(), files, Gaps::Repaired)?;
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));

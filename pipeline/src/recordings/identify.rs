@@ -71,7 +71,7 @@ pub fn identify(
         for item in read(project, controller.as_ref(), files, Gaps::Repaired)? {
             unused.extend(unused_columns([&item]));
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
-            of_state.push(item.recording.named(stem.unwrap_or_else(|| item.file.clone())));
+            of_state.push(item.recording.with_name(stem.unwrap_or_else(|| item.file.clone())));
             remarks.push((item.file, item.remarks));
         }
         recordings.push(of_state);

@@ -192,10 +192,10 @@ fn foreign_controller(
 }
 
 /// Returns the loop in which recordings are replayed, each by itself: with the project's [`recording_controller`], or under the recorded
-/// control if the project names none or the loop controls a torque or a current ([`Loop::under`]). A recording that lacks the demand is replayed
+/// control if the project names none or the loop controls a torque or a current ([`Loop::from_controller`]). A recording that lacks the demand is replayed
 /// under its recorded control all the same.
 pub fn loop_of(project: &Project, controller: Option<&RecordedController>) -> Loop {
-    controller.cloned().map_or(Loop::Open, |controller| Loop::under(&project.plant, controller))
+    controller.cloned().map_or(Loop::Open, |controller| Loop::from_controller(&project.plant, controller))
 }
 
 /// Returns the one loop in which all recordings are compared with a model: that of [`loop_of`] if every recording holds the demand,

@@ -188,7 +188,7 @@ fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
         check_signals(&recording.name, &signals, ratio).into_iter().map(remark).collect();
     if !plant.learned.is_empty() {
         let visited = Visited::of(plant, std::slice::from_ref(&signals));
-        let beyond = plant.learned.iter().filter_map(|element| visited.beyond(element));
+        let beyond = plant.learned.iter().filter_map(|element| visited.range_exceedance(element));
         all.extend(beyond.map(ColumnRemark::RangeExceeded));
     }
     all

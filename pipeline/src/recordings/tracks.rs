@@ -28,7 +28,7 @@ pub struct Track {
 
 impl Track {
     /// Returns the quantity that the loop controls, if this is the track of its reading.
-    pub fn controlled(&self) -> ControlledQuantity {
+    pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.unit)
     }
 }
@@ -38,7 +38,7 @@ const COMPARED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::Mot
 
 /// Returns the channels of recordings replayed on a mechanism and, if it differs, on an improved one. A recording that the
 /// mechanism cannot replay is left out.
-pub fn before_and_after(
+pub fn replay_before_and_after(
     recordings: &[Recording],
     control: &Loop,
     plant: &Parameters,

@@ -193,7 +193,7 @@ fn range(StatedRange { varied, factor }: &StatedRange) -> RangeResult {
 
 /// Returns the bounds with what proves them.
 fn bounds(found: &RobustStability) -> Vec<BoundResult> {
-    let placed = found.proof.pulled.structure.placed();
+    let placed = found.proof.pulled.structure.place_blocks();
     let blocks = |scaling: &CMat| -> Vec<ScalingBlock> {
         let pair = |i: usize, j: usize| [scaling[(i, j)].re, scaling[(i, j)].im];
         let block = |rows: &std::ops::Range<usize>| {

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use crate::budget::{Run, affordable};
 use crate::synth::controller_blocks::{SMALL_KG_M, dead_band_m_s2, drive_curve, inertia_v_s2_rad};
-use crate::synth::schedule::unbalanced;
+use crate::synth::schedule::scale_imbalance;
 use crate::synth::torque_per_volt;
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
@@ -262,7 +262,8 @@ impl Stage<'_> {
         let (mut intervals, mut trace) = (Vec::new(), Trace::default());
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
-            let history = self.part(&unbalanced(&plant, factor)?, &mut noted, [start, end], state, angle)?;
+            let history =
+                self.part(&scale_imbalance(&plant, factor)?, &mut noted, [start, end], state, angle)?;
             let from_s = start * self.adaptation.trial.duration_s;
             trace.extend(from_s, factor * moment, &history, &std::mem::take(&mut noted.used_kg_m));
             let is_exported = self.adaptation.use_in_code == AdaptationUse::Exported;
@@ -332,7 +333,7 @@ impl Stage<'_> {
             imperfections: Imperfections::NoiseAndQuantisation { seed: self.procedure.seed + from_s as u64 },
             initial: state.map_or(rest, |state| Initial::State(Box::new(state))),
             detail: Detail::Everything,
-            ..Scenario::still((end - start) * whole)
+            ..Scenario::at_rest((end - start) * whole)
         };
         Ok(Simulator::new(plant)?.run(acting, &scenario)?)
     }
@@ -359,7 +360,7 @@ impl Stage<'_> {
             None => Ok(Acting::Alone(Box::new(runner))),
             Some(estimation) => {
                 let held = held.unwrap_or(0) as usize;
-                Ok(Acting::Beside(Box::new(Adaptive::new(runner, estimation).held(held))))
+                Ok(Acting::Beside(Box::new(Adaptive::new(runner, estimation).hold_estimates(held))))
             }
         }
     }

@@ -15,8 +15,8 @@ use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMet
 use counterpoise_verify::Procedure;
 
 use super::adaptation_trials::{
-    Acts, LOADS, Load, MOTIONS, Motion, RECURSIVE, Stage, TrialRow, TrialRun, asked, rms_or_infinite,
-    set_spreads,
+    Acts, LOADS, Load, MOTIONS, Motion, RECURSIVE, Stage, TrialRow, TrialRun, adaptation_options,
+    rms_or_infinite, set_spreads,
 };
 use crate::synth::controller_blocks::{HOLD_BAND, LEAST_DEAD_BAND_M_S2};
 use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
@@ -36,7 +36,9 @@ pub fn with_chosen_adaptation(
     project: &Project,
     world: &dyn World,
 ) -> Result<Option<Project>, PipelineError> {
-    let Some(adaptation) = asked(project).filter(|adaptation| is_open(adaptation)) else { return Ok(None) };
+    let Some(adaptation) = adaptation_options(project).filter(|adaptation| is_open(adaptation)) else {
+        return Ok(None);
+    };
     let modelled = model(project)?;
     // A design that does not exist and a road that cannot be read are told by the stages that need them.
     let Ok(made) = synthesise(project, &modelled, &reduce(project, &modelled)?) else { return Ok(None) };
@@ -115,7 +117,7 @@ impl Search<'_> {
     /// that are nowhere worse than none; `None` if no motion is left.
     fn best(&self) -> Result<Option<Candidate>, PipelineError> {
         let base = self.base()?;
-        let wanted = base.iter().filter(|row| row.removed().is_some()).count();
+        let wanted = base.iter().filter(|row| row.removed_share().is_some()).count();
         // Gravity shows the load exactly. Without it friction moves the estimate, and where the load adds nothing there is nothing to gain by that.
         if wanted == 0 && self.modelled.parameters.gravity_m_s2 == 0.0 {
             return Ok(None);
@@ -127,7 +129,7 @@ impl Search<'_> {
         for hold_band in HOLD_BANDS {
             let dead_band_m_s2 = LEAST_DEAD_BAND_M_S2.max(BELOW_TRIED * quietest);
             let (candidate, rows) = self.raised(Candidate { dead_band_m_s2, hold_band }, &levels, &base)?;
-            let removes = |row: &&TrialRow| row.removed().is_some_and(|share| share >= LEAST_REMOVED);
+            let removes = |row: &&TrialRow| row.removed_share().is_some_and(|share| share >= LEAST_REMOVED);
             let motions = levels.iter().filter(|level| **level > candidate.dead_band_m_s2).count();
             let merit = Merit { removed: rows.iter().filter(removes).count(), motions };
             if motions > 0 && best.is_none_or(|(before, _)| merit > before) {

@@ -117,7 +117,7 @@ impl TrialRow {
 
     /// Returns the share of the added hub rate that the adaptation removes; `None` if the load adds no more than a twentieth, or no more than
     /// what friction remembers of the runs before.
-    pub fn removed(&self) -> Option<f64> {
+    pub fn removed_share(&self) -> Option<f64> {
         let added = self.without_rad_s - self.told_rad_s;
         let least = (LEAST_ADDED * self.told_rad_s).max(LEAST_ADDED_OVER_HYSTERESIS * self.spread_rad_s);
         (added > least).then(|| (self.without_rad_s - self.with_rad_s) / added)
@@ -144,7 +144,7 @@ pub fn run_trials(
 ) -> Result<Trials, PipelineError> {
     let missing =
         PipelineError::Missing { section: "synth.adaptation", needed_by: "the trials of adaptation" };
-    let adaptation = asked(project).ok_or(missing)?;
+    let adaptation = adaptation_options(project).ok_or(missing)?;
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let possible = |one: &KeyedMethod| {
         // the mean goes by gravity, which an axis without it does not have
@@ -164,7 +164,7 @@ pub fn own_trials(
     made: &Synthesised,
     procedure: &Procedure,
 ) -> Result<Option<Trials>, PipelineError> {
-    let Some(adaptation) = asked(project) else { return Ok(None) };
+    let Some(adaptation) = adaptation_options(project) else { return Ok(None) };
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let own: Vec<_> = METHODS.into_iter().filter(|one| one.method == adaptation.method).collect();
     let mut found = tried(&stage, &own)?;
@@ -175,7 +175,7 @@ pub fn own_trials(
     Ok(Some(found))
 }
 
-pub(super) fn asked(project: &Project) -> Option<&Adaptation> {
+pub(super) fn adaptation_options(project: &Project) -> Option<&Adaptation> {
     project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref())
 }
 

@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, feedback, poles, series};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_synth::alternatives::generalised;
+use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Channel, Design, DesignPlant, Entry, FeedbackWeights, Figures, JointOptimum, Method,
     Reference, Refusal, Sampled, SourceCost, Weighed, Weight, alternative, attempt, check, discretise,
@@ -424,7 +424,7 @@ fn problem(
     }
     let unnamed = |name: &str, system: &StateSpace| SystemResult::new(name, system, &[], &[]);
     let inner = &found.on_generalised;
-    let plant = inner.as_ref().map(|_| generalised(&made.design.plant, weights)).transpose()?;
+    let plant = inner.as_ref().map(|_| generalised_plant(&made.design.plant, weights)).transpose()?;
     Ok(MethodProblem {
         generalised: plant.map(|plant| unnamed("generalised plant", &plant.system)),
         on_generalised: inner.as_ref().map(|it| unnamed("controller of the generalised plant", it)),
@@ -479,7 +479,7 @@ fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
     let (Ok(before), Ok(now)) = (with_feedback(made, &lowered.before)?, with_feedback(made, &after)?) else {
         return Ok(None);
     };
-    let seen = made.design.plant.measured()?.select(&[0], &[made.design.plant.control]);
+    let seen = made.design.plant.measured_plant()?.select(&[0], &[made.design.plant.control]);
     let closed = |from_error: &StateSpace| {
         let unit = StateSpace::gain(Mat::eye(1), Timebase::Continuous)?;
         let system = feedback(&series(from_error, &seen)?, &unit)?;

@@ -113,7 +113,7 @@ fn basis(
             Assembly::Grimble => "grimble",
             Assembly::Joint => "joint",
         },
-        plant: SystemResult::new("design plant", &plant.measured()?, &[], &[]),
+        plant: SystemResult::new("design plant", &plant.measured_plant()?, &[], &[]),
         feedback: SystemResult::new(
             "feedback",
             &feedback.select(&[0], &[1]),

@@ -157,7 +157,7 @@ pub struct RecordedMap {
 /// Runs the instrument on every recording of files, over the frequencies of the plan.
 ///
 /// # Errors
-/// Those of [`Analyser::new`] and [`Analyser::recorded`], and a file that cannot be read as the project maps its columns.
+/// Those of [`Analyser::new`] and [`Analyser::measure_recording`], and a file that cannot be read as the project maps its columns.
 pub fn map_recordings(
     project: &Project,
     modelled: &Modelled,
@@ -167,7 +167,7 @@ pub fn map_recordings(
     let analyser = Analyser::new(project, modelled, plan, On::Recording)?;
     let controller = recording_controller(project)?;
     let one = |item: ReadRecording| {
-        let map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
+        let map = analyser.measure_recording(&item.recording, &plan.frequencies_hz)?;
         Ok(RecordedMap { map: Map { recording: Some(item.file), ..map }, columns: item.remarks })
     };
     read(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
@@ -288,7 +288,7 @@ impl Analyser {
     ///
     /// # Errors
     /// Those of the model.
-    pub fn on_structure(
+    pub fn with_structure(
         self,
         project: &Project,
         structure: StructureChoice,
@@ -371,7 +371,7 @@ impl Analyser {
     ///
     /// # Errors
     /// A channel that was not recorded, a frequency that does not fit into the recording, and those of the linearisation.
-    pub fn recorded(
+    pub fn measure_recording(
         &self,
         recording: &Recording,
         frequencies_hz: &[f64],
@@ -596,9 +596,9 @@ fn disconnected(
     if moment != 0.0 {
         remarks.push(MapRemark::TakenAsBalanced { out_of_balance_kg_m: moment });
     }
-    let open = fra::disconnected(&parameters)?;
+    let open = fra::disconnect_motor(&parameters)?;
     Ok(match project.model.structure {
-        StructureChoice::Lumped => Plant::lumped(&open)?,
+        StructureChoice::Lumped => Plant::from_lumped(&open)?,
         StructureChoice::Beam | StructureChoice::Import => {
             let body = counterpoise_models::plant::Body {
                 out_of_balance_kg_m: 0.0,

@@ -85,7 +85,7 @@ pub fn search(
     let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
-    let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
+    let missed_on_full_plant = wanted.requirements.total_shortfall(&on_full_plant);
     let weights = project.synth.as_ref().map(describe_weights).unwrap_or_default();
     let weight_responses = weight_responses(&found.best.specification);
     Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
@@ -97,7 +97,7 @@ fn better_point(curve: &[TradeOffPoint], found: &Found, wanted: &Requirements) -
     let rejection = |trial: &Trial| trial.figures.rejection;
     let points = curve.iter().map(|point| &point.found.best);
     points
-        .filter(|trial| wanted.missed(&trial.figures) == 0.0)
+        .filter(|trial| wanted.total_shortfall(&trial.figures) == 0.0)
         .filter(|trial| found.best.missed > 0.0 || rejection(trial) < rejection(&found.best))
         .min_by(|a, b| rejection(a).total_cmp(&rejection(b)))
         .cloned()

@@ -60,7 +60,7 @@ impl CampaignResult {
         let each = 0..requirements.len();
         Self {
             requirements: requirements.to_vec(),
-            controlled: campaign.controlled(),
+            controlled: campaign.controlled_quantity(),
             variations: variations.to_vec(),
             factors: Array2::from_shape_fn((samples.len(), variations.len()), |(i, k)| samples[i].factors[k]),
             values: Array2::from_shape_fn((samples.len(), requirements.len()), |(i, k)| samples[i].values[k]),
@@ -237,7 +237,7 @@ pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<Requi
             sense: r.sense,
         });
         RequirementSpread {
-            controlled: campaign.controlled(),
+            controlled: campaign.controlled_quantity(),
             requirement: requirement.clone(),
             summary: summary(campaign, samples, k),
             strongest,

@@ -44,7 +44,7 @@ pub fn trade_off_points(
             return Ok(None);
         }
         let mut wanted = alone.clone();
-        wanted.feedback.error = alone.feedback.error.scaled(factor);
+        wanted.feedback.error = alone.feedback.error.scale_by(factor);
         let found = loop_figures(&plant, &wanted, &sampling, band_rad_s)?;
         points.extend(found.map(|figures| EffortPoint { factor, figures }));
     }

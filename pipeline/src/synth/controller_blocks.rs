@@ -11,8 +11,8 @@ use counterpoise_synth::{
 };
 
 use crate::model::CONVERTER_RANGE_V;
-use crate::synth::design_plant::{sensed, torque_per_volt};
-use crate::synth::friction_observers::observed;
+use crate::synth::design_plant::{attach_sensors, torque_per_volt};
+use crate::synth::friction_observers::observer_friction;
 use crate::{Modelled, PipelineError};
 use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::resolve::synthesis_options::{
@@ -83,7 +83,7 @@ pub(crate) fn with_controller_blocks(
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
-    let plant = sensed(plant, &modelled.parameters.sensors, hub_angle_rad)?;
+    let plant = attach_sensors(plant, &modelled.parameters.sensors, hub_angle_rad)?;
     Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
 }
 
@@ -173,8 +173,8 @@ fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace
 /// Observers of the friction at motor and pivot: as identified, or the plant's.
 fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
     let follow = |name: &str, side: Side, given: &Option<Friction>, of_plant: &Friction| match given {
-        Some(own) => observed(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
-        None => observed(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
+        Some(own) => observer_friction(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
+        None => observer_friction(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
     };
     let pivot = follow("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction);
     let motor = follow("friction_motor", Side::Motor, &asked.motor, &p.motor_friction);

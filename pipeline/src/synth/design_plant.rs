@@ -17,7 +17,7 @@ pub fn design_plant(
     modelled: &Modelled,
     reduced: &Reduced,
 ) -> Result<DesignPlant, PipelineError> {
-    let sensors = designed_on(asked, &modelled.parameters.sensors);
+    let sensors = design_sensors(asked, &modelled.parameters.sensors);
     let plant = DesignPlant {
         system: reduced.system.clone(),
         control: LinearPlant::CONTROL,
@@ -71,7 +71,7 @@ fn heave_sensor(sensors: &Sensors, share: f64) -> Result<StateSpace, PipelineErr
 
 /// Returns the design plant with its sensors as they are: what a projection makes of them is part of the
 /// controller.
-pub(crate) fn sensed(
+pub(crate) fn attach_sensors(
     plant: &DesignPlant,
     sensors: &Sensors,
     hub_angle_rad: f64,
@@ -85,7 +85,7 @@ pub(crate) fn sensed(
 }
 
 /// Returns the sensors as the design takes them: where the controller undoes their errors, without.
-pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
+pub(crate) fn design_sensors(asked: &Synthesis, sensors: &Sensors) -> Sensors {
     let mut sensors = sensors.clone();
     if asked.options.sensor_errors == Compensation::Applied {
         let all = [&mut sensors.hub_gyro, &mut sensors.platform_gyro, &mut sensors.platform_accelerometer];

@@ -19,7 +19,7 @@ const LEVEL_AT: [f64; 14] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.
 ///
 /// Laws that truly stick have no state: their sign is softened below `sign_rate_rad_s` (Karnopp's below its own stick
 /// rate). Bristles become Dahl's law of their stiffness.
-pub(crate) fn observed(
+pub(crate) fn observer_friction(
     name: &str,
     side: Side,
     friction: &Friction,

@@ -92,7 +92,7 @@ pub fn synthesise(
     };
     let sampled = match &asked.options.schedule {
         Some(wanted) if schedule::redesigns(wanted, &balance) && design.part(Channel::Heave).is_some() => {
-            discretise_schedule(&design, schedule::interpolated(wanted, &balance), &sampling)
+            discretise_schedule(&design, schedule::select_interpolated(wanted, &balance), &sampling)
         }
         _ => discretise(&design, &sampling),
     };
@@ -191,7 +191,7 @@ fn has_same_response(one: &StateSpace, other: &StateSpace, period_s: f64) -> Res
 fn lower(design: &mut Design, order: usize) -> Result<Lowered, PipelineError> {
     sees_the_error_alone(design, "controller_order")?;
     let before = design.feedback_controller();
-    let seen = design.plant.measured()?.select(&[0], &[design.plant.control]);
+    let seen = design.plant.measured_plant()?.select(&[0], &[design.plant.control]);
     let from_error = before.select(&[0], &[0]);
     let reduction = reduce_controller(&seen, &from_error, Order::States(order), Truncation::MatchDc)?;
     design.substitute = Some(from_demand_and_reading(&reduction.reduction.system)?);

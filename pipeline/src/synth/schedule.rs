@@ -95,7 +95,7 @@ fn configured(
 /// # Errors
 /// Those of the plant.
 pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Result<Modelled, PipelineError> {
-    let plant = unbalanced(&modelled.plant, factor)?;
+    let plant = scale_imbalance(&modelled.plant, factor)?;
     let equilibrium = plant.equilibrium(&project.model.operating_point);
     let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
     let rate = of_rate(&plant, &equilibrium, project.model.friction)?;
@@ -104,7 +104,7 @@ pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Resul
 }
 
 /// Returns the plant with its out-of-balance times a factor.
-pub(crate) fn unbalanced(plant: &Plant, factor: f64) -> Result<Plant, PipelineError> {
+pub(crate) fn scale_imbalance(plant: &Plant, factor: f64) -> Result<Plant, PipelineError> {
     let mut body: Body = plant.body().clone();
     body.out_of_balance_kg_m *= factor;
     body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m *= factor);
@@ -122,7 +122,7 @@ pub(crate) fn redesigns(asked: &ScheduleOptions, entries: &[Entry]) -> bool {
 
 /// Returns the designs that the exported controller interpolates: those of the configurations; of the factors where
 /// there are none, because two designs of one out-of-balance and different inertia cannot both hold.
-pub(crate) fn interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) -> &'a [Entry] {
+pub(crate) fn select_interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) -> &'a [Entry] {
     match asked.configurations.len() {
         0 => entries,
         count => &entries[..entries.len().min(1 + count)],

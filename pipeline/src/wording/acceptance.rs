@@ -31,7 +31,7 @@ pub trait Traceable {
 
 impl Traceable for Verification {
     fn acceptance(&self, figure: &Figure) -> Acceptance {
-        let of = Judged { procedure: &self.evidence.procedure, controlled: self.controlled() };
+        let of = Judged { procedure: &self.evidence.procedure, controlled: self.controlled_quantity() };
         Acceptance {
             basis: basis(figure, &of),
             judged_by: judged_by(figure, &of),

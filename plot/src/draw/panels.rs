@@ -73,8 +73,8 @@ fn with_equal_units(x: Ruler, rulers: Vec<Ruler>, panels: &[Panel], width: f64) 
     let span = |ruler: &Ruler| ruler.ends().1 - ruler.ends().0;
     let units = |(ruler, panel): (&Ruler, &Panel)| span(ruler) / height_of(panel);
     let unit = rulers.iter().zip(panels).map(units).fold(span(&x) / width, f64::max);
-    let wide = x.widened(unit * width / span(&x));
-    let high = |(ruler, panel): (&Ruler, &Panel)| ruler.widened(unit * height_of(panel) / span(ruler));
+    let wide = x.widen(unit * width / span(&x));
+    let high = |(ruler, panel): (&Ruler, &Panel)| ruler.widen(unit * height_of(panel) / span(ruler));
     (wide, rulers.iter().zip(panels).map(high).collect())
 }
 

@@ -126,7 +126,12 @@ impl Field {
 
     /// Declares that the default stands in for a value that is not known, by a rule. The rule and its source are phrases without a
     /// full stop.
-    pub const fn assumed(mut self, rule: &'static str, source: &'static str, usual: UsualRange) -> Self {
+    pub const fn with_assumption(
+        mut self,
+        rule: &'static str,
+        source: &'static str,
+        usual: UsualRange,
+    ) -> Self {
         self.assumed = Some(Assumed { rule, source, usual });
         self
     }
@@ -142,7 +147,7 @@ impl Field {
         self
     }
 
-    pub const fn shown(mut self) -> Self {
+    pub const fn show_default(mut self) -> Self {
         self.shown = true;
         self
     }
@@ -167,7 +172,7 @@ impl Field {
 }
 
 impl TableField {
-    pub const fn required(key: &'static str, meaning: &'static str) -> Self {
+    pub const fn mandatory(key: &'static str, meaning: &'static str) -> Self {
         Self { key, need: Need::Required, form: Form::Section, meaning, smallest: "" }
     }
 

@@ -164,7 +164,7 @@ impl Document {
     }
 
     /// Returns what stands at a path as it is written, without the quotes of a text; `None` if nothing is there.
-    pub fn written(&self, path: &str) -> Option<String> {
+    pub fn source_text_at(&self, path: &str) -> Option<String> {
         let node = self.node_at(path)?;
         match &node.value {
             Value::Text(text) => Some(text.clone()),
@@ -247,7 +247,7 @@ impl Document {
     ///
     /// # Errors
     /// The text is not TOML.
-    pub fn migrated(&self) -> Result<Self, EditError> {
+    pub fn migrate(&self) -> Result<Self, EditError> {
         let set = edit::set_first(self.text(), "format", &Setting::Whole(i64::from(FORMAT)))?;
         Ok(self.reread(&set))
     }

@@ -34,7 +34,7 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// Returns a text in quotes.
-pub(crate) fn quoted(text: &str) -> String {
+pub(crate) fn quote(text: &str) -> String {
     toml_edit::Value::from(text).to_string()
 }
 
@@ -48,9 +48,9 @@ impl Setting {
         match self {
             Self::Number(value) => number(*value),
             Self::Whole(value) => value.to_string(),
-            Self::Text(text) => quoted(text),
+            Self::Text(text) => quote(text),
             Self::Numbers(values) => list(values, |v| number(*v)),
-            Self::Texts(texts) => list(texts, |t| quoted(t)),
+            Self::Texts(texts) => list(texts, |t| quote(t)),
             Self::Pairs(pairs) => list(pairs, |[a, b]| format!("[{}, {}]", number(*a), number(*b))),
             Self::List(items) => list(items, Self::as_written),
         }

@@ -134,7 +134,7 @@ impl Remark {
         Self { problem, path: path.to_owned(), found: None, allowed: allowed.into(), hint: None }
     }
 
-    pub fn found(mut self, found: impl Into<String>) -> Self {
+    pub fn with_value(mut self, found: impl Into<String>) -> Self {
         self.found = Some(found.into());
         self
     }

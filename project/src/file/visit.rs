@@ -42,7 +42,7 @@ pub(crate) trait Visit {
     /// Reports an error about the last key that its type and range do not cover.
     fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
     /// Returns the text of a file that was handed in, or why there is none; `None` if nothing is read.
-    fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
+    fn attached_text(&mut self, _name: &str) -> Option<Result<String, String>> {
         None
     }
     /// Returns a file that was handed in, or why there is none; `None` if nothing is read.

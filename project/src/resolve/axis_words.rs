@@ -99,8 +99,8 @@ impl Visit for Words<'_> {
         self.inner.complain(&key, allowed, hint);
     }
 
-    fn attached(&mut self, name: &str) -> Option<Result<String, String>> {
-        self.inner.attached(name)
+    fn attached_text(&mut self, name: &str) -> Option<Result<String, String>> {
+        self.inner.attached_text(name)
     }
 
     fn attached_bytes(&mut self, name: &str) -> Option<Result<Vec<u8>, String>> {

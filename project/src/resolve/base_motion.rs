@@ -102,7 +102,7 @@ pub(super) fn inertial_unit(v: &mut dyn Visit, unit: &mut InertialUnit) {
     v.number(&start.or(0.0), &mut unit.start_s);
     v.number(&Field::new("duration", "length that is used").unit("s").limit(ABOVE_0), &mut unit.duration_s);
     let fade = Field::new("fade", "time in which the motion fades in and out").unit("s").limit(AT_LEAST_0);
-    v.number(&fade.or(1.0).shown(), &mut unit.fade_s);
+    v.number(&fade.or(1.0).show_default(), &mut unit.fade_s);
 }
 
 fn columns(v: &mut dyn Visit, key: &'static str, meaning: &'static str, names: &mut [String; 3]) {

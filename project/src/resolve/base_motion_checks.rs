@@ -15,14 +15,15 @@ const LEAST_SHARE_OF_HEAVE: f64 = 0.1;
 pub(super) const CONVERTER_RANGE_V: f64 = 10.0;
 
 /// An accelerometer on the elevated mass turns with a hub that has an elevation.
-pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {
+pub(super) fn check_elevated(findings: &mut Findings<'_>, project: &Project) {
     let sensors = &project.plant.sensors;
     let key = "plant.sensors.platform_accelerometer.axis";
     if sensors.accelerometer_axis == AccelerometerAxis::Vertical {
         return;
     }
     let mut complain = |path: &str, found: String, allowed: &str| {
-        findings.add(Severity::Error, Remark::new(Problem::Conflict, path, allowed.to_owned()).found(found));
+        findings
+            .add(Severity::Error, Remark::new(Problem::Conflict, path, allowed.to_owned()).with_value(found));
     };
     if project.plant.axis == Axis::Linear {
         let allowed = "must be \"vertical\" where plant.axis is \"linear\": a slide has no elevation";
@@ -41,7 +42,7 @@ pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {
 }
 
 /// A second accelerometer needs the first one, and an angle by which both are projected across the beam.
-pub(super) fn projected(findings: &mut Findings<'_>, project: &Project) {
+pub(super) fn check_projection(findings: &mut Findings<'_>, project: &Project) {
     let sensors = &project.plant.sensors;
     let Some(surge) = &sensors.surge_accelerometer else { return };
     let section = "plant.sensors.surge_accelerometer";
@@ -97,6 +98,6 @@ pub(super) fn slide(findings: &mut Findings<'_>, project: &Project) {
     if project.plant.axis == Axis::Linear && !source.surge.is_empty() {
         let allowed = "has no effect: a linear axis feels the acceleration along it, which is `heave` here";
         let remark = Remark::new(Problem::Conflict, "verify.road.surge", allowed.to_owned());
-        findings.add(Severity::Warning, remark.found(format!("\"{}\"", source.surge)));
+        findings.add(Severity::Warning, remark.with_value(format!("\"{}\"", source.surge)));
     }
 }

@@ -20,7 +20,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
         if section.to_m <= section.from_m {
             let allowed = format!("must lie beyond the section's near end {} m", section.from_m);
             let remark = Remark::new(Problem::Conflict, &format!("{LIST}[{index}].to"), allowed);
-            findings.add(Severity::Error, remark.found(section.to_m.to_string()));
+            findings.add(Severity::Error, remark.with_value(section.to_m.to_string()));
         }
         hollow(findings, &format!("{LIST}[{index}].inner_diameter"), &section.shape);
     }
@@ -35,7 +35,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
                 two[0].to_m
             );
             let remark = Remark::new(Problem::Conflict, &format!("{LIST}[{}].from", index + 1), allowed);
-            findings.add(Severity::Error, remark.found(two[1].from_m.to_string()));
+            findings.add(Severity::Error, remark.with_value(two[1].from_m.to_string()));
         }
     }
     pivot(findings, beam);
@@ -47,7 +47,7 @@ fn pivot(findings: &mut Findings<'_>, beam: &Beam) {
         let allowed = format!("must lie on the beam, between {} and {} m", first.from_m, last.to_m);
         findings.add(
             Severity::Error,
-            Remark::new(Problem::Conflict, "plant.beam.pivot", allowed).found(beam.pivot_m.to_string()),
+            Remark::new(Problem::Conflict, "plant.beam.pivot", allowed).with_value(beam.pivot_m.to_string()),
         );
     }
 }
@@ -63,7 +63,7 @@ fn hollow(findings: &mut Findings<'_>, path: &str, shape: &SectionShape) {
         let allowed = format!("must be below the outer diameter {outer_diameter_m:?} m at both ends");
         findings.add(
             Severity::Error,
-            Remark::new(Problem::Conflict, path, allowed).found(format!("{inner_diameter_m:?}")),
+            Remark::new(Problem::Conflict, path, allowed).with_value(format!("{inner_diameter_m:?}")),
         );
     }
 }
@@ -88,7 +88,7 @@ pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
                 mass.name, first.from_m, last.to_m
             );
             let remark = Remark::new(Problem::Conflict, &format!("{LIST}[{index}].position"), allowed);
-            findings.add(Severity::Error, remark.found(mass.position_m.to_string()));
+            findings.add(Severity::Error, remark.with_value(mass.position_m.to_string()));
         }
     }
 }

@@ -54,9 +54,9 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     delays(&mut findings, plant);
     own_periods(&mut findings, plant);
     coarse_readings(&mut findings, plant);
-    base_motion_checks::elevated(&mut findings, project);
+    base_motion_checks::check_elevated(&mut findings, project);
     base_motion_checks::slide(&mut findings, project);
-    base_motion_checks::projected(&mut findings, project);
+    base_motion_checks::check_projection(&mut findings, project);
     recorded_period(&mut findings, project);
     imported_period(&mut findings, project);
     without_effect(&mut findings, plant);
@@ -97,7 +97,10 @@ fn structure(findings: &mut Findings<'_>, project: &Project) {
     if !there {
         let allowed = format!("needs the section [{section}]");
         let found = format!("\"{}\"", project.model.structure.name());
-        findings.add(Severity::Error, Remark::new(Problem::Missing, "model.structure", allowed).found(found));
+        findings.add(
+            Severity::Error,
+            Remark::new(Problem::Missing, "model.structure", allowed).with_value(found),
+        );
     }
 }
 
@@ -132,12 +135,13 @@ fn configurations(findings: &mut Findings<'_>, project: &Project) {
                     }
                     known => format!("the beam has no such mass; it has {}", quoted(known)),
                 };
-                let remark = Remark::new(Problem::UnknownName, &path, allowed).found(found);
+                let remark = Remark::new(Problem::UnknownName, &path, allowed).with_value(found);
                 findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
             } else if configuration.masses[..place].contains(name) {
                 findings.add(
                     Severity::Error,
-                    Remark::new(Problem::Duplicate, &path, "a mass can be fitted only once").found(found),
+                    Remark::new(Problem::Duplicate, &path, "a mass can be fitted only once")
+                        .with_value(found),
                 );
             }
         }
@@ -150,8 +154,8 @@ fn configuration(findings: &mut Findings<'_>, project: &Project) {
     let known: Vec<&str> = project.plant.configurations.iter().map(|c| c.name.as_str()).collect();
     if !known.contains(&name.as_str()) {
         let allowed = format!("there is no such configuration; known are {}", quoted(&known));
-        let remark =
-            Remark::new(Problem::UnknownName, "model.configuration", allowed).found(format!("\"{name}\""));
+        let remark = Remark::new(Problem::UnknownName, "model.configuration", allowed)
+            .with_value(format!("\"{name}\""));
         findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
     }
 }
@@ -187,7 +191,7 @@ fn map(findings: &mut Findings<'_>, plant: &Parameters) {
             "points must have a voltage above 0 and up to the input limit {limit} V, and a current above 0"
         );
         let remark = Remark::new(Problem::Conflict, "plant.amplifier.map", allowed);
-        findings.add(Severity::Error, remark.found(format!("[{}, {}]", point.input_v, point.current_a)));
+        findings.add(Severity::Error, remark.with_value(format!("[{}, {}]", point.input_v, point.current_a)));
     }
 }
 
@@ -195,7 +199,7 @@ fn coupling(findings: &mut Findings<'_>, plant: &Parameters) {
     let value = plant.motor.platform_coupling;
     if value.abs() < 1.0 && value != 0.0 {
         let remark = Remark::new(Problem::OutOfRange, "plant.motor.platform_coupling", "must be -1, 0 or 1");
-        findings.add(Severity::Error, remark.found(value.to_string()));
+        findings.add(Severity::Error, remark.with_value(value.to_string()));
     }
 }
 
@@ -215,7 +219,7 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
         };
         let section = path.trim_end_matches(key);
         let allowed = format!("acts through a transmission that gives: state {section}stiffness as well");
-        let remark = Remark::new(Problem::Conflict, path, allowed).found(value.to_string());
+        let remark = Remark::new(Problem::Conflict, path, allowed).with_value(value.to_string());
         findings.add(Severity::Error, remark);
     }
 }
@@ -226,7 +230,8 @@ fn cascade(findings: &mut Findings<'_>, project: &Project) {
     if is_cascade && project.reduce.method != ReductionMethod::None {
         let allowed = "must be \"none\" where synth.loop is \"cascade\": its rate loop is designed on the plant as it is";
         let found = format!("\"{}\"", project.reduce.method.name());
-        findings.add(Severity::Error, Remark::new(Problem::Conflict, "reduce.method", allowed).found(found));
+        findings
+            .add(Severity::Error, Remark::new(Problem::Conflict, "reduce.method", allowed).with_value(found));
     }
 }
 
@@ -283,7 +288,7 @@ fn own_periods(findings: &mut Findings<'_>, plant: &Parameters) {
         );
         let path = format!("plant.sensors.{name}.sample_period");
         let remark = Remark::new(Problem::OutOfRange, &path, allowed);
-        findings.add(Severity::Error, remark.found(own_s.to_string()));
+        findings.add(Severity::Error, remark.with_value(own_s.to_string()));
     }
 }
 
@@ -296,7 +301,7 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
             let most = MOST_DELAY_SAMPLES * period;
             let allowed = format!("must be at most {MOST_DELAY_SAMPLES} sample periods, {most} s");
             let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
-            findings.add(Severity::Error, remark.found(delay_s.to_string()));
+            findings.add(Severity::Error, remark.with_value(delay_s.to_string()));
         }
     }
 }
@@ -371,7 +376,7 @@ fn runs_at_the_period(
             "must be {wanted} the sample period of plant.interface, {period} s; this one has {own_s} s"
         );
         let remark = Remark::new(Problem::OutOfRange, file.path, allowed);
-        findings.add(Severity::Error, remark.found(format!("\"{}\"", file.name)));
+        findings.add(Severity::Error, remark.with_value(format!("\"{}\"", file.name)));
     }
 }
 
@@ -383,7 +388,7 @@ fn without_effect(findings: &mut Findings<'_>, plant: &Parameters) {
     let given = drive.iter().filter_map(|(name, sensor)| sensor.as_ref().map(|sensor| (*name, sensor)));
     let mut warn = |path: String, value: f64, why: &str| {
         let allowed = format!("has no effect: {why}");
-        let remark = Remark::new(Problem::Conflict, &path, allowed).found(value.to_string());
+        let remark = Remark::new(Problem::Conflict, &path, allowed).with_value(value.to_string());
         findings.add(Severity::Warning, remark);
     };
     for (name, sensor) in given.clone().filter(|(_, sensor)| sensor.natural_frequency_rad_s.is_finite()) {
@@ -418,7 +423,7 @@ fn units(findings: &mut Findings<'_>, mapping: &Mapping, of_machine: ChannelUnit
                 "must be a unit like {wanted}, unless `slope_over` or `slope_lag` says that its slope is meant"
             );
             let remark = Remark::new(Problem::OutOfRange, &path, allowed);
-            findings.add(Severity::Error, remark.found(format!("\"{written}\"")));
+            findings.add(Severity::Error, remark.with_value(format!("\"{written}\"")));
         }
     }
 }

@@ -132,7 +132,7 @@ fn exported(v: &mut dyn Visit, source: &mut ControllerSource) {
     let hash =
         "hash of the project that it was exported from, as in the header of the C code; checked if given";
     v.text(&Field::new("hash", hash).or_text(""), &mut source.hash);
-    let Some(text) = v.attached(&source.file) else { return };
+    let Some(text) = v.attached_text(&source.file) else { return };
     match text.and_then(|text| parse(&text).map_err(|why| format!("\"{}\": {why}", source.file))) {
         Ok(content) => {
             let found = &content.project_hash;

@@ -5,7 +5,7 @@ use counterpoise_models::{
     Amplifier, AmplifierDynamics, Axis, Cylinder, Gearbox, Linkage, Motor, Parameters,
 };
 
-use super::digits::rounded;
+use super::digits::round_to_digits;
 use super::findings::Findings;
 use super::{Project, drive};
 use crate::diagnostic::{Problem, Severity};
@@ -67,17 +67,17 @@ impl Stated {
         let full = amplifier.gain * amplifier.input_limit_v;
         let share = cylinder.rated_drop_mpa / cylinder.supply_mpa;
         Self {
-            area_m2: rounded(motor.torque_constant_nm_a / PA_PER_MPA),
-            supply_pa: rounded(cylinder.supply_mpa * PA_PER_MPA),
-            volume_m3: rounded(cylinder.volume_l / L_PER_M3),
-            bulk_modulus_pa: rounded(cylinder.volume_l / (4.0 * motor.inductance_h) * PA_PER_MPA),
-            leakage_m3_s_pa: rounded(motor.resistance_ohm / (L_PER_M3 * PA_PER_MPA)),
-            rated_flow_m3_s: rounded((full - cylinder.overlap_l_s) * share.sqrt() / L_PER_M3),
-            rated_drop_pa: rounded(cylinder.rated_drop_mpa * PA_PER_MPA),
+            area_m2: round_to_digits(motor.torque_constant_nm_a / PA_PER_MPA),
+            supply_pa: round_to_digits(cylinder.supply_mpa * PA_PER_MPA),
+            volume_m3: round_to_digits(cylinder.volume_l / L_PER_M3),
+            bulk_modulus_pa: round_to_digits(cylinder.volume_l / (4.0 * motor.inductance_h) * PA_PER_MPA),
+            leakage_m3_s_pa: round_to_digits(motor.resistance_ohm / (L_PER_M3 * PA_PER_MPA)),
+            rated_flow_m3_s: round_to_digits((full - cylinder.overlap_l_s) * share.sqrt() / L_PER_M3),
+            rated_drop_pa: round_to_digits(cylinder.rated_drop_mpa * PA_PER_MPA),
             rated_control_v: amplifier.input_limit_v,
             valve_frequency_rad_s: cylinder.valve_frequency_rad_s,
             valve_damping: cylinder.valve_damping,
-            overlap: rounded(cylinder.overlap_l_s / full),
+            overlap: round_to_digits(cylinder.overlap_l_s / full),
             lever: cylinder.lever,
         }
     }
@@ -159,7 +159,7 @@ fn keys(v: &mut dyn Visit, of: &mut Stated) {
     let volume = "volume of oil on both sides, with the lines from the valve";
     v.number(&positive("volume", "m^3", volume), &mut of.volume_m3);
     let bulk = positive("bulk_modulus", "Pa", "effective bulk modulus of the oil with its air and the hoses");
-    let bulk = bulk.or(BULK_MODULUS_PA).assumed(
+    let bulk = bulk.or(BULK_MODULUS_PA).with_assumption(
         "6.9e8 Pa",
         "Merritt, Hydraulic Control Systems, 1967, section 2-4",
         UsualRange::Values(2e8, 1.8e9),

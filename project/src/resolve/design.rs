@@ -147,7 +147,11 @@ impl Default for Export {
 
 /// Reads or lists the reduction.
 pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
-    choose(v, &Field::new("method", "how the plant is reduced").or_text("none").shown(), &mut reduce.method);
+    choose(
+        v,
+        &Field::new("method", "how the plant is reduced").or_text("none").show_default(),
+        &mut reduce.method,
+    );
     let mut order = reduce.order.unwrap_or(0);
     count(
         v,
@@ -196,23 +200,23 @@ fn assembly_and_form(v: &mut dyn Visit, synth: &mut Synthesis) {
         v,
         &Field::new("assembly", "how feedback and feedforward are put together")
             .or_text("simple-add")
-            .shown(),
+            .show_default(),
         &mut specification.assembly,
     );
     choose(
         v,
-        &Field::new("reference", "where the demand enters the controller").or_text("error").shown(),
+        &Field::new("reference", "where the demand enters the controller").or_text("error").show_default(),
         &mut specification.reference,
     );
     let delay = Field::new("delay_samples", "delay of the plant that is designed for, in sample periods")
         .limit(Limit::Between(0.0, 100.0));
-    v.number(&delay.or(1.0).shown(), &mut synth.delay_samples);
+    v.number(&delay.or(1.0).show_default(), &mut synth.delay_samples);
     count(
         v,
         &Field::new("pade_order", "order of the Pade approximation of the delay")
             .limit(Limit::Between(0.0, 8.0))
             .or(2.0)
-            .shown(),
+            .show_default(),
         &mut synth.pade_order,
     );
     discretisation(v, &mut synth.discretisation);
@@ -373,7 +377,7 @@ fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
             Discretisation::Matched => (SamplingName::Matched, None),
         },
     };
-    choose(v, &Field::new("discretisation", SAMPLED_HOW).or_text("tustin").shown(), &mut name);
+    choose(v, &Field::new("discretisation", SAMPLED_HOW).or_text("tustin").show_default(), &mut name);
     *method = match name {
         SamplingName::Tustin => {
             let field =
@@ -399,8 +403,8 @@ fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
     v.number(&recovery.limit(AT_LEAST_0).or(0.0), &mut feedback.loop_recovery);
     indexed(v, &DISTURBANCES, &mut feedback.disturbances);
     indexed(v, &COMBINATION, &mut feedback.combination);
-    table(v, &TableField::required("error", "weight on the measured error"), &mut feedback.error, weight);
-    table(v, &TableField::required("control", "weight on the control"), &mut feedback.control, weight);
+    table(v, &TableField::mandatory("error", "weight on the measured error"), &mut feedback.error, weight);
+    table(v, &TableField::mandatory("control", "weight on the control"), &mut feedback.control, weight);
 }
 
 /// A key whose number belongs to an input or an output of the plant.
@@ -513,19 +517,19 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
     };
     table(
         v,
-        &TableField::required("error", "weight on the rate that the disturbance would cause"),
+        &TableField::mandatory("error", "weight on the rate that the disturbance would cause"),
         &mut part.error,
         weight,
     );
     table(
         v,
-        &TableField::required("control", "weight on the feedforward's control"),
+        &TableField::mandatory("control", "weight on the feedforward's control"),
         &mut part.control,
         weight,
     );
     table(
         v,
-        &TableField::required("generator", "weight whose square is the spectrum of the disturbance"),
+        &TableField::mandatory("generator", "weight whose square is the spectrum of the disturbance"),
         &mut part.generator,
         weight,
     );
@@ -533,14 +537,14 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
 
 /// Reads or lists what code is generated.
 pub(crate) fn export(v: &mut dyn Visit, export: &mut Export) {
-    let name = Field::new("name", "prefix of every name of the code").or_text("controller").shown();
+    let name = Field::new("name", "prefix of every name of the code").or_text("controller").show_default();
     v.text(&name, &mut export.options.name);
     if let Some(problem) = identifier(&export.options.name) {
         v.complain("name", problem, None);
     }
     choose(
         v,
-        &Field::new("precision", "precision of the numbers on the target").or_text("double").shown(),
+        &Field::new("precision", "precision of the numbers on the target").or_text("double").show_default(),
         &mut export.options.precision,
     );
     languages(v, &mut export.languages);

@@ -4,6 +4,6 @@
 const DIGITS: usize = 11;
 
 /// Returns a number to twelve digits: what was written in few of them comes back as it was written.
-pub(super) fn rounded(value: f64) -> f64 {
+pub(super) fn round_to_digits(value: f64) -> f64 {
     format!("{value:.DIGITS$e}").parse().unwrap_or(value)
 }

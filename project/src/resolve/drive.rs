@@ -95,7 +95,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
         return set(v, plant, takes, &Stated::NONE);
     }
     let mut takes = takes_of(plant);
-    let kind = Field::new("kind", "what the drive takes").or_text("torque").shown();
+    let kind = Field::new("kind", "what the drive takes").or_text("torque").show_default();
     choose(v, &kind, &mut takes);
     let stated = keys(v, plant, takes);
     v.leave();
@@ -177,7 +177,7 @@ fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
     let of_inertia = |l: &counterpoise_models::Lumped| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
     let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
     let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
-    let limit = limit.assumed(
+    let limit = limit.with_assumption(
         "unlimited; 10 V of control command the torque that accelerates the load by 1000 rad/s^2",
         "what is left out is ideal",
         UsualRange::Factors(0.001, 1.0),

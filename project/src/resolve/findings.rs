@@ -43,7 +43,7 @@ pub(super) fn duplicates<'n>(findings: &mut Findings<'_>, list: &str, names: imp
         if let Some(first) = seen.get(name) {
             let allowed = format!("the name is taken by {list}[{first}]; names must differ");
             let remark = Remark::new(Problem::Duplicate, &format!("{list}[{index}].name"), allowed);
-            findings.add(Severity::Error, remark.found(format!("\"{name}\"")));
+            findings.add(Severity::Error, remark.with_value(format!("\"{name}\"")));
         }
         seen.entry(name).or_insert(index);
     }

@@ -204,9 +204,9 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut Tuning) {
 fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
     let above_1 = Limit::Above(1.0);
     let ms = Field::new("max_sensitivity", "largest sensitivity").limit(above_1).or(1.4);
-    v.number(&ms.shown(), &mut limits.max_sensitivity);
+    v.number(&ms.show_default(), &mut limits.max_sensitivity);
     let mt = Field::new("max_complementary", "largest complementary sensitivity").limit(above_1).or(1.4);
-    v.number(&mt.shown(), &mut limits.max_complementary);
+    v.number(&mt.show_default(), &mut limits.max_complementary);
     let gain = Field::new("gain_margin", "lowest gain margin").unit("dB").limit(AT_LEAST_0).or(0.0);
     v.number(&gain, &mut limits.gain_margin_db);
     let phase = Field::new("phase_margin", "lowest phase margin").unit("degrees").limit(AT_LEAST_0).or(0.0);

@@ -27,10 +27,10 @@ pub(super) fn unreadable(document: &Document) -> Result<(), Vec<Diagnostic>> {
 }
 
 /// Returns what is wrong with the format that a file states.
-pub(super) fn judged_format(document: &Document, format: u32, news: News) -> Option<Diagnostic> {
+pub(super) fn judge_format(document: &Document, format: u32, news: News) -> Option<Diagnostic> {
     if format == 0 && document.format() == Some(0) {
         let allowed = format!("formats are counted from 1; this version writes format {FORMAT}");
-        let remark = Remark::new(Problem::Format, "format", allowed).found("0");
+        let remark = Remark::new(Problem::Format, "format", allowed).with_value("0");
         return Some(document.finding(Severity::Error, remark));
     }
     let is_older = document.format().is_some_and(|format| format < FORMAT);
@@ -40,7 +40,7 @@ pub(super) fn judged_format(document: &Document, format: u32, news: News) -> Opt
              Counterpoise cannot read it"
         );
         let hint = "`counterpoise check --migrate` sets the format".to_owned();
-        let remark = Remark::new(Problem::Format, "format", allowed).found(format.to_string()).hint(Some(hint));
+        let remark = Remark::new(Problem::Format, "format", allowed).with_value(format.to_string()).hint(Some(hint));
         document.finding(Severity::Warning, remark)
     })
 }

@@ -54,7 +54,7 @@ impl Choice for Curve {
     ];
 }
 
-const MODEL: Field = Field::new("model", "law of the dry friction").or_text("none").shown();
+const MODEL: Field = Field::new("model", "law of the dry friction").or_text("none").show_default();
 const COULOMB: Field = Field::new("coulomb", "level of the dry friction while sliding")
     .unit("N m")
     .limit(Limit::of(ranges::COULOMB));
@@ -163,7 +163,7 @@ pub(crate) fn ripple(v: &mut dyn Visit, section: &TableField, value: &mut Ripple
 }
 
 /// Reads or lists a dry friction as it was identified: a law, Dahl's if none is named, and its Stribeck level.
-pub(crate) fn identified(v: &mut dyn Visit, value: &mut Friction) {
+pub(crate) fn identified_friction(v: &mut dyn Visit, value: &mut Friction) {
     named_law(v, &MODEL.or_text("dahl"), &mut value.law);
     v.number(&STATIC_RATIO, &mut value.static_ratio);
     v.number(&STRIBECK_RATE, &mut value.stribeck_rate_rad_s);

@@ -78,7 +78,7 @@ impl ImportedContent {
     /// condensed a moment ago is not condensed again.
     ///
     /// # Errors
-    /// As for [`Imported::fitted`] and [`Imported::condensed`].
+    /// As for [`Imported::with_fitted_masses`] and [`Imported::condense`].
     pub fn structure(
         &self,
         fitted: &Fitted,
@@ -113,9 +113,9 @@ impl ImportedContent {
         watch: &mut Watch,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if *fitted == Fitted::default() {
-            return self.matrices.condensed(&self.map, wanted, watch);
+            return self.matrices.condense(&self.map, wanted, watch);
         }
-        self.matrices.fitted(&self.map, fitted)?.condensed(&self.map, wanted, watch)
+        self.matrices.with_fitted_masses(&self.map, fitted)?.condense(&self.map, wanted, watch)
     }
 }
 
@@ -228,7 +228,7 @@ fn plain(
         true => None,
         false => Some(matrix("damping_matrix", &import.damping)?),
     };
-    Some(Imported::in_order_of(map, mass?, damping, stiffness?))
+    Some(Imported::from_row_order(map, mass?, damping, stiffness?))
 }
 
 /// Matrices that name their rows.
@@ -285,7 +285,7 @@ fn read<T>(
     file: &str,
     parse: impl Fn(&str) -> Result<T, counterpoise_models::Error>,
 ) -> Option<T> {
-    let parsed = v.attached(file)?.and_then(|text| parse(&text).map_err(|error| said(&error)));
+    let parsed = v.attached_text(file)?.and_then(|text| parse(&text).map_err(|error| said(&error)));
     match parsed {
         Ok(value) => Some(value),
         Err(why) => {

@@ -43,15 +43,15 @@ const SECTION: TableField = TableField::optional(
     "a free function of one regime variable at a component, beside the laws of the library",
 );
 const NAME: Field = Field::new("name", "name of the function").or_text("");
-const PLACE: Field = Field::new("place", "component at which it acts").or_text("pivot").shown();
+const PLACE: Field = Field::new("place", "component at which it acts").or_text("pivot").show_default();
 const QUANTITY: Field = Field::new(
     "quantity",
     "what it is: an added torque, or a factor on dry friction, stiffness, damping or torque constant",
 )
 .or_text("torque")
-.shown();
+.show_default();
 const VARIABLE: Field =
-    Field::new("variable", "what it is a function of, at its place").or_text("angle").shown();
+    Field::new("variable", "what it is a function of, at its place").or_text("angle").show_default();
 const INTERPOLATION: Field = Field::new("interpolation", "how it goes from point to point").or_text("cubic");
 const POINTS: Field = Field::new(
     "points",
@@ -65,7 +65,7 @@ const COVERAGE: Field = Field::new("coverage", "share of the recorded samples ne
     .or_empty();
 
 /// Reads or lists the free functions.
-pub(super) fn learned(v: &mut dyn Visit, plant: &mut Parameters) {
+pub(super) fn learned_functions(v: &mut dyn Visit, plant: &mut Parameters) {
     let (axis, gearbox) = (plant.axis, plant.gearbox.clone());
     list(v, &SECTION, &mut plant.learned, LearnedElement::default(), |v, element| {
         function(v, axis, element);

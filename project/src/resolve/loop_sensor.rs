@@ -156,8 +156,11 @@ fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
     let turn = if place == Place::Motor { TAU / plant.gearbox.ratio } else { TAU };
     let mut counts = (turn / known).round();
     let field = Field::new("counts", "steps a turn").unit(COUNTS).limit(Limit::AtLeast(1.0)).or(IDEAL_COUNTS);
-    let field =
-        field.assumed("2^32: steps that nothing feels", "an ideal encoder", UsualRange::Values(1e3, 1e7));
+    let field = field.with_assumption(
+        "2^32: steps that nothing feels",
+        "an ideal encoder",
+        UsualRange::Values(1e3, 1e7),
+    );
     v.number(&field, &mut counts);
     plant.sensors.hub_gyro.resolution = turn / counts;
 }

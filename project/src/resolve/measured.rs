@@ -25,7 +25,7 @@ pub(crate) fn blank() -> MeasuredModes {
 }
 
 /// Reads or lists the measurement.
-pub(crate) fn measured(v: &mut dyn Visit, measured: &mut MeasuredModes) {
+pub(crate) fn measured_modes(v: &mut dyn Visit, measured: &mut MeasuredModes) {
     let modes = Field::new("modes", "natural frequencies of the flexible modes, in rising order").unit("Hz");
     v.numbers(&modes.limit(Limit::Above(0.0)), Count::AtLeastOne, &mut measured.modes_hz);
     let rising = measured.modes_hz.windows(2).all(|two| two[0] < two[1]);

@@ -142,7 +142,7 @@ impl Project {
         let plain = reader.units.is_empty() && project.tolerances.is_empty() && document.parts().is_empty();
         let news = if plain { News::Unused } else { News::Used };
         let (mut findings, assumptions) = (reader.findings, reader.assumptions);
-        findings.extend(format::judged_format(document, format, news));
+        findings.extend(format::judge_format(document, format, news));
         findings.extend(checks::all(document, &project));
         if !document.has("plant") {
             // everything that refers to the machine follows from its absence
@@ -253,10 +253,13 @@ impl Project {
 fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     let mut format = FORMAT;
     v.whole(
-        &Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT)).shown(),
+        &Field::new("format", "format of this file")
+            .limit(Limit::AtLeast(0.0))
+            .or(f64::from(FORMAT))
+            .show_default(),
         &mut format,
     );
-    table(v, &TableField::required("plant", "the mechanism"), project, |v, project| {
+    table(v, &TableField::mandatory("plant", "the mechanism"), project, |v, project| {
         plant::plant(v, &mut project.plant);
         let section = TableField::optional("import", "the structure as matrices of a finite-element package");
         optional(v, &section, &mut project.import, import::blank(), import::import);
@@ -346,7 +349,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     let section = TableField::optional("recording", "how the columns of recordings become channels");
     unless_usual(v, &section, &mut project.recording, recording::recording);
     let section = TableField::optional("measured", "natural frequencies measured on the real structure");
-    optional(v, &section, &mut project.measured, measured::blank(), measured::measured);
+    optional(v, &section, &mut project.measured, measured::blank(), measured::measured_modes);
 }
 
 /// Returns whether a finding holds even though the syntax is broken elsewhere.

@@ -7,9 +7,9 @@ use counterpoise_models::{
 
 use super::axis_words::Words;
 use super::friction::{friction, ripple};
-use super::learned::learned;
+use super::learned::learned_functions;
 use super::sensor::{accelerometer, gyroscope, sensor};
-use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
+use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped_inertias};
 use super::{cylinder, drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose, list, maybe_number, optional, table};
@@ -80,7 +80,7 @@ fn blank_motor() -> Motor {
 
 /// Reads or lists the plant.
 pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
-    v.text(&Field::new("name", "name of the machine").or_text("machine").shown(), &mut plant.name);
+    v.text(&Field::new("name", "name of the machine").or_text("machine").show_default(), &mut plant.name);
     choose(v, &Field::new("axis", "whether the hub turns or slides").or_text("rotary"), &mut plant.axis);
     if plant.axis == Axis::Rotary && (v.has("mass") || v.has("lumped.mass")) {
         let allowed = "must be \"linear\" where [plant] has a mass: what turns has an inertia";
@@ -114,7 +114,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     drive::without_its_delay(plant);
     table(
         v,
-        &TableField::required("interface", "converters and clock of the controller")
+        &TableField::mandatory("interface", "converters and clock of the controller")
             .with_smallest("sample_period = \"1 ms\""),
         &mut plant.interface,
         interface,
@@ -127,7 +127,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         blank_configuration(),
         configuration,
     );
-    learned(v, plant);
+    learned_functions(v, plant);
 }
 
 /// Reads or lists transmission, motor and amplifier.
@@ -184,7 +184,7 @@ fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
     let section = TableField::optional("lumped", "the structure as one inertia, two, or more in a chain");
     if v.enter(&section, Presence::from(inertias.is_some() && !short)) {
         let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);
-        lumped(v, &mut value);
+        lumped_inertias(v, &mut value);
         v.leave();
         *inertias = Some(value);
     }
@@ -202,14 +202,14 @@ fn motor_section(v: &mut dyn Visit, value: &mut Motor) {
 
 fn motor(v: &mut dyn Visit, motor: &mut Motor) {
     let inertia = Field::new("inertia", "rotor and gearbox input").unit("kg m^2").limit(AT_LEAST_0);
-    let inertia = inertia.or(0.0).assumed(
+    let inertia = inertia.or(0.0).with_assumption(
         "part of the hub's inertia",
         "a rigid transmission adds nothing else",
         UsualRange::Unknown,
     );
     v.number(&inertia, &mut motor.inertia_kg_m2);
     let constant = Field::new("torque_constant", "torque per current").unit("N m/A").limit(ABOVE_0);
-    let constant = constant.or(1.0).assumed(
+    let constant = constant.or(1.0).with_assumption(
         "1: the drive's current is its torque",
         "a drive that takes a torque hides its current",
         UsualRange::Unknown,
@@ -217,21 +217,21 @@ fn motor(v: &mut dyn Visit, motor: &mut Motor) {
     v.number(&constant, &mut motor.torque_constant_nm_a);
     let constant = motor.torque_constant_nm_a;
     let emf = Field::new("back_emf_constant", "back-EMF per angular rate of the motor").unit("V s/rad");
-    let emf = emf.limit(AT_LEAST_0).or(constant).assumed(
+    let emf = emf.limit(AT_LEAST_0).or(constant).with_assumption(
         "equal to the torque constant in SI units",
         "conservation of energy in a motor without losses",
         UsualRange::Factors(0.9, 1.1),
     );
     v.number(&emf, &mut motor.back_emf_v_s_rad);
     let resistance = Field::new("resistance", "of the armature").unit("ohm").limit(ABOVE_0).or(1.0);
-    let resistance = resistance.assumed(
+    let resistance = resistance.with_assumption(
         "1 ohm",
         "a drive that controls the current hides it; a voltage amplifier needs it",
         UsualRange::Factors(0.1, 10.0),
     );
     v.number(&resistance, &mut motor.resistance_ohm);
     let inductance = Field::new("inductance", "of the armature").unit("H").limit(AT_LEAST_0).or(0.0);
-    let inductance = inductance.assumed(
+    let inductance = inductance.with_assumption(
         "0: the current follows the voltage at once",
         "most servo motors' electrical time constants are below their loops' periods",
         UsualRange::Unknown,
@@ -361,7 +361,7 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     );
     let bits = Limit::Between(1.0, MOST_BITS);
     let fine = |key| {
-        Field::new(key, "over +/- 10 V").unit("bits").limit(bits).or(IDEAL_BITS).assumed(
+        Field::new(key, "over +/- 10 V").unit("bits").limit(bits).or(IDEAL_BITS).with_assumption(
             "48: steps that nothing feels",
             "an ideal converter has no steps",
             UsualRange::Values(10.0, 24.0),

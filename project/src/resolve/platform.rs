@@ -303,8 +303,8 @@ fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
     let surge = "column of the forward acceleration; without it the platform does not surge";
     v.text(&Field::new("surge", surge).or_text(""), &mut road.surge);
     let scale = "factor; a negative one turns the sign";
-    v.number(&Field::new("heave_scale", scale).or(1.0).shown(), &mut road.heave_scale);
-    v.number(&Field::new("pitch_scale", scale).or(1.0).shown(), &mut road.pitch_scale);
+    v.number(&Field::new("heave_scale", scale).or(1.0).show_default(), &mut road.heave_scale);
+    v.number(&Field::new("pitch_scale", scale).or(1.0).show_default(), &mut road.pitch_scale);
     v.number(&Field::new("surge_scale", scale).or(1.0), &mut road.surge_scale);
     let low_pass =
         Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
@@ -319,7 +319,7 @@ fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
             .unit("s")
             .limit(AT_LEAST_0)
             .or(1.0)
-            .shown(),
+            .show_default(),
         &mut road.fade_s,
     );
 }
@@ -357,13 +357,13 @@ fn made(v: &mut dyn Visit, motion: &mut Motion) {
     }
     let how = &mut motion.realisation;
     let duration = Field::new("duration", "of the motion").unit("s").limit(ABOVE_0);
-    v.number(&duration.or(DURATION_S).shown(), &mut how.duration_s);
+    v.number(&duration.or(DURATION_S).show_default(), &mut how.duration_s);
     v.number(
         &Field::new("fade", "time in which the motion fades in and out")
             .unit("s")
             .limit(AT_LEAST_0)
             .or(1.0)
-            .shown(),
+            .show_default(),
         &mut how.fade_s,
     );
     seed(v, "seed of the random phases", &mut how.seed);

@@ -65,12 +65,12 @@ fn channels(v: &mut dyn Visit, mapping: &mut Mapping) {
 fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSource>) -> Option<ChannelSource> {
     let mut column = String::new();
     if v.shorthand(channel, &mut column) {
-        return Some(ChannelSource::named(&column));
+        return Some(ChannelSource::from_column(&column));
     }
     if !v.enter(&TableField::inline(channel, ""), Presence::from(present.is_some())) {
         return None;
     }
-    let mut source = present.unwrap_or_else(|| ChannelSource::named(""));
+    let mut source = present.unwrap_or_else(|| ChannelSource::from_column(""));
     v.text(&Field::new("column", "name of the column, without its unit"), &mut source.column);
     let mut unit = source.unit.take().unwrap_or_default();
     v.text(

@@ -36,7 +36,7 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
         &mut sensor.damping_ratio,
     );
     let scale = Field::new("scale", "voltage at the converter per unit of the measured quantity");
-    let scale = scale.unit(scale_unit).limit(ABOVE_0).or(IDEAL_SCALE).assumed(
+    let scale = scale.unit(scale_unit).limit(ABOVE_0).or(IDEAL_SCALE).with_assumption(
         "0.001: a range of 10 000 units",
         "an ideal sensor has no range",
         UsualRange::Unknown,
@@ -50,7 +50,7 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
     );
     v.number(&Field::new("bias", "constant error of the reading").unit(unit).or(0.0), &mut sensor.bias);
     v.number(
-        &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).assumed(
+        &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
             "none, as in an ideal sensor",
             "what is left out is ideal; digital sensors are usually up to 2 ms late",
             UsualRange::Values(0.0, 2e-3),

@@ -34,7 +34,7 @@ const RAYLEIGH_SECOND: Field =
     Field::new("rayleigh_second", "a higher frequency and the damping ratio there")
         .units("rad/s", "")
         .limit(Limit::AtLeast(0.0));
-const SECTIONS: TableField = TableField::required("section", "a section of the beam");
+const SECTIONS: TableField = TableField::mandatory("section", "a section of the beam");
 const MASSES: TableField = TableField::optional("mass", "a mass that can be fitted");
 
 const NAME: Field = Field::new("name", "name");
@@ -75,7 +75,7 @@ const STIFFNESS: Field = Field::new("stiffness", "hub to beam; rigid if absent")
     .unit("N m/rad")
     .limit(Limit::Above(0.0))
     .or(f64::INFINITY)
-    .assumed("rigid", "what is left out is ideal", UsualRange::Unknown);
+    .with_assumption("rigid", "what is left out is ideal", UsualRange::Unknown);
 const DAMPING: Field = Field::new("damping", "hub to beam; damping ratio 0.01 if absent")
     .unit("N m s/rad")
     .limit(Limit::AtLeast(0.0));
@@ -298,7 +298,7 @@ fn mass(v: &mut dyn Visit, mass: &mut PointMass) {
 }
 
 /// Reads or lists the lumped inertias.
-pub(crate) fn lumped(v: &mut dyn Visit, lumped: &mut Lumped) {
+pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut Lumped) {
     v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
     v.number(&STIFFNESS, &mut lumped.stiffness_nm_rad);
@@ -339,7 +339,7 @@ fn chain(v: &mut dyn Visit, chain: &mut Vec<Link>, before: f64) {
 
 /// Returns the damping of a structure of which nothing is known.
 fn as_usual(damping: Field) -> Field {
-    damping.assumed(
+    damping.with_assumption(
         "damping ratio 0.01",
         "welded or bolted metal structures: 0.005 to 0.03",
         UsualRange::Factors(0.5, 3.0),

@@ -65,7 +65,7 @@ const PARAMETER: Field = Field::new("parameter", "the parameter that varies, by 
 const SHAPE: Field =
     Field::new("distribution", "distribution of the factor; `normal` if `deviation` is given")
         .or_text("uniform")
-        .shown();
+        .show_default();
 const LOW: Field = Field::new("low", "lowest factor on the parameter").limit(Limit::AtLeast(0.0));
 const HIGH: Field = Field::new("high", "highest factor on the parameter").limit(Limit::Above(0.0));
 const LOWEST_LOG: Field = LOW.limit(Limit::Above(0.0));
@@ -171,7 +171,7 @@ pub(crate) fn blank() -> Sweep {
 pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
         .limit(Limit::Between(1.0, MOST_SAMPLES));
-    super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
+    super::model::count(v, &samples.or(200.0).show_default(), &mut sweep.samples);
     super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);
     v.number(&INPUT_ERROR, &mut sweep.input_error);

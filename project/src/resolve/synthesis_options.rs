@@ -5,7 +5,7 @@ use counterpoise_models::Friction;
 use counterpoise_synth::{Drives, FixedStructure, Method, Requirements, Spectrum, Weight};
 
 use super::fixed_structure::{Tuning, blocks, tuning};
-use super::friction::{blank_identified, identified};
+use super::friction::{blank_identified, identified_friction};
 use super::imported_controller::{ImportedController, imported_controller};
 use super::model::count;
 use super::weight::{blank_weight, weight};
@@ -323,7 +323,7 @@ fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
     choose(v, &Field::new("drives", drives).or_text("measured-rate"), &mut observer.drives);
     let share =
         Field::new("share", "fraction of the level that is cancelled").limit(Limit::Between(0.0, 1.0));
-    v.number(&share.or(1.0).shown(), &mut observer.share);
+    v.number(&share.or(1.0).show_default(), &mut observer.share);
     let law = "the law by which the plant's friction is followed: Dahl's law with its level and stiffness, or its own";
     choose(v, &Field::new("law", law).or_text("dahl"), &mut observer.model);
     let sign = Field::new("sign_rate", "rate over which the sign of a law with true sticking is smoothed")
@@ -331,10 +331,10 @@ fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
     v.number(&sign.limit(ABOVE_0).or(5e-3), &mut observer.sign_rate_rad_s);
     let motor = "identified friction at the motor shaft, with its own law; if absent, the plant's";
     let motor = TableField::optional("motor", motor);
-    optional(v, &motor, &mut observer.motor, blank_identified(), identified);
+    optional(v, &motor, &mut observer.motor, blank_identified(), identified_friction);
     let pivot = "identified friction at the pivot, with its own law; if absent, the plant's";
     let pivot = TableField::optional("pivot", pivot);
-    optional(v, &pivot, &mut observer.pivot, blank_identified(), identified);
+    optional(v, &pivot, &mut observer.pivot, blank_identified(), identified_friction);
 }
 
 fn blank_schedule() -> ScheduleOptions {
@@ -379,7 +379,7 @@ fn blank_adaptation() -> Adaptation {
 fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
     let usual = blank_adaptation();
     let method = "method of the estimator, which is part of the exported code";
-    choose(v, &Field::new("method", method).or_text("recursive").shown(), &mut a.method);
+    choose(v, &Field::new("method", method).or_text("recursive").show_default(), &mut a.method);
     match a.method {
         AdaptationMethod::Gradient => {
             let step = Field::new("step", "normalised step").limit(Limit::AboveTo(0.0, 1.9));

@@ -18,7 +18,7 @@ const STIFFNESS: Field = Field::new("stiffness", "at the output; rigid if absent
     .unit("N m/rad")
     .limit(ABOVE_0)
     .or(f64::INFINITY)
-    .assumed("rigid", "what is left out is ideal", UsualRange::Unknown);
+    .with_assumption("rigid", "what is left out is ideal", UsualRange::Unknown);
 const BACKLASH: Field =
     Field::new("backlash", "total gap at the output").unit("rad").limit(AT_LEAST_0).or(0.0);
 const EFFICIENCY: Field =
@@ -122,7 +122,7 @@ fn harmonic(v: &mut dyn Visit, gearbox: &mut Gearbox) {
     v.number(&level.or(0.0), &mut gearbox.hysteresis_nm);
     let spring = Field::new("hysteresis_stiffness", "stiffness of the hysteresis where it springs back");
     let usual = if gearbox.hysteresis_nm > 0.0 { gearbox.stiffness_nm_rad } else { 0.0 };
-    let spring = spring.unit("N m/rad").limit(AT_LEAST_0).or(usual).assumed(
+    let spring = spring.unit("N m/rad").limit(AT_LEAST_0).or(usual).with_assumption(
         "that of the compliance",
         "a loop that closes within its own wind-up",
         UsualRange::Factors(0.3, 3.0),
@@ -140,7 +140,7 @@ fn harmonic(v: &mut dyn Visit, gearbox: &mut Gearbox) {
 /// it.
 fn as_usual(damping: Field, stiffness_nm_rad: f64, load_kg_m2: f64) -> Field {
     let usual = 2.0 * DAMPING_RATIO * (stiffness_nm_rad * load_kg_m2).sqrt();
-    damping.or(if usual.is_finite() { usual } else { 0.0 }).assumed(
+    damping.or(if usual.is_finite() { usual } else { 0.0 }).with_assumption(
         "damping ratio 0.01 with the motor held",
         "metal parts without a damper: 0.005 to 0.03",
         UsualRange::Factors(0.5, 3.0),

@@ -80,7 +80,7 @@ pub(super) fn traverse(v: &mut dyn Visit, axis: &mut TraverseAxis) {
         let allowed = "must be a file in the folder of this project or below it, with / between folders";
         v.complain("file", allowed, Some("move or copy the file there".to_owned()));
     } else if !axis.file.is_empty()
-        && let Some(Err(why)) = v.attached(&axis.file)
+        && let Some(Err(why)) = v.attached_text(&axis.file)
     {
         v.complain("file", &format!("must be a project file that can be read: {why}"), None);
     }

@@ -66,11 +66,11 @@ pub(crate) fn verify(
     let procedure = &mut verification.procedure;
     let duration =
         Field::new("duration", "length of the runs with heave and with pitch").unit("s").limit(ABOVE_0);
-    v.number(&duration.or(usual.duration_s).shown(), &mut procedure.duration_s);
+    v.number(&duration.or(usual.duration_s).show_default(), &mut procedure.duration_s);
     let settle = Field::new("settle", "time at the beginning that is left out of statistics")
         .unit("s")
         .limit(AT_LEAST_0);
-    v.number(&settle.or(usual.settle_s).shown(), &mut procedure.settle_s);
+    v.number(&settle.or(usual.settle_s).show_default(), &mut procedure.settle_s);
     if procedure.settle_s >= procedure.duration_s {
         v.complain("settle", &format!("must be below the duration of {} s", procedure.duration_s), None);
     }
@@ -114,7 +114,10 @@ pub(crate) fn verify(
 
 fn line_of_sight(v: &mut dyn Visit, sight: &mut LineOfSight) {
     let exposure = Field::new("exposure", "length of one exposure, within which jitter blurs").unit("s");
-    v.number(&exposure.limit(ABOVE_0).or(LineOfSight::default().exposure_s).shown(), &mut sight.exposure_s);
+    v.number(
+        &exposure.limit(ABOVE_0).or(LineOfSight::default().exposure_s).show_default(),
+        &mut sight.exposure_s,
+    );
     let settle = "time at the beginning that the line of sight leaves out; that of [verify] if absent";
     maybe_number(v, &Field::new("settle", settle).unit("s").limit(AT_LEAST_0), &mut sight.settle_s);
     optional(
@@ -137,14 +140,14 @@ fn coincidence(v: &mut dyn Visit, asked: &mut Coincidence) {
     let window = Field::new("window", "largest error of the hub at which a shot is released").unit("rad");
     v.number(&window.limit(ABOVE_0), &mut asked.window_rad);
     let delay = Field::new("delay", "time from the release to the instant at which the shot leaves the tip");
-    v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0).shown(), &mut asked.delay_s);
+    v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0).show_default(), &mut asked.delay_s);
     let target = Field::new(
         "target",
         "largest error of the tip that hits: half the target's height over its distance",
     );
     v.number(&target.unit("rad").limit(ABOVE_0), &mut asked.target_rad);
     let dispersion = Field::new("dispersion", "RMS angle of the rounds about the direction of the tip");
-    v.number(&dispersion.unit("rad").limit(AT_LEAST_0).or(0.0).shown(), &mut asked.dispersion_rad);
+    v.number(&dispersion.unit("rad").limit(AT_LEAST_0).or(0.0).show_default(), &mut asked.dispersion_rad);
 }
 
 fn optics(v: &mut dyn Visit, optics: &mut Optics) {
@@ -176,11 +179,15 @@ fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str, duration_s
             .unit(controlled)
             .limit(Limit::Not0)
             .or(usual.rate_rad_s)
-            .shown(),
+            .show_default(),
         &mut step.rate_rad_s,
     );
     v.number(
-        &Field::new("duration", "length of the record").unit("s").limit(ABOVE_0).or(usual.duration_s).shown(),
+        &Field::new("duration", "length of the record")
+            .unit("s")
+            .limit(ABOVE_0)
+            .or(usual.duration_s)
+            .show_default(),
         &mut step.duration_s,
     );
 }
@@ -192,14 +199,14 @@ fn triangle(v: &mut dyn Visit, triangle: &mut Triangle, controlled: &'static str
     let rate = Field::new("rate", "peak of the triangle, in the unit of what the loop controls")
         .unit(controlled)
         .limit(Limit::Not0);
-    v.number(&rate.or(TRIANGLE.rate_rad_s).shown(), &mut triangle.rate_rad_s);
+    v.number(&rate.or(TRIANGLE.rate_rad_s).show_default(), &mut triangle.rate_rad_s);
     let period = Field::new("period", "period of the triangle").unit("s").limit(ABOVE_0);
-    v.number(&period.or(TRIANGLE.period_s).shown(), &mut triangle.period_s);
+    v.number(&period.or(TRIANGLE.period_s).show_default(), &mut triangle.period_s);
 }
 
 fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
     v.number(
-        &Field::new("amplitude", "amplitude of the sine").unit(unit).or(usual.amplitude).shown(),
+        &Field::new("amplitude", "amplitude of the sine").unit(unit).or(usual.amplitude).show_default(),
         &mut sine.amplitude,
     );
     v.number(
@@ -207,7 +214,7 @@ fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
             .unit("Hz")
             .limit(ABOVE_0)
             .or(usual.frequency_hz)
-            .shown(),
+            .show_default(),
         &mut sine.frequency_hz,
     );
 }

@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 use counterpoise_synth::Weight;
 
-use super::digits::rounded;
+use super::digits::round_to_digits;
 use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Visit, choose, list};
@@ -84,7 +84,7 @@ const ORDER: Field =
         .or(2.0);
 /// Deviation from a point of a table that is allowed, dB.
 const WITHIN_DB: f64 = 3.0;
-const PART: TableField = TableField::required("part", "a factor of the product");
+const PART: TableField = TableField::mandatory("part", "a factor of the product");
 
 /// Returns a weight still to be read.
 pub(crate) fn blank_weight() -> Weight {
@@ -177,9 +177,9 @@ fn resonator(gain: f64, natural: f64, damping: f64) -> Weight {
 fn second_order_parts(weight: &Weight) -> Option<(f64, f64, f64)> {
     let Weight::ZeroPoleGain { zeros, poles, gain } = weight else { return None };
     let ([], [first, _]) = (&zeros[..], &poles[..]) else { return None };
-    let natural = rounded(first.norm());
-    let damping = rounded(-first.re / natural);
-    let k = rounded(gain / (natural * natural));
+    let natural = round_to_digits(first.norm());
+    let damping = round_to_digits(-first.re / natural);
+    let k = round_to_digits(gain / (natural * natural));
     (resonator(k, natural, damping) == *weight).then_some((k, natural, damping))
 }
 

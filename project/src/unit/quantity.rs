@@ -106,7 +106,7 @@ pub fn read_quantity(text: &str, wanted: &str) -> Result<f64, QuantityError> {
     if wanted.is_empty()
         && let Some(per) = parts.ratio()
     {
-        return finite(parts.number.scaled(0) / per, wanted);
+        return finite(parts.number.scale_by_power_of_ten(0) / per, wanted);
     }
     if parts.unit.starts_with(':') {
         return Err(mismatch(text, wanted, "a ratio", Dimension::default()));

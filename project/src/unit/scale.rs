@@ -13,7 +13,7 @@ pub(super) struct Decimal {
 
 impl Decimal {
     /// Returns the number times a power of ten, correctly rounded.
-    pub fn scaled(&self, power: i32) -> f64 {
+    pub fn scale_by_power_of_ten(&self, power: i32) -> f64 {
         let exponent = self.exponent.saturating_add(i64::from(power));
         format!("{}e{exponent}", self.digits).parse().unwrap_or(f64::NAN)
     }
@@ -29,9 +29,9 @@ impl Scale {
     pub fn apply(&self, number: &Decimal) -> f64 {
         match self {
             // A factor of 1 keeps the decimal conversion exact.
-            Self::Linear { factor: 1.0, power } => number.scaled(*power),
-            Self::Linear { factor, power } => number.scaled(*power) * factor,
-            Self::CountsOfBits => number.scaled(0).exp2(),
+            Self::Linear { factor: 1.0, power } => number.scale_by_power_of_ten(*power),
+            Self::Linear { factor, power } => number.scale_by_power_of_ten(*power) * factor,
+            Self::CountsOfBits => number.scale_by_power_of_ten(0).exp2(),
         }
     }
 

@@ -83,7 +83,7 @@ impl Kept {
             if self.kept.len() == k {
                 self.kept.push(!holds_texts);
             }
-            let column = Column::headed(&self.headings[k], cells.values);
+            let column = Column::from_heading(&self.headings[k], cells.values);
             if holds_texts {
                 found.remarks.push(texts(column.name.clone()));
             }
@@ -110,7 +110,7 @@ impl Cells {
             None => Ok(false),
             Some(_) if self.numbers == 0 => Ok(true),
             Some(Text { line, value }) => {
-                let column = Column::headed(heading, Vec::new()).name;
+                let column = Column::from_heading(heading, Vec::new()).name;
                 Err(Error::Cell { file: file.to_owned(), line: *line, column, value: value.clone() })
             }
         }
@@ -260,7 +260,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
         let Decoded { columns, remarks } = self.columns.decoded(columns, &self.name)?;
-        Table { name, columns, remarks }.checked().map(Some)
+        Table { name, columns, remarks }.into_checked().map(Some)
     }
 }
 

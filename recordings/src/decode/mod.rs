@@ -44,8 +44,8 @@ impl Table {
     /// # Errors
     /// Returns what is wrong with the file, with row, column and value where they are known.
     pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
-        let Decoded { columns, remarks } = decoded(bytes, name)?;
-        Self { name: name.to_owned(), columns, remarks }.checked()
+        let Decoded { columns, remarks } = decode(bytes, name)?;
+        Self { name: name.to_owned(), columns, remarks }.into_checked()
     }
 }
 
@@ -83,7 +83,7 @@ fn found(bytes: &[u8], file: &str) -> Option<Result<Found, Error>> {
 
 /// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy,
 /// else CSV.
-pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+pub(crate) fn decode(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     if let Some(found) = found(bytes, file) {
         Ok(found?.columns())
     } else if bytes.starts_with(PARQUET) {

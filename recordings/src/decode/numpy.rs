@@ -37,7 +37,7 @@ pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<Found, Error> {
         };
         reader.budget.take(name, entry.size / 8)?;
         let data =
-            zip::unpacked(bytes, &entry).ok_or_else(|| broken(file, "an array is cut off or damaged"))?;
+            zip::unpack(bytes, &entry).ok_or_else(|| broken(file, "an array is cut off or damaged"))?;
         reader.array(&data, name)?;
     }
     Ok(reader.found)

@@ -54,7 +54,7 @@ fn columns(
         budget.take(name, rows)?;
         let values = column(reader, index, description.max_def_level(), what, &mut origin);
         let values = values.map_err(|error| damaged(file, name, &error))?;
-        let named = Column::headed(name, values);
+        let named = Column::from_heading(name, values);
         let unit = named.unit.or_else(|| what.unit().map(str::to_owned));
         decoded.columns.push(Column { unit, ..named });
     }

@@ -57,7 +57,7 @@ pub(super) fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
 }
 
 /// Returns what an entry holds; `None` if it is cut off, damaged, or packed in another way than by deflation.
-pub(super) fn unpacked(bytes: &[u8], entry: &Entry) -> Option<Vec<u8>> {
+pub(super) fn unpack(bytes: &[u8], entry: &Entry) -> Option<Vec<u8>> {
     let record = bytes.get(usize::try_from(entry.at).ok()?..)?;
     if !record.starts_with(MAGIC) {
         return None;

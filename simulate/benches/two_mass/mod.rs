@@ -126,7 +126,7 @@ pub fn scenario(plant: &Plant) -> Scenario {
             bonds: Bonds::default(),
             hub_gyro: [0.0; 2],
         })),
-        ..Scenario::still(10.001)
+        ..Scenario::at_rest(10.001)
     }
 }
 

@@ -128,7 +128,7 @@ fn rates(plant: &Plant, control: f64, every: usize, tolerance: f64) -> Result<Ve
         platform: platform(),
         initial: Initial::State(Box::new(start)),
         detail: Detail::Everything,
-        ..Scenario::still(samples * plant.parameters().interface.sample_period_s)
+        ..Scenario::at_rest(samples * plant.parameters().interface.sample_period_s)
     };
     let history =
         Simulator::with_tolerance(plant, tolerance)?.run(&mut Playback::new(&[control]), &scenario)?;

@@ -124,7 +124,7 @@ impl<'a> Second<'a> {
 
     fn level(&self, joint: usize, y: &[f64], time_s: f64) -> f64 {
         let model = &self.joints[joint].model;
-        if !model.is_modulated() && self.plant.learned().is_none() {
+        if !model.is_modulated() && self.plant.learned_functions().is_none() {
             return 1.0;
         }
         let hub_rate = dot(&self.plant.hub_rate_row(), y);
@@ -201,7 +201,7 @@ impl<'a> Second<'a> {
                 model.dry_torque(rate, level, &y[at..=at])
             }
             Memory::Slides(direction) if self.in_band(joint, rate) => {
-                model.stick(level).map_or(0.0, |stick| stick.held(direction * f64::INFINITY))
+                model.stick(level).map_or(0.0, |stick| stick.holding_torque_nm(direction * f64::INFINITY))
             }
             Memory::Slides(direction) => {
                 model.dry_torque(direction * rate.abs().max(f64::MIN_POSITIVE), level, &[])

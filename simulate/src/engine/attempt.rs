@@ -105,7 +105,7 @@ impl Attempt {
     #[inline(always)]
     pub fn solve_inline(&mut self, given: &Given) -> bool {
         self.outputs[0] = given.outputs;
-        self.about = self.about.moved_to(self.outputs[0][2]);
+        self.about = self.about.move_to(self.outputs[0][2]);
         let first = Point {
             time_s: given.time_s,
             outputs: &self.outputs[0],
@@ -229,7 +229,7 @@ impl Attempt {
         }
         self.bonds.copy(given.bonds);
         let mut bonds = std::mem::take(&mut self.bonds);
-        let found = given.ports.along(given.plant, &self.span(given), &mut bonds);
+        let found = given.ports.advance_over_step(given.plant, &self.span(given), &mut bonds);
         self.bonds = bonds;
         let change = largest_change(&found.values, &self.values, &given.ports.scales);
         self.values = found.values;
@@ -278,7 +278,7 @@ impl Attempt {
     }
 
     /// Returns the state's share of the torque that holds a joint, at the first and second inner node and in the middle.
-    pub fn held(&self, hold: &Strips, joint: usize) -> [f64; 3] {
+    pub fn holding_torque_share(&self, hold: &Strips, joint: usize) -> [f64; 3] {
         let mut given = self.inputs.clone();
         given.extend(self.values);
         let mut shares = [0.0; HOLD_ROWS];

@@ -64,7 +64,7 @@ impl TriedStep<'_> {
         if after >= 0.0 {
             return f64::INFINITY;
         }
-        let before = Margin { part: 0.0, value: holds(self.present.seen()) };
+        let before = Margin { part: 0.0, value: holds(self.present.all_outputs()) };
         crossing(before, Margin { part: 1.0, value: after })
     }
 

@@ -88,7 +88,7 @@ impl Present {
     ) -> [Margin; 5] {
         let first = self.load(joint, self.core(), attempt.start_ports(), &instant(0.0));
         let last = self.load(joint, attempt.end(), &attempt.end_ports(), &instant(1.0));
-        let (shares, ports) = (attempt.held(hold, joint), attempt.inner_ports());
+        let (shares, ports) = (attempt.holding_torque_share(hold, joint), attempt.inner_ports());
         let outputs = attempt.outputs();
         let seen = [outputs[1], outputs[2], attempt.middle_outputs()];
         let inner = |k: usize| {

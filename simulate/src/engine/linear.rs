@@ -232,7 +232,7 @@ impl Linear {
     }
 
     /// Returns an entry of the matrix from z to what is seen.
-    pub fn seen_entry(&self, row: usize, column: usize) -> f64 {
+    pub fn output_entry(&self, row: usize, column: usize) -> f64 {
         self.seen.entry(row, column)
     }
 

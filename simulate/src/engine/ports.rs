@@ -152,7 +152,7 @@ impl AngleNearby {
     /// Returns the sine and the cosine of an angle, about which the next angles are taken to lie.
     #[inline]
     pub fn follow(&mut self, angle: f64) -> SinCos {
-        *self = self.moved_to(angle);
+        *self = self.move_to(angle);
         self.sin_cos(angle)
     }
 
@@ -168,7 +168,7 @@ impl AngleNearby {
 
     /// Returns these values, or those about a new angle if it is far.
     #[inline]
-    pub fn moved_to(self, angle: f64) -> Self {
+    pub fn move_to(self, angle: f64) -> Self {
         if (angle - self.angle).abs() < 0.5 * NEAR_ANGLE_RAD { self } else { Self::new(angle) }
     }
 
@@ -308,8 +308,8 @@ impl Ports {
                 || wavy
                 || loaded(&parameters.motor_friction)
                 || loaded(&parameters.pivot_friction)
-                || plant.learned().is_some_and(LearnedFunctions::needs_mesh_torque),
-            learned: plant.learned().cloned().map(Box::new),
+                || plant.learned_functions().is_some_and(LearnedFunctions::needs_mesh_torque),
+            learned: plant.learned_functions().cloned().map(Box::new),
             loads: plant.loads().cloned().map(Box::new),
             has_cylinder: parameters.cylinder.is_some(),
             current_range_a: None,
@@ -378,7 +378,7 @@ impl Ports {
     }
 
     /// Returns whether either law is that of bristles, whose torque jumps with every bond that snaps.
-    pub fn bristled(&self) -> bool {
+    pub fn has_bristles(&self) -> bool {
         [&self.motor, &self.pivot].iter().any(|model| matches!(model.law(), Law::Bristle(_)))
     }
 
@@ -390,7 +390,7 @@ impl Ports {
 
     /// Returns what the loop's sensor feels at a point.
     #[inline]
-    pub fn measured(&self, plant: &Plant, at: &SensorPoint) -> f64 {
+    pub fn sensor_reading(&self, plant: &Plant, at: &SensorPoint) -> f64 {
         let SensorPoint { outputs, platform, .. } = at;
         match self.measured {
             Measured::HubRate => outputs[HUB_RATE],
@@ -411,7 +411,7 @@ impl Ports {
     }
 
     /// Returns the port values at the stages of a step, friction advanced from node to node by its own closed form.
-    pub fn along(&self, plant: &Plant, span: &StepSpan, bonds: &mut Bonds) -> PortSpan {
+    pub fn advance_over_step(&self, plant: &Plant, span: &StepSpan, bonds: &mut Bonds) -> PortSpan {
         let mut result = PortSpan {
             values: [0.0; STAGES * PORTS],
             memory: [FrictionState::default(); STAGES],
@@ -456,7 +456,7 @@ impl Ports {
     ) -> [f64; PORTS] {
         let before = self.motion(plant, &span.point(1));
         let after = self.motion(plant, middle);
-        if self.bristled() {
+        if self.has_bristles() {
             // bonds remember their path: it begins at the first node
             let first = self.start(plant, span);
             let whole = Interval { level_at_s: span.time_s, length_s: span.step_s };
@@ -768,9 +768,9 @@ impl Path {
     #[inline]
     fn bend(&self, hose: &Hose, torque: f64) -> f64 {
         if self.rates[0] * self.rates[1] >= 0.0 {
-            return hose.after(torque, self.travel);
+            return hose.torque_after_nm(torque, self.travel);
         }
-        self.parts().iter().fold(torque, |torque, (travel, _)| hose.after(torque, *travel))
+        self.parts().iter().fold(torque, |torque, (travel, _)| hose.torque_after_nm(torque, *travel))
     }
 
     /// Returns the travel and time before and after a reversal.

@@ -224,7 +224,7 @@ impl Present {
     }
 
     /// Returns what is seen: motor state, wind-up, hub angle, hub rate, current; voltage, rate of the tip.
-    pub fn seen(&self) -> &Seen {
+    pub fn all_outputs(&self) -> &Seen {
         &self.seen
     }
 
@@ -331,7 +331,7 @@ impl Present {
     }
 
     /// Returns the input of a step from here.
-    pub fn given<'a>(&'a self, table: &'a StepTable, step: &StepInput<'a>) -> Given<'a> {
+    pub fn start_step<'a>(&'a self, table: &'a StepTable, step: &StepInput<'a>) -> Given<'a> {
         Given {
             plant: &self.plant,
             ports: &self.ports,

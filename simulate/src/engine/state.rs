@@ -32,7 +32,7 @@ pub struct Effort {
 
 impl Effort {
     /// Returns the number of steps that were tried: those taken, and those shortened.
-    pub fn tried(&self) -> usize {
+    pub fn count_tried(&self) -> usize {
         self.steps + self.rejected
     }
 }

@@ -68,7 +68,7 @@ impl Stepper {
         let present = Present::new(plant, period_s)?;
         let ports = &present.ports;
         Ok(Self {
-            finest: if ports.bristled() { BRISTLE_LEVELS } else { LEVELS },
+            finest: if ports.has_bristles() { BRISTLE_LEVELS } else { LEVELS },
             joints: ports.sticks(0) || ports.sticks(1),
             present,
             attempt: Attempt::new(plant.core_order()),
@@ -305,7 +305,7 @@ impl Stepper {
             time_s: sample.start_s + part.start * self.period_s,
             tolerance: self.tolerance,
         };
-        let given = self.present.given(table, &step);
+        let given = self.present.start_step(table, &step);
         let converged = self.attempt.solve(&given);
         self.nodes = platform.nodes;
         self.effort.iterations += self.attempt.iterations;
@@ -360,7 +360,7 @@ impl Stepper {
                 platform: &self.nodes[k],
                 gear_hysteresis_nm: hysteresis[k],
             };
-            self.present.ports.measured(&self.present.plant, &at)
+            self.present.ports.sensor_reading(&self.present.plant, &at)
         });
         self.filter.advance(self.level, &mut self.present.hub_gyro, &felt);
         self.attempt.accept(self.period_s * fraction(TICKS >> self.level));
@@ -407,7 +407,7 @@ mod tests {
 
     /// Returns the state after a few samples with every step of one level.
     fn moved(finest: usize, volts: f64) -> Vec<f64> {
-        let plant = Plant::lumped(&reference::rig()).unwrap();
+        let plant = Plant::from_lumped(&reference::rig()).unwrap();
         let start = Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0);
         let mut stepper = Stepper::new(&plant, 1e-3, if finest == 0 { 1e9 } else { 1e-30 }).unwrap();
         stepper.finest = finest;
@@ -435,7 +435,7 @@ mod tests {
 
     #[test]
     fn a_step_has_the_same_bits_in_registers_of_every_width() {
-        let plant = Plant::lumped(&reference::rig()).unwrap();
+        let plant = Plant::from_lumped(&reference::rig()).unwrap();
         let mut present = Present::new(&plant, 1e-3).unwrap();
         present.restart(&Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0));
         let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL };
@@ -445,7 +445,7 @@ mod tests {
             let span = platform.sample(0.0, 1e-3, 0.0).span(0.0, fraction(TICKS >> level));
             let held = Held { drive_v: 5.0, offset_nm: mode.offset };
             let step = StepInput { held, platform: &span, time_s: 0.0, tolerance: 1e-5 };
-            let given = present.given(present.linear().table(level).unwrap(), &step);
+            let given = present.start_step(present.linear().table(level).unwrap(), &step);
             let (mut wide, mut narrow) = (Attempt::new(plant.core_order()), Attempt::new(plant.core_order()));
             assert_eq!(wide.solve(&given), narrow.solve_inline(&given));
             let bits = |of: &[f64]| of.iter().map(|x| x.to_bits()).collect::<Vec<_>>();

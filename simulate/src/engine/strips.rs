@@ -18,7 +18,7 @@ pub(crate) struct Strips {
 impl Strips {
     /// Stores a matrix; its rows are padded to a multiple of 8.
     pub fn new(M: &Mat) -> Self {
-        let rows = padded(M.nrows());
+        let rows = pad_rows(M.nrows());
         let wide_rows = rows / WIDE * WIDE;
         let store = |from: usize, to: usize, lanes: usize| {
             let mut data = Vec::with_capacity((to - from) * M.ncols());
@@ -74,7 +74,7 @@ impl pulp::NullaryFnOnce for Product<'_> {
 }
 
 /// Returns the rows padded to whole strips.
-pub(crate) fn padded(rows: usize) -> usize {
+pub(crate) fn pad_rows(rows: usize) -> usize {
     rows.div_ceil(NARROW) * NARROW
 }
 
@@ -104,7 +104,7 @@ mod tests {
         for rows in [3, 8, 13, 16, 21, 40] {
             let M = Mat::from_fn(rows, 5, |i, j| (i * 5 + j) as f64 - 7.0);
             let v = [1.0, -2.0, 0.5, 3.0, 0.25];
-            let mut out = vec![1.0; padded(rows)];
+            let mut out = vec![1.0; pad_rows(rows)];
             Strips::new(&M).multiply_add(&v, &mut out);
             let expected = &M * &Mat::col(&v);
             assert!((0..rows).all(|i| out[i] == expected[(i, 0)] + 1.0));

@@ -2,7 +2,7 @@
 
 use super::linear::{Chain, Linear, Span};
 use super::moments::{MIDDLE, NODES, cardinal_weights};
-use super::strips::{Strips, padded};
+use super::strips::{Strips, pad_rows};
 use super::tables::{
     DEEPEST, FIXED_INPUTS, Flow, HOLD_ROWS, LEVELS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE,
     StepTable,
@@ -82,7 +82,7 @@ fn flow(core: &Linear, span: &Span) -> Flow {
     let first = usize::from(from > 0);
     let head = Mat::from_fn(from, from, |i, j| phi(0, i, j));
     let pairs = (first..core.blocks()).map(|b| Matrix2::from_fn(|i, j| phi(b, i, j))).collect();
-    Flow { pairs, from, head: Strips::new(&head), head_rows: padded(from) }
+    Flow { pairs, from, head: Strips::new(&head), head_rows: pad_rows(from) }
 }
 
 /// The state's answers at one node: to the state at the start, to the fixed inputs, to the ports at the stages.

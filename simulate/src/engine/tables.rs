@@ -1,7 +1,7 @@
 //! A step of the linear core as a few matrices: from the state and its inputs to what the nonlinear parts see at the
 //! nodes of the step, and to the state at its end.
 
-use super::strips::{Strips, padded};
+use super::strips::{Strips, pad_rows};
 use nalgebra::Matrix2;
 
 /// What the nonlinear parts see at a node: motor state, wind-up, hub angle, hub rate, current.
@@ -99,5 +99,5 @@ impl Flow {
 
 /// Returns the length of a vector of the results of a step, padded.
 pub(crate) fn result_length(order: usize) -> usize {
-    STATE + padded(order)
+    STATE + pad_rows(order)
 }

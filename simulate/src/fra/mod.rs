@@ -233,7 +233,7 @@ impl Settling<'_> {
 ///
 /// # Errors
 /// A mechanism with lumped inertias that is out of balance.
-pub fn disconnected(parameters: &Parameters) -> Result<Parameters, Error> {
+pub fn disconnect_motor(parameters: &Parameters) -> Result<Parameters, Error> {
     let mut open = parameters.clone();
     if let Some(lumped) = &open.lumped
         && (lumped.out_of_balance_kg_m, lumped.vertical_offset_kg_m) != (0.0, 0.0)
@@ -293,7 +293,7 @@ fn scenario_of(test: Test, sine: TestSine, simulator: &Simulator, settings: &Set
         imperfections: settings.imperfections,
         initial: Initial::Rest { hub_angle_rad: settings.hub_angle_rad },
         detail: Detail::Recording,
-        ..Scenario::still(1.0)
+        ..Scenario::at_rest(1.0)
     };
     match test {
         Test::Plant => scenario.injection_v = Signal::Sines(vec![without_drift(sine, simulator.plant())]),

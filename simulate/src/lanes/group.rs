@@ -111,7 +111,7 @@ impl LaneGroup {
     }
 
     /// Returns what a mechanism shows.
-    pub fn shown(&self, lane: usize, stepper: &Stepper) -> Shown {
+    pub fn outputs_of(&self, lane: usize, stepper: &Stepper) -> Shown {
         if !self.present[lane] {
             return Shown::of(stepper);
         }

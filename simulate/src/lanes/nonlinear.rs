@@ -1,6 +1,6 @@
 //! The nonlinear parts of several mechanisms side by side: those that most mechanisms have.
 
-use super::number::{LANES, Lane, Lanes, loaded};
+use super::number::{LANES, Lane, Lanes, load_registers};
 use crate::engine::moments::NODES;
 use crate::engine::ports::Ports;
 use crate::engine::tables::{OUTPUTS, PORTS, STAGES};
@@ -91,8 +91,8 @@ impl LanePorts {
         }
         let of = |value: &dyn Fn(&Plant) -> f64| plants.map(value);
         Some(Self {
-            motor: DryFriction::joined(ports.map(|ports| ports.frictions()[0]))?,
-            pivot: DryFriction::joined(ports.map(|ports| ports.frictions()[1]))?,
+            motor: DryFriction::join(ports.map(|ports| ports.frictions()[0]))?,
+            pivot: DryFriction::join(ports.map(|ports| ports.frictions()[1]))?,
             ratio: of(&|plant| plant.parameters().gearbox.ratio),
             coupling: of(&Plant::motor_share),
             gravity: of(&|plant| plant.parameters().gravity_m_s2),
@@ -107,11 +107,11 @@ impl LanePorts {
 
     /// Returns the parts in registers.
     #[inline(always)]
-    pub fn loaded<S: Simd>(&self, simd: S) -> LanePorts<Lane<S>> {
+    pub fn load_registers<S: Simd>(&self, simd: S) -> LanePorts<Lane<S>> {
         let load = |values: Lanes| Lane::new(simd, values);
         LanePorts {
-            motor: self.motor.converted(load),
-            pivot: self.pivot.converted(load),
+            motor: self.motor.map_numbers(load),
+            pivot: self.pivot.map_numbers(load),
             ratio: load(self.ratio),
             coupling: load(self.coupling),
             gravity: load(self.gravity),
@@ -120,7 +120,7 @@ impl LanePorts {
             has_hub_extras: self.has_hub_extras,
             axis: self.axis,
             measured: self.measured,
-            scales: loaded(simd, &self.scales),
+            scales: load_registers(simd, &self.scales),
         }
     }
 }
@@ -233,7 +233,7 @@ impl<S: Simd> LanePorts<Lane<S>> {
 
     /// Returns what the loop's sensor feels.
     #[inline(always)]
-    pub fn measured(&self, outputs: &[Lane<S>; OUTPUTS], platform: &LanePlatform<Lane<S>>) -> Lane<S> {
+    pub fn sensor_reading(&self, outputs: &[Lane<S>; OUTPUTS], platform: &LanePlatform<Lane<S>>) -> Lane<S> {
         match self.measured {
             Measured::HubRate => outputs[HUB_RATE],
             Measured::RelativeRate => outputs[HUB_RATE] - platform.rate,
@@ -278,7 +278,7 @@ impl<S: Simd> Path<S> {
         let zero = state.constant(0.0);
         let keeps_direction = (before * after).is_at_least(zero);
         let whole = friction.advance(self.travel / self.time, self.time, state);
-        if keeps_direction.inverted().is_nowhere() {
+        if keeps_direction.invert().is_nowhere() {
             return whole;
         }
         let mut turned = state;

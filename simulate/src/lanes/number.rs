@@ -71,7 +71,7 @@ impl<S: Simd> Lane<S> {
 /// Returns numbers in registers. Loops, not closures, handle registers here and in what follows: a closure is compiled without them unless
 /// it is inlined.
 #[inline(always)]
-pub(crate) fn loaded<S: Simd, const N: usize>(simd: S, values: &[Lanes; N]) -> [Lane<S>; N] {
+pub(crate) fn load_registers<S: Simd, const N: usize>(simd: S, values: &[Lanes; N]) -> [Lane<S>; N] {
     let mut registers = [Lane::splat(simd, 0.0); N];
     for k in 0..N {
         registers[k] = Lane::new(simd, values[k]);
@@ -81,7 +81,7 @@ pub(crate) fn loaded<S: Simd, const N: usize>(simd: S, values: &[Lanes; N]) -> [
 
 /// Returns numbers as they are in memory.
 #[inline(always)]
-pub(crate) fn stored<S: Simd, const N: usize>(registers: &[Lane<S>; N]) -> [Lanes; N] {
+pub(crate) fn store_registers<S: Simd, const N: usize>(registers: &[Lane<S>; N]) -> [Lanes; N] {
     let mut values = [[0.0; LANES]; N];
     for k in 0..N {
         values[k] = registers[k].values();
@@ -98,7 +98,7 @@ impl<S: Simd> LaneMask<S> {
 
     /// Returns where the condition does not hold.
     #[inline(always)]
-    pub fn inverted(self) -> Self {
+    pub fn invert(self) -> Self {
         Self { mask: self.simd.xor_m64s(self.mask, self.simd.equal_u64s(self.ones(), self.ones())), ..self }
     }
 
@@ -263,7 +263,7 @@ impl<S: Simd> Real for Lane<S> {
 
     #[inline(always)]
     fn is_zero_throughout(self) -> bool {
-        self.is_zero().inverted().is_nowhere()
+        self.is_zero().invert().is_nowhere()
     }
 
     #[inline(always)]

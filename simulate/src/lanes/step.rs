@@ -5,7 +5,7 @@
 //! the engine of one mechanism takes it over the sample.
 
 use super::nonlinear::{LaneAngle, LaneMotion, LanePlatform, LanePoint, LanePorts, node_lengths};
-use super::number::{LANES, Lane, LaneMask, Lanes, loaded, stored};
+use super::number::{LANES, Lane, LaneMask, Lanes, load_registers, store_registers};
 use super::state::LaneState;
 use super::table::{LaneTable, SEEN, distance, larger};
 use crate::engine::attempt::repeated_weights;
@@ -82,22 +82,22 @@ impl pulp::WithSimd for LaneStep<'_> {
         let span = Span {
             simd,
             setup,
-            ports: setup.ports.loaded(simd),
+            ports: setup.ports.load_registers(simd),
             platform: platforms(simd, input.platform),
             about: near_angle(simd, state),
             input,
-            friction: loaded(simd, &state.friction),
+            friction: load_registers(simd, &state.friction),
         };
-        let [outputs @ .., _, _] = loaded(simd, &state.seen);
+        let [outputs @ .., _, _] = load_registers(simd, &state.seen);
         let first = span.point(&outputs, 0);
         let motion = span.ports.motion(&first);
         let at_start = span.ports.values(&first, &motion, span.friction);
-        state.dry_nm = stored(&span.ports.dry_torques(&motion, span.friction));
+        state.dry_nm = store_registers(&span.ports.dry_torques(&motion, span.friction));
         span.fill_inputs(state, work, &at_start);
         let fixed = setup.table.fixed_outputs(simd, &work.inputs);
         setup.table.flow(simd, &work.inputs, &mut work.end);
         let guess = span.guess(state, work, outputs[HUB_ANGLE], &at_start);
-        let motion = motion.at_angles(loaded(simd, &state.travelled));
+        let motion = motion.at_angles(load_registers(simd, &state.travelled));
         let begin = Begin { outputs, motion, contraction: Lane::new(simd, state.contraction) };
         let tried = span.iterated(&fixed, &begin, guess);
         setup.table.add_ports(simd, &tried.values, &mut work.end);
@@ -106,7 +106,7 @@ impl pulp::WithSimd for LaneStep<'_> {
         let mut accepted = tried.converged & is_finite(simd, &work.end);
         accepted = accepted & tried.reach.is_at_most(span.splat(NEAR_ANGLE_RAD));
         accepted = accepted & span.is_free_of_events(&tried, &middle, &end, Lane::new(simd, state.offset_nm));
-        if !(accepted & tried.predicted.inverted()).is_nowhere() {
+        if !(accepted & tried.predicted.invert()).is_nowhere() {
             let defect = span.defect(&tried, &middle, &at_start);
             accepted = accepted & (tried.predicted | defect.is_at_most(span.splat(setup.tolerance)));
             let reach = span.ports.reach(&span.about, middle[HUB_ANGLE]);
@@ -138,7 +138,7 @@ fn near_angle<S: Simd>(simd: S, state: &LaneState) -> LaneAngle<Lane<S>> {
     let [mut angle, mut sin, mut cos] = state.about;
     let hub = Lane::new(simd, state.seen[HUB_ANGLE]);
     let limit = Lane::splat(simd, 0.5 * NEAR_ANGLE_RAD);
-    let far = (hub - Lane::new(simd, angle)).abs().is_below(limit).inverted();
+    let far = (hub - Lane::new(simd, angle)).abs().is_below(limit).invert();
     if !far.is_nowhere() {
         for lane in (0..LANES).filter(|lane| far.lanes()[*lane]) {
             angle[lane] = state.seen[HUB_ANGLE][lane];
@@ -244,7 +244,7 @@ impl<S: Simd> Span<'_, S> {
         }
         for p in 0..2 {
             let before = [state.before[0][p], state.before[1][p], state.before[2][p]];
-            let [first, second, end] = loaded(self.simd, &before);
+            let [first, second, end] = load_registers(self.simd, &before);
             let change = (second - first).abs().max((end - first).abs());
             let quiet = change.is_below(self.splat(QUIET) * self.ports.scales[p]);
             for stage in 0..STAGES {
@@ -270,7 +270,7 @@ impl<S: Simd> Span<'_, S> {
         let mut old = guess;
         let mut tried = Tried {
             outputs: [begin.outputs; STAGES + 1],
-            values: stored(&guess),
+            values: store_registers(&guess),
             friction: [self.friction; 2],
             travelled: begin.motion.angles(),
             contraction: begin.contraction,
@@ -293,12 +293,12 @@ impl<S: Simd> Span<'_, S> {
             } else {
                 let (least, most) = (self.splat(LEAST_CONTRACTION), self.splat(1.0));
                 let ratio = (self.splat(2.0) * change / last).max(least).min(most);
-                let clear = last.is_above(self.splat(PORT_ROUNDING)) & tried.converged.inverted();
+                let clear = last.is_above(self.splat(PORT_ROUNDING)) & tried.converged.invert();
                 tried.contraction = clear.select(ratio, tried.contraction);
             }
             let done = (change * tried.contraction).is_below(allowed);
             tried.converged = tried.converged | done;
-            if tried.converged.inverted().is_nowhere() {
+            if tried.converged.invert().is_nowhere() {
                 break;
             }
             last = change;
@@ -341,7 +341,7 @@ impl<S: Simd> Span<'_, S> {
         let length = self.splat((0.5 - NODES[1]) * self.setup.period_s);
         let friction = self.ports.advance(&before, &after, length, tried.friction[0]);
         let found = self.ports.values(&at, &after, friction);
-        let values = loaded(self.simd, &tried.values);
+        let values = load_registers(self.simd, &tried.values);
         let mut worst = self.splat(0.0);
         for p in 0..PORTS {
             let mut expected = self.splat(MIDDLE[0]) * at_start[p];
@@ -412,14 +412,14 @@ impl<S: Simd> Span<'_, S> {
     fn shown(&self, tried: &Tried<S>, state: &LaneState) -> [Lane<S>; 2] {
         let mut felt = [self.splat(0.0); STAGES + 1];
         for (k, felt) in felt.iter_mut().enumerate() {
-            *felt = self.ports.measured(&tried.outputs[k], &self.platform[k]);
+            *felt = self.ports.sensor_reading(&tried.outputs[k], &self.platform[k]);
         }
         let [a, b, c, d] = felt;
         let Some(rows) = &self.setup.gyro else { return [d, self.splat(0.0)] };
-        let [shown, slope] = loaded(self.simd, &state.gyro);
+        let [shown, slope] = load_registers(self.simd, &state.gyro);
         let mut next = [shown, slope];
         for (next, row) in next.iter_mut().zip(rows) {
-            let row = loaded(self.simd, row);
+            let row = load_registers(self.simd, row);
             *next = row[0] * shown + row[1] * slope + row[2] * a + row[3] * b + row[4] * c + row[5] * d;
         }
         next
@@ -452,7 +452,7 @@ impl<S: Simd> Tried<S> {
         for (place, value) in old.iter_mut().zip(&along.values) {
             *place = converged.select(*place, *value);
         }
-        self.values = stored(old);
+        self.values = store_registers(old);
         for joint in 0..2 {
             for node in 0..2 {
                 self.friction[node][joint] =

@@ -1,6 +1,6 @@
 //! The matrices of a sample's step for several mechanisms side by side.
 
-use super::number::{LANES, Lane, Lanes, loaded};
+use super::number::{LANES, Lane, Lanes, load_registers};
 use crate::engine::linear::Linear;
 use crate::engine::tables::{FIXED_INPUTS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES};
 use counterpoise_models::friction::Real;
@@ -95,8 +95,8 @@ impl LaneTable {
         }
         let pairs = end[self.head..].chunks_exact_mut(2).zip(core[self.head..].chunks_exact(2));
         for ((target, z), block) in pairs.zip(self.pairs_end.chunks_exact(4 + 2 * FIXED_INPUTS)) {
-            let [a, b, c, d] = loaded(simd, &[block[0], block[1], block[2], block[3]]);
-            let [z0, z1] = loaded(simd, &[z[0], z[1]]);
+            let [a, b, c, d] = load_registers(simd, &[block[0], block[1], block[2], block[3]]);
+            let [z0, z1] = load_registers(simd, &[z[0], z[1]]);
             let rows = sums(simd, [a * z0 + c * z1, b * z0 + d * z1], &block[4..], drive);
             store(target, &rows);
         }
@@ -171,7 +171,7 @@ impl Cores<'_> {
                 Part::Drive => table.drive.entry(row, column),
                 Part::Stages => table.stages.entry(row, column),
                 Part::End => table.end.entry(row, column),
-                Part::Seen => core.seen_entry(row, column),
+                Part::Seen => core.output_entry(row, column),
             })
         })
     }

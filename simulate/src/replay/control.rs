@@ -32,7 +32,7 @@ pub fn control_fit(
         let whole = |k: usize| control[k].is_finite() && needed.iter().all(|column| column[k].is_finite());
         let to = (from..control.len()).find(|&k| !whole(k)).unwrap_or(control.len());
         if to >= from + SHORTEST_WINDOW {
-            made[from..to].copy_from_slice(&controller.made_of(&recording.part(from..to))?);
+            made[from..to].copy_from_slice(&controller.compute_control(&recording.part(from..to))?);
         }
         from = to + 1;
     }

@@ -67,7 +67,7 @@ impl Loop {
     /// Such a loop holds neither rate nor angle. The motion that the noise of its sensor and the rounding of its control once caused goes on
     /// as an undamped oscillation or a slow decay; a run with other noise has another, and differs from the recording by many noise floors
     /// although nothing is wrong. Under the recorded control the mechanism repeats its motion.
-    pub fn under(parameters: &Parameters, controller: RecordedController) -> Self {
+    pub fn from_controller(parameters: &Parameters, controller: RecordedController) -> Self {
         if parameters.sensors.measured.is_effort() { Self::Open } else { Self::Closed(controller) }
     }
 }
@@ -181,8 +181,8 @@ impl<'a> Replayer<'a> {
         Ok(Self { recording, sensed, platform, samples, steps_per_sample, fitted, body: None, imperfections })
     }
 
-    /// Returns the same with a bound on the steps of a run: see [`Simulator::bounded`].
-    pub fn bounded(self, steps_per_sample: f64) -> Self {
+    /// Returns the same with a bound on the steps of a run: see [`Simulator::with_step_bound`].
+    pub fn with_step_bound(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample, ..self }
     }
 
@@ -207,13 +207,13 @@ impl<'a> Replayer<'a> {
     fn plant(&self, parameters: &Parameters) -> Result<Plant, Error> {
         Ok(match &self.body {
             Some(body) => Plant::with_whole_body(parameters, body.clone())?,
-            None => Plant::lumped(parameters)?,
+            None => Plant::from_lumped(parameters)?,
         })
     }
 
     /// Returns a simulator of a plant with that bound.
     fn simulator(&self, plant: &Plant) -> Result<Simulator, Error> {
-        Ok(Simulator::new(plant)?.bounded(self.steps_per_sample))
+        Ok(Simulator::new(plant)?.with_step_bound(self.steps_per_sample))
     }
 
     /// Returns the same recording seen by other sensors of the platform: their readings are deconvolved again only if a
@@ -323,7 +323,7 @@ impl<'a> Replayer<'a> {
     ) -> Result<Replay, Error> {
         let plant = self.plant(parameters)?;
         let mut simulator = self.simulator(&plant)?;
-        let start = start::nudged(&mut simulator, self, near, steps);
+        let start = start::nudge_start(&mut simulator, self, near, steps);
         let history = self.run(&mut simulator, control, &start)?;
         Ok(self.compared(&plant, control, history, start))
     }
@@ -359,7 +359,7 @@ impl<'a> Replayer<'a> {
     fn ready(&self, control: &Loop, variant: &ReplayVariant) -> Result<ReadyVariant<'a>, Error> {
         let mut simulator = self.simulator(&self.plant(variant.parameters)?)?;
         let start = match &variant.steps {
-            Some(steps) => start::nudged(&mut simulator, self, variant.start, steps),
+            Some(steps) => start::nudge_start(&mut simulator, self, variant.start, steps),
             None => variant.start.clone(),
         };
         let controller: Box<dyn SampledController + 'a> = match control {
@@ -452,7 +452,7 @@ pub struct Playback<'a> {
 
 impl<'a> Playback<'a> {
     /// Returns the recorded control with missing values filled by those before them.
-    pub(crate) fn filled(recording: &Recording) -> Result<Vec<f64>, Error> {
+    pub(crate) fn fill_missing(recording: &Recording) -> Result<Vec<f64>, Error> {
         let control_v = recording.samples(Channel::Control).ok_or(Error::NoChannel { channel: "control" })?;
         let mut last = 0.0;
         let held = control_v.iter().map(|v| {

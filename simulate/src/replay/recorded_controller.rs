@@ -84,7 +84,7 @@ impl RecordedController {
     /// Returns the control that the controller makes of recorded readings, sample by sample from the first of `range` on, with the
     /// initial state that fits the recorded control best, limited to the converter's range; `None` if a channel that it reads was
     /// not recorded.
-    pub(crate) fn made_of(&self, recording: &Recording) -> Option<Vec<f64>> {
+    pub(crate) fn compute_control(&self, recording: &Recording) -> Option<Vec<f64>> {
         let read = recorded_readings(recording)?;
         let control = recording.samples(Channel::Control)?;
         match self {

@@ -90,7 +90,7 @@ pub(crate) fn refine(
 }
 
 /// Returns a start with each of its unknowns moved by a number of its steps.
-pub(crate) fn nudged(
+pub(crate) fn nudge_start(
     simulator: &mut Simulator,
     replayer: &Replayer,
     near: &PlantState,

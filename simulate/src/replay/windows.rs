@@ -131,7 +131,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         let plant = replayer.plant(&prompt)?;
         let held = holding_control(&plant, &start.core);
         let mut control_v = vec![held; delay];
-        control_v.extend(Playback::filled(replayer.recording)?);
+        control_v.extend(Playback::fill_missing(replayer.recording)?);
         let sensors = &parameters.sensors;
         let candidates = [
             (Channel::HubRate, Some(&sensors.hub_gyro)),

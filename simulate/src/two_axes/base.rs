@@ -17,7 +17,7 @@ pub struct BaseMotion {
 
 impl BaseMotion {
     /// Returns a base at rest and level.
-    pub fn still(gravity_m_s2: f64) -> Self {
+    pub fn at_rest(gravity_m_s2: f64) -> Self {
         let force = [0.0, 0.0, gravity_m_s2].map(Signal::Constant);
         Self {
             specific_force_m_s2: force,

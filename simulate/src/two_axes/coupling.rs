@@ -89,8 +89,8 @@ impl Coupler {
             let [x, y, _] = place.force;
             (lateral[k], forward[k]) = (x * sin + y * cos, x * cos - y * sin);
         }
-        motion.heave = self.quartics.through(&lateral);
-        motion.further = Some([self.quartics.through(&forward), [0.0; 5], [0.0; 5], [0.0; 5]]);
+        motion.heave = self.quartics.interpolate(&lateral);
+        motion.further = Some([self.quartics.interpolate(&forward), [0.0; 5], [0.0; 5], [0.0; 5]]);
         motion
     }
 
@@ -123,7 +123,7 @@ impl Coupler {
         let mut motion = MotionSample {
             angle_rad,
             period_s: self.period_s,
-            rate: self.quartics.through(&pitch),
+            rate: self.quartics.interpolate(&pitch),
             heave: [0.0; 5],
             further: None,
         };
@@ -142,7 +142,8 @@ impl Coupler {
                 felt[4][k] = self.body.inertia.torque_beside_slender_nm(self.slender_kg_m2, rates);
             }
         }
-        let [heave, surge, roll, yaw, torque] = felt.each_ref().map(|values| self.quartics.through(values));
+        let [heave, surge, roll, yaw, torque] =
+            felt.each_ref().map(|values| self.quartics.interpolate(values));
         motion.heave = heave;
         motion.further = Some([surge, roll, yaw, torque]);
         motion

@@ -63,7 +63,7 @@ pub struct AxisScenario {
 
 impl AxisScenario {
     /// Returns an axis that starts at rest at an angle and is to hold its rate at 0, without noise and quantisation.
-    pub fn still(hub_angle_rad: f64) -> Self {
+    pub fn at_rest(hub_angle_rad: f64) -> Self {
         Self {
             demand_rad_s: Signal::ZERO,
             imperfections: Imperfections::None,
@@ -206,7 +206,7 @@ impl Starts {
             initial: axis.initial.clone(),
             detail: scenario.detail,
             firing,
-            ..Scenario::still(scenario.duration_s)
+            ..Scenario::at_rest(scenario.duration_s)
         };
         Self {
             elevation: of_axis(&scenario.elevation, &elevation, scenario.firing),
@@ -371,8 +371,8 @@ impl<'a> Run<'a> {
         let angle = self.lower.lap.angle;
         let below = self.coupler.traverse_motion(base, angle);
         let carried = self.carried_nm;
-        let mut torque = self.coupler.quartics.ahead(&self.torque_nm).map(|torque| torque + carried);
-        let mut elevation = self.coupler.quartics.ahead(&self.elevation_rad);
+        let mut torque = self.coupler.quartics.extrapolate(&self.torque_nm).map(|torque| torque + carried);
+        let mut elevation = self.coupler.quartics.extrapolate(&self.elevation_rad);
         if k == 0 {
             self.settle_gyroscope(base, &below);
         }
@@ -476,7 +476,7 @@ impl<'a> Run<'a> {
     fn under(&self, below: &MotionSample, torque_nm: &[f64; PLACES]) -> MotionSample {
         let mut motion = *below;
         if let Some(further) = &mut motion.further {
-            further[3] = self.coupler.quartics.through(torque_nm);
+            further[3] = self.coupler.quartics.interpolate(torque_nm);
         }
         motion
     }

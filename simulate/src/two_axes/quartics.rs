@@ -39,7 +39,7 @@ impl Quartics {
 
     /// Returns the quartic through values at the places, in powers of the fraction of the sample.
     #[inline]
-    pub fn through(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
+    pub fn interpolate(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
         combined(&self.coefficients, values)
     }
 
@@ -52,13 +52,13 @@ impl Quartics {
     /// Returns the mean over the sample.
     #[inline]
     pub fn mean(&self, values: &[f64; PLACES]) -> f64 {
-        let c = self.through(values);
+        let c = self.interpolate(values);
         c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0 + c[4] / 5.0
     }
 
     /// Returns the values at the places of the next sample, by the parabola through the last three.
     #[inline]
-    pub fn ahead(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
+    pub fn extrapolate(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
         combined(&self.ahead, &[values[2], values[3], values[4]])
     }
 }
@@ -136,14 +136,14 @@ mod tests {
     fn a_quartic_is_found_with_its_slopes_and_a_parabola_goes_on() {
         let (quartics, c) = (Quartics::new(), [1.0, -2.0, 0.5, 3.0, -1.5]);
         let values = AT.map(|s| quartic(&c, s));
-        for (a, b) in quartics.through(&values).iter().zip(c) {
+        for (a, b) in quartics.interpolate(&values).iter().zip(c) {
             assert!((a - b).abs() < 1e-13);
         }
         for (slope, s) in quartics.slopes(&values).iter().zip(AT) {
             assert!((slope - (c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4])))).abs() < 1e-12);
         }
         let parabola = |s: f64| 0.3 - s + 2.0 * s * s;
-        for (found, s) in quartics.ahead(&AT.map(parabola)).iter().zip(AT) {
+        for (found, s) in quartics.extrapolate(&AT.map(parabola)).iter().zip(AT) {
             assert!((found - parabola(1.0 + s)).abs() < 1e-13);
         }
         let weights = weights(0.37);

@@ -134,7 +134,7 @@ impl Chart {
 
     /// Puts the chart into a group of charts that are zoomed and read together.
     #[must_use]
-    pub fn in_group(mut self, group: &'static str) -> Self {
+    pub fn with_group(mut self, group: &'static str) -> Self {
         self.group = Some(group);
         self
     }

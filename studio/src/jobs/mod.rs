@@ -211,12 +211,12 @@ impl Jobs {
 
     /// Returns how far the diagnosis is, in words.
     pub fn diagnosis_progress(&self) -> String {
-        self.diagnosis_progress.said()
+        self.diagnosis_progress.last_message()
     }
 
     /// Returns how far the measurement is, in words.
     pub fn measurement_progress(&self) -> String {
-        self.measurement_progress.said()
+        self.measurement_progress.last_message()
     }
 
     /// Takes the answers about recordings.

@@ -55,7 +55,7 @@ fn controlled_points(view: &View, of: &DesignPreview, time_s: &[f64], values: &[
 fn controlled_chart(view: &View, of: &DesignPreview, title: &str) -> Chart {
     let controlled = of.synthesised.controlled;
     let unit = view.units.display_unit(controlled.unit()).name;
-    Chart::new(title, "time, s", &format!("{}, {unit}", controlled.name())).in_group("design")
+    Chart::new(title, "time, s", &format!("{}, {unit}", controlled.name())).with_group("design")
 }
 
 /// Returns the response to a step of the demand.
@@ -76,7 +76,7 @@ pub fn control_chart(view: &View, design: &DesignPreview) -> Chart {
     let of = |source| design.motion(source, Arrangement::Compensated).map_or(Vec::new(), about);
     let c = &view.theme.curves;
     Chart::new("Control effort", "time, s", "about the holding value, V")
-        .in_group("design")
+        .with_group("design")
         .with_curve("heave", c[1], Dash::Dashed, of(Source::Heave))
         .with_curve("pitch", c[2], Dash::Dotted, of(Source::Pitch))
         .with_curve("step", c[0], Dash::Solid, about(&design.step))

@@ -41,7 +41,7 @@ pub fn mark_history_limit(
     match (requirement.figure, signal) {
         (Figure::Disturbance(_, _, _, Quantity::HubPeak), HistorySignal::Hub)
         | (Figure::Disturbance(_, _, _, Quantity::TipPeak), HistorySignal::Tip) => {
-            both(view.units.display_unit(requirement.figure.unit(found.controlled())).factor * limit)
+            both(view.units.display_unit(requirement.figure.unit(found.controlled_quantity())).factor * limit)
         }
         (Figure::Disturbance(_, _, _, Quantity::CurrentPeak), HistorySignal::Current)
         | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistorySignal::Control)
@@ -49,7 +49,9 @@ pub fn mark_history_limit(
         (Figure::Step(model, StepFigure::Overshoot), HistorySignal::Hub) => {
             let demand = found.history(model, experiment).and_then(final_demand).unwrap_or_default();
             chart.levels.push(
-                view.units.display_unit(found.controlled().unit()).factor * demand * (1.0 + 0.01 * limit),
+                view.units.display_unit(found.controlled_quantity().unit()).factor
+                    * demand
+                    * (1.0 + 0.01 * limit),
             );
         }
         (

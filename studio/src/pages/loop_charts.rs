@@ -195,7 +195,7 @@ fn locus_chart(view: &View, locus: Option<&RootLocus>, crossover_hz: f64) -> Cha
     let reach = view.units.display_frequency(TAU * LOCUS_CROSSOVERS * crossover_hz.max(0.01));
     chart.range = [Some((-1.2 * reach, 0.3 * reach)), Some((-reach, reach))];
     chart.add_mark(0.0, "");
-    let Some(locus) = locus.map(RootLocus::in_continuous_time) else { return chart };
+    let Some(locus) = locus.map(RootLocus::convert_to_continuous) else { return chart };
     let shown = |part: f64| part.signum() * view.units.display_frequency(part.abs());
     let place = |s: &C64| [shown(s.re), shown(s.im)];
     for branch in &locus.branches {

@@ -23,7 +23,7 @@ fn channel_chart(view: &View, channel: &ChannelView) -> (Chart, DisplayUnit) {
     }
     let unit = view.units.display_unit(channel.channel.unit());
     let label = format!("{name}, {}", unit.name);
-    (Chart::new(&title, "time, s", &label).in_group("recording"), unit)
+    (Chart::new(&title, "time, s", &label).with_group("recording"), unit)
 }
 
 fn long_curve(

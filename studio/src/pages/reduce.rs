@@ -228,7 +228,7 @@ fn response_chart(
     frequency_chart(view, title, "modulus")
         .with_curve("full", view.theme.curves[1], Dash::Dashed, curve_points(view, comparison, full))
         .with_curve("reduced", view.theme.curves[0], Dash::Solid, curve_points(view, comparison, reduced))
-        .in_group("reduction")
+        .with_group("reduction")
 }
 
 /// Returns what hub and tip of a plant move by, for example "hub rate".
@@ -242,5 +242,5 @@ fn error_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparis
         chart.levels.push(view.units.display_gain(bound));
     }
     let points = curve_points(view, comparison, &comparison.error);
-    chart.with_curve("error", view.theme.curves[3], Dash::Solid, points).in_group("reduction")
+    chart.with_curve("error", view.theme.curves[3], Dash::Solid, points).with_group("reduction")
 }

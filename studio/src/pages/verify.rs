@@ -150,7 +150,7 @@ fn show_line_of_sight(ui: &mut Ui, view: &View, found: &Verification) {
 fn show_verdict(ui: &mut Ui, view: &View, found: &Verification, index: usize) -> egui::Response {
     let ((requirement, verdict), is_selected) = (&found.verdicts[index], view.requirement == index);
     let theme = &view.theme;
-    let unit = view.units.display_unit(requirement.figure.unit(found.controlled()));
+    let unit = view.units.display_unit(requirement.figure.unit(found.controlled_quantity()));
     let (word, colour, value) = match verdict {
         Verdict::Holds { value, .. } => ("holds", theme.good, format_short(unit.factor * value)),
         Verdict::Fails { value, .. } => ("FAILS", theme.bad, format_short(unit.factor * value)),
@@ -160,7 +160,7 @@ fn show_verdict(ui: &mut Ui, view: &View, found: &Verification, index: usize) ->
         Limit::AtLeast(_) => "\u{2265}",
         Limit::AtMost(_) => "\u{2264}",
     };
-    let figure = requirement.figure.name(found.controlled());
+    let figure = requirement.figure.name(found.controlled_quantity());
     let limit = format_short(unit.factor * requirement.limit.value());
     let limit = format!("{value} {sign} {limit} {}", unit.name);
     let text_colour = if matches!(verdict, Verdict::Holds { .. }) { theme.text } else { colour };

@@ -28,8 +28,8 @@ struct HistoryColumn<'a> {
 pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let experiment = limit_marks::selected_requirement(view, found)
         .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
-    let tip = view.units.display_unit(found.controlled().tip_unit());
-    let tip_name = capitalise_first(&found.controlled().tip_name());
+    let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
+    let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
     let column = |name, unit, factor, values| HistoryColumn { name, unit, factor, values };
     let mut charts = [
         hub_chart(view, found, experiment),
@@ -76,7 +76,7 @@ pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     ];
     let area = widgets::take_remaining_area(ui);
     for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(charts) {
-        widgets::show_chart(ui, view, queue, *cell, &chart.in_group(FREQUENCY_GROUP));
+        widgets::show_chart(ui, view, queue, *cell, &chart.with_group(FREQUENCY_GROUP));
     }
 }
 
@@ -118,11 +118,11 @@ fn history_points(history: &History, values: fn(&History) -> &Vec<f64>, factor: 
 }
 
 fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
-    let controlled = found.controlled();
+    let controlled = found.controlled_quantity();
     let unit = view.units.display_unit(controlled.unit());
     let title = format!("{}: {}", experiment_name(experiment), controlled.name());
     let label = format!("{}, {}", controlled.name(), unit.name);
-    let mut chart = Chart::new(&title, "time, s", &label).in_group(TIME_GROUP);
+    let mut chart = Chart::new(&title, "time, s", &label).with_group(TIME_GROUP);
     let factor = unit.factor;
     if let Experiment::Disturbance(source, _) = experiment
         && let Some(h) =
@@ -145,7 +145,7 @@ fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart
 
 fn history_chart(view: &View, found: &Verification, experiment: Experiment, column: &HistoryColumn) -> Chart {
     let label = format!("{}, {}", column.name.to_lowercase(), column.unit);
-    let chart = Chart::new(column.name, "time, s", &label).in_group(TIME_GROUP);
+    let chart = Chart::new(column.name, "time, s", &label).with_group(TIME_GROUP);
     match found.history(Model::Nonlinear, experiment) {
         Some(h) => {
             let points = history_points(h, column.values, column.factor);
@@ -157,7 +157,7 @@ fn history_chart(view: &View, found: &Verification, experiment: Experiment, colu
 
 /// Returns the disturbance rejection over frequency, for each arrangement of the controller.
 fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
-    let unit = found.controlled().unit();
+    let unit = found.controlled_quantity().unit();
     let (title, label) = if source == Source::Heave {
         ("Rejection of heave", format!("{unit} per m/s\u{b2}"))
     } else {

@@ -120,7 +120,7 @@ impl Adaptive {
 
     /// The same, but estimates are used only after so many samples; before, they are made and not used.
     #[must_use]
-    pub fn held(mut self, samples: usize) -> Self {
+    pub fn hold_estimates(mut self, samples: usize) -> Self {
         self.held_samples = samples;
         self
     }

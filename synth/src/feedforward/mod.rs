@@ -117,7 +117,7 @@ fn finish(
 }
 
 fn problem(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) -> Result<Problem, Error> {
-    let system = plant.delayed()?;
+    let system = plant.delayed_plant()?;
     let weighed = weights.output.unwrap_or(plant.rate);
     if weighed >= system.outputs() {
         return Err(Error::Index { what: "weighed output", index: weighed, count: system.outputs() });

@@ -80,8 +80,8 @@ impl PlantGain {
     /// # Errors
     /// Those of the plant.
     pub fn of(circumstances: &Circumstances, modes: Vec<f64>) -> Result<Self, Error> {
-        let plant = circumstances.plant.weighted();
-        let seen = plant.measured()?.select(&[0], &[plant.control]);
+        let plant = circumstances.plant.weighted_plant();
+        let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
         let response = Response::of(&seen)?;
         let gain = |rate: f64| response.at(rate).map_or(f64::INFINITY, |value| value.norm_max());
         // Two decades apart far below everything: a gain that falls with frequency towards zero has a zero there.
@@ -129,12 +129,12 @@ pub(super) fn weights(
         (density * at_observer.powi(2), density)
     };
     Some(FeedbackWeights {
-        error: error(gain, rounded(aim_rad_s / shape.integral), rounded(1.0 / level)),
+        error: error(gain, round_weight(aim_rad_s / shape.integral), round_weight(1.0 / level)),
         control: control(gain, aim_rad_s, shape)?,
         combination: Vec::new(),
-        measurement_noise: rounded(measurement_noise),
+        measurement_noise: round_weight(measurement_noise),
         disturbances: Vec::new(),
-        loop_recovery: rounded(loop_recovery),
+        loop_recovery: round_weight(loop_recovery),
     })
 }
 
@@ -151,11 +151,11 @@ const OUTER_RATIO: f64 = 5.0;
 /// Returns the gain of the position loop for an aim of the rate loop; `None` if there is one loop.
 pub(super) fn position_gain(circumstances: &Circumstances, aim_rad_s: f64) -> Option<f64> {
     circumstances.plant.rate_loop.as_ref()?;
-    Some(circumstances.position_gain.unwrap_or_else(|| rounded(aim_rad_s / OUTER_RATIO)))
+    Some(circumstances.position_gain.unwrap_or_else(|| round_weight(aim_rad_s / OUTER_RATIO)))
 }
 
 /// Rounds to four significant digits, as a person would write a weight.
-pub(super) fn rounded(value: f64) -> f64 {
+pub(super) fn round_weight(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
@@ -171,7 +171,7 @@ fn error(plant: &PlantGain, corner_rad_s: f64, gain: f64) -> Weight {
 
 /// 1 below the roll-off, rising above it; dear at the modes above the aim. `None` if there are none to make it dear at.
 fn control(plant: &PlantGain, aim_rad_s: f64, shape: Shape) -> Option<Weight> {
-    let lead = Weight::Lead { gain: 1.0, time_s: rounded(1.0 / (shape.roll_off * aim_rad_s)) };
+    let lead = Weight::Lead { gain: 1.0, time_s: round_weight(1.0 / (shape.roll_off * aim_rad_s)) };
     if shape.modes == Modes::Plain {
         return Some(lead);
     }
@@ -179,7 +179,7 @@ fn control(plant: &PlantGain, aim_rad_s: f64, shape: Shape) -> Option<Weight> {
     let peaks: Vec<Weight> = above
         .map(|&mode| Weight::Notch {
             gain: 1.0,
-            centre_rad_s: rounded(mode),
+            centre_rad_s: round_weight(mode),
             width: PEAK_WIDTH,
             factor: PEAK,
         })

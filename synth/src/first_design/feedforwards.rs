@@ -1,7 +1,7 @@
 //! The feedforwards of a first design: what is measured of an expected motion is used.
 
 use super::Circumstances;
-use super::candidate::rounded;
+use super::candidate::round_weight;
 use super::scan::Tried;
 use crate::error::attempt;
 use crate::finding::Finding;
@@ -75,7 +75,8 @@ fn with_one(base: &Specification, channel: Channel, weights: FeedforwardWeights)
 /// Steady volts cost in heave, where they hold a weight, and are free in pitch, where they cancel a drag.
 fn feedforward(found: &Tried, channel: Channel, motion: &Motion, basis: Basis) -> FeedforwardWeights {
     let corner = ROLL_OFF * found.judgement.bandwidth_rad_s;
-    let (second_s2, first_s) = (rounded(1.0 / (corner * corner)), rounded(2.0 * ROLL_OFF_DAMPING / corner));
+    let (second_s2, first_s) =
+        (round_weight(1.0 / (corner * corner)), round_weight(2.0 * ROLL_OFF_DAMPING / corner));
     let is_free = channel == Channel::Pitch && basis == Basis::OpenLoop;
     let control = if is_free {
         Weight::QuadraticFreeAtZero { gain: 1.0, second_s2, first_s }
@@ -84,10 +85,10 @@ fn feedforward(found: &Tried, channel: Channel, motion: &Motion, basis: Basis) -
     };
     let level = found.weights.error.rational().gain.abs();
     FeedforwardWeights {
-        error: Weight::Constant { gain: rounded(ERROR_RATIO * level) },
+        error: Weight::Constant { gain: round_weight(ERROR_RATIO * level) },
         control,
         generator: motion.generator.clone(),
-        knowledge: Knowledge::Measured { noise: rounded(motion.noise) },
+        knowledge: Knowledge::Measured { noise: round_weight(motion.noise) },
         output: None,
         basis,
     }

@@ -12,7 +12,7 @@ use std::sync::{Mutex, OnceLock};
 use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
-use super::neighbours::stiffened;
+use super::neighbours::stiffen;
 use super::scan::{Candidate, PER_DECADE, Scan, Tried};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
@@ -62,8 +62,10 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithL
             kind => higher(scan, missed.get(&vec![kind as u8]), reached)?,
         };
         limit.lifted_rad_s = lifted.as_ref().map(|loop_| loop_.rate_rad_s);
-        let loops =
-            LimitLoops { allowed: scan.shown_by(&limit)?, lifted: lifted.map(|loop_| loop_.shown_by) };
+        let loops = LimitLoops {
+            allowed: scan.demonstrate_limit(&limit)?,
+            lifted: lifted.map(|loop_| loop_.shown_by),
+        };
         shown.push((limit, loops));
     }
     let size = |rate: Option<f64>| rate.unwrap_or(0.0);
@@ -158,7 +160,7 @@ impl<'a> Given<'a> {
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
     fn without_modes(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let reached = found.judgement.bandwidth_rad_s;
-        let stiff = with_plants(self.circumstances, |plant| stiffened(plant, reached))?;
+        let stiff = with_plants(self.circumstances, |plant| stiffen(plant, reached))?;
         if stiff == *self.circumstances { Ok(None) } else { self.above(&stiff, found) }
     }
 
@@ -255,7 +257,7 @@ fn has_loop(
             scan.look_ahead(aims.iter().flat_map(usual).skip(shape));
         }
         let Some(tried) = scan.attempt_if_worthwhile(aim, shape)? else { continue };
-        let missed = scan.missed(&tried.judgement);
+        let missed = scan.missed_limits(&tried.judgement);
         let keeps_the_rest = missed.iter().all(|kind| left_out.contains(kind));
         let known = highest.entry(missed.iter().map(|kind| *kind as u8).collect());
         let rate = tried.judgement.bandwidth_rad_s;

@@ -115,9 +115,9 @@ pub fn first_design_on(
 ) -> Result<FirstDesign, Error> {
     let mut scan = Scan::new(circumstances, processors)?;
     scan.run()?;
-    let Some(found) = scan.best() else {
+    let Some(found) = scan.best_design() else {
         let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
-        return Err(Error::refused(vec![finding]));
+        return Err(Error::refusal(vec![finding]));
     };
     let lifted::BandwidthWithLoops { bandwidth, shown_by } = lifted::bandwidth(&mut scan, &found)?;
     let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;

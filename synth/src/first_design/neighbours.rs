@@ -37,12 +37,12 @@ pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<De
 ///
 /// # Errors
 /// Those of the decompositions.
-pub(super) fn stiffened(plant: &DesignPlant, beyond_rad_s: f64) -> Result<DesignPlant, Error> {
+pub(super) fn stiffen(plant: &DesignPlant, beyond_rad_s: f64) -> Result<DesignPlant, Error> {
     let mut modes = light_modes(plant)?;
     modes.retain(|mode| mode.norm() > beyond_rad_s);
     let mut stiff = moved(plant, &modes, |mode| C64::from_polar(STIFFER * mode.norm(), STIFF_ANGLE))?;
     if let Some(inner) = &mut stiff.rate_loop {
-        inner.plant = stiffened(&inner.plant, beyond_rad_s)?;
+        inner.plant = stiffen(&inner.plant, beyond_rad_s)?;
     }
     Ok(stiff)
 }

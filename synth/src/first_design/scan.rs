@@ -253,7 +253,7 @@ impl<'a> Scan<'a> {
         }
         for usual in DEAR {
             let lacks_phase = match self.attempt(aim_rad_s, usual)? {
-                Some(tried) => self.missed(&tried.judgement) == [LimitKind::Margins],
+                Some(tried) => self.missed_limits(&tried.judgement) == [LimitKind::Margins],
                 // Where one miss is too many, a candidate that misses the margins is not kept.
                 None => self.most_missed == 1,
             };
@@ -293,7 +293,7 @@ impl<'a> Scan<'a> {
             return Ok(None);
         }
         let judged = self.judge.judge(&controller, |found| {
-            self.most_missed < usize::MAX && self.missed(found).len() >= self.most_missed
+            self.most_missed < usize::MAX && self.missed_limits(found).len() >= self.most_missed
         })?;
         Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, position_gain, judgement }))
     }
@@ -301,7 +301,7 @@ impl<'a> Scan<'a> {
     /// The feedback of weights, with the position loop about it if the plant has one.
     fn controller(&self, weights: &FeedbackWeights, position_gain: Option<f64>) -> Result<StateSpace, Error> {
         let plant = &self.circumstances.plant;
-        let designed = feedback(plant.weighted(), weights, Reference::Error)?;
+        let designed = feedback(plant.weighted_plant(), weights, Reference::Error)?;
         let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
         Ok(cascade.unwrap_or(designed.controller))
     }
@@ -319,7 +319,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The limits that a loop does not keep.
-    pub fn missed(&self, found: &LoopJudgement) -> Vec<LimitKind> {
+    pub fn missed_limits(&self, found: &LoopJudgement) -> Vec<LimitKind> {
         let kinds = KINDS.into_iter().chain([LimitKind::Asked]);
         kinds.filter(|kind| !self.keeps(*kind, found)).collect()
     }
@@ -341,7 +341,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The answer; `None` if nothing keeps everything.
-    pub fn best(&self) -> Option<Tried> {
+    pub fn best_design(&self) -> Option<Tried> {
         self.best.clone()
     }
 
@@ -370,7 +370,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn shown_by(&self, limit: &Limit) -> Result<Option<StateSpace>, Error> {
+    pub fn demonstrate_limit(&self, limit: &Limit) -> Result<Option<StateSpace>, Error> {
         let is_formula = matches!(limit.kind, LimitKind::SampleRate | LimitKind::Asked);
         match self.highest_keeping(limit.kind) {
             Some(tried) if !is_formula && limit.bandwidth_rad_s.is_finite() => {

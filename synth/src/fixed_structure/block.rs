@@ -98,7 +98,7 @@ impl ParameterName {
 
 impl Parameter {
     /// Returns a parameter of a fixed value.
-    pub fn fixed(value: f64) -> Self {
+    pub fn with_fixed_value(value: f64) -> Self {
         Self { value: Some(value), range: None }
     }
 

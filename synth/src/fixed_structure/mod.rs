@@ -117,7 +117,7 @@ mod tests {
     fn a_series_of_blocks_is_the_product_of_their_responses() {
         let block = |kind: BlockKind| Block {
             kind,
-            parameters: example(kind).into_iter().map(Parameter::fixed).collect(),
+            parameters: example(kind).into_iter().map(Parameter::with_fixed_value).collect(),
         };
         let structure = FixedStructure {
             blocks: vec![

@@ -24,7 +24,7 @@ pub(super) fn check_feedforward(
     if findings.iter().any(Finding::is_refusal) || spec.assembly == Assembly::Joint {
         return Ok(findings);
     }
-    let system = plant.delayed()?;
+    let system = plant.delayed_plant()?;
     let weighed = weights.output.unwrap_or(plant.rate);
     let (index, count) = (weighed, system.outputs());
     if index >= count {
@@ -46,8 +46,9 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
     let rational = weight.rational();
     let mut findings = well_formed(part, "generator", weight);
     let relative_degree = rational.relative_degree();
-    let mut refuse =
-        |cause, rate: f64| findings.push(Finding::refusal(part, cause).on("generator", weight).at(rate));
+    let mut refuse = |cause, rate: f64| {
+        findings.push(Finding::refusal(part, cause).with_weight("generator", weight).at(rate))
+    };
     if relative_degree <= 0 {
         refuse(Cause::GeneratorNotProper, f64::INFINITY);
     } else if (relative_degree as usize) < inputs {
@@ -60,7 +61,7 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
     if knowledge == Knowledge::Exact && order != inputs {
         findings.push(
             Finding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
-                .on("generator", weight),
+                .with_weight("generator", weight),
         );
     }
     if let Knowledge::Measured { noise } = knowledge
@@ -81,5 +82,5 @@ fn bounded(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<Findin
         return Ok(vec![refuse(pole)]);
     }
     let pole = axis_roots(&error.rational().poles).first().map(|&rate| C64::new(0.0, rate));
-    Ok(pole.map(|pole| refuse(pole).on("error weight", error)).into_iter().collect())
+    Ok(pole.map(|pole| refuse(pole).with_weight("error weight", error)).into_iter().collect())
 }

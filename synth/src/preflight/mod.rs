@@ -33,7 +33,7 @@ pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<V
 }
 
 fn check_plant(plant: &DesignPlant) -> Result<Vec<Finding>, Error> {
-    let system = plant.measured()?;
+    let system = plant.measured_plant()?;
     let (A, n) = (&system.A, system.order());
     let mut findings = Vec::new();
     let direct = system.D[(0, plant.control)];
@@ -65,12 +65,12 @@ fn check_feedback(
     findings.extend(densities(weights));
     if reference == Reference::WeightOnly && weights.error.rational().poles.is_empty() {
         let finding = Finding::refusal(part, Cause::ReferenceWithoutStates);
-        findings.push(finding.on("error weight", &weights.error));
+        findings.push(finding.with_weight("error weight", &weights.error));
     }
     if findings.iter().any(Finding::is_refusal) {
         return Ok(findings);
     }
-    let system = plant.measured()?;
+    let system = plant.measured_plant()?;
     let loop_gain = Gain::of(&system.select(&[0], &[plant.control]))?;
     findings.extend(against_plant(part, &weights.error, &weights.control, &loop_gain)?);
     let truth = Gain::of(&system.select(&[1 + plant.rate], &[plant.control]))?;
@@ -89,17 +89,19 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<Finding> {
     let excess = -error.rational().relative_degree();
     if excess > 0 {
         let finding = Finding::refusal(part, Cause::ErrorWeightImproper { excess });
-        findings.push(finding.on("error weight", error).at(f64::INFINITY));
+        findings.push(finding.with_weight("error weight", error).at(f64::INFINITY));
     }
     let excess = control.rational().relative_degree();
     if excess > 0 {
         let finding = Finding::refusal(part, Cause::ControlWeightVanishes { excess });
-        findings.push(finding.on("control weight", control).at(f64::INFINITY));
+        findings.push(finding.with_weight("control weight", control).at(f64::INFINITY));
     }
     for rate in axis_roots(&error.rational().poles) {
         if axis_roots(&control.rational().poles).contains(&rate) {
             findings.push(
-                Finding::refusal(part, Cause::WeightsBothInfinite).on("control weight", control).at(rate),
+                Finding::refusal(part, Cause::WeightsBothInfinite)
+                    .with_weight("control weight", control)
+                    .at(rate),
             );
         }
     }
@@ -109,7 +111,7 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<Finding> {
 fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
     let rational = weight.rational();
     if !rational.is_finite() {
-        return vec![Finding::refusal(part, Cause::WeightVoid).on(role, weight)];
+        return vec![Finding::refusal(part, Cause::WeightVoid).with_weight(role, weight)];
     }
     let roots = || rational.zeros.iter().chain(&rational.poles);
     let lone = roots().any(|root| {
@@ -117,11 +119,11 @@ fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
     });
     let mut findings = Vec::new();
     if lone {
-        findings.push(Finding::refusal(part, Cause::WeightComplex).on(role, weight));
+        findings.push(Finding::refusal(part, Cause::WeightComplex).with_weight(role, weight));
     }
     if let Some(&root) = roots().find(|root| root.re > 0.0) {
         let finding = Finding::warning(part, Cause::WeightMirrored { root });
-        findings.push(finding.on(role, weight).at(root.norm()));
+        findings.push(finding.with_weight(role, weight).at(root.norm()));
     }
     findings
 }
@@ -154,14 +156,14 @@ fn against_plant(part: Part, error: &Weight, control: &Weight, gain: &Gain) -> R
         let relative_gain = gain.relative(rate)?;
         if relative_gain < ZERO_GAIN {
             let finding = Finding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
-            findings.push(finding.on("error weight", error).at(rate));
+            findings.push(finding.with_weight("error weight", error).at(rate));
         }
     }
     for rate in axis_roots(&control.rational().zeros) {
         let seen = gain.relative(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
         if !seen {
             let finding = Finding::refusal(part, Cause::ControlFreeUnseen);
-            findings.push(finding.on("control weight", control).at(rate));
+            findings.push(finding.with_weight("control weight", control).at(rate));
         }
     }
     Ok(findings)
@@ -214,7 +216,7 @@ fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result
     let mut findings = Vec::new();
     let mut warn = |cause| {
         let finding = Finding::warning(Part::Feedback, cause).at(crossover_rad_s);
-        findings.push(finding.on("error weight", &weights.error));
+        findings.push(finding.with_weight("error weight", &weights.error));
     };
     if plant.delay_s * crossover_rad_s > DELAY_PHASE {
         warn(Cause::DelayLimits { delay_s: plant.delay_s, crossover_rad_s });

@@ -5,11 +5,11 @@ use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
-use super::held::{Problem, bilinear, undelayed, under_hold};
+use super::held::{Problem, bilinear, discretise_under_hold, remove_delay};
 use super::rows::Rows;
 use crate::certificate::{Certified, Cost};
 use crate::finding::Part;
-use crate::stage::{Estimate, Extension, SampledNoise, Stage, after_reading, filter};
+use crate::stage::{Estimate, Extension, SampledNoise, Stage, filter, update_by_reading};
 use crate::{Design, DesignPlant, Error, FeedbackWeights, Reference, Sampling};
 
 /// The feedback designed on the sampled problem
@@ -31,7 +31,8 @@ pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<Drafted, 
     let full = held.full();
     let regulator = full.regulator(Part::Feedback)?;
     let filter = filter(&held.plant.A, &held.noise, Part::Feedback)?;
-    let (unknown, gain, innovation) = after_reading(&filter.X, &held.noise.reading, held.noise.measurement);
+    let (unknown, gain, innovation) =
+        update_by_reading(&filter.X, &held.noise.reading, held.noise.measurement);
     let controller = held.controller(&regulator.F, &gain, design.specification.reference)?;
     let from_reading = held.as_driven(&controller);
     let rest = full.order() - held.plant.order();
@@ -43,8 +44,8 @@ pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<Drafted, 
     let T = sampling.period_s;
     let mean = |cost: Option<f64>| cost.map(|cost| cost / T);
     let cost = Cost {
-        predicted: mean(full.predicted(&regulator.F, &estimate, &held.noise)?),
-        achieved: mean(held.plant.achieved(&from_reading, &held.noise, T)?),
+        predicted: mean(full.predict_cost(&regulator.F, &estimate, &held.noise)?),
+        achieved: mean(held.plant.closed_loop_cost(&from_reading, &held.noise, T)?),
     };
     let certified =
         Certified { part: Part::Feedback, cost, regulator: regulator.into(), filter: Some(filter.into()) };
@@ -67,7 +68,7 @@ struct Held {
 impl Held {
     fn feedback(plant: &DesignPlant, weights: &FeedbackWeights, sampling: &Sampling) -> Result<Self, Error> {
         let T = sampling.period_s;
-        let system = undelayed(plant).measured()?;
+        let system = remove_delay(plant).measured_plant()?;
         let (n, outputs) = (system.order(), system.outputs());
         let error = weights.error.realise()?;
         let (column, row) = (system.B.block(0, plant.control, n, 1), system.C.block(0, 0, 1, n));
@@ -92,7 +93,7 @@ impl Held {
             density: weights.measurement_noise,
             reading: &row,
         };
-        let (stage, noise) = under_hold(&problem, T)?;
+        let (stage, noise) = discretise_under_hold(&problem, T)?;
         let strict = StateSpace { D: Mat::zeros(1, 1), ..error };
         Ok(Self {
             plant: stage,
@@ -111,8 +112,8 @@ impl Held {
 
     /// \[x_p; y; x_e; delay; x_u\] (y and x_e where the error weight has states), input v.
     fn full(&self) -> Stage {
-        let known = if self.weighs() { self.plant.extended(&self.known_error()) } else { self.plant.clone() };
-        known.behind(&self.delay).behind(&self.inverse).with_price(self.period_s)
+        let known = if self.weighs() { self.plant.extend(&self.known_error()) } else { self.plant.clone() };
+        known.filter_input(&self.delay).filter_input(&self.inverse).with_price(self.period_s)
     }
 
     /// The reading y, which the controller has, and the error weight's states that it drives.

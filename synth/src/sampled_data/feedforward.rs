@@ -4,12 +4,12 @@ use counterpoise_linalg::{Mat, dsylvester};
 use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
-use super::held::{Problem, bilinear, undelayed, under_hold, widened};
+use super::held::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
 use super::rows::Rows;
 use crate::certificate::{Certified, Cost, Equation};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
-use crate::stage::{Estimate, SampledNoise, Stage, after_reading, filter};
+use crate::stage::{Estimate, SampledNoise, Stage, filter, update_by_reading};
 use crate::{Assembly, Basis, Channel, Design, DesignPlant, Error, FeedforwardWeights, Knowledge, Sampling};
 
 /// The feedforward of a channel designed on the sampled problem
@@ -79,12 +79,12 @@ impl Driven {
         hub_sensor: HubSensor,
         sampling: &Sampling,
     ) -> Result<Self, Error> {
-        let bare = undelayed(plant);
+        let bare = remove_delay(plant);
         let bare = match hub_sensor {
             HubSensor::Inside => bare,
             HubSensor::Outside => DesignPlant { hub_sensor: None, ..bare },
         };
-        let system = bare.measured()?;
+        let system = bare.measured_plant()?;
         let weighed = 1 + weights.output.unwrap_or(plant.rate);
         let columns = plant.columns(channel);
         let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
@@ -121,7 +121,7 @@ impl Driven {
             density,
             reading: &reading,
         };
-        let (stage, noise) = under_hold(&problem, T)?;
+        let (stage, noise) = discretise_under_hold(&problem, T)?;
         Ok(Self {
             stage,
             noise,
@@ -135,9 +135,9 @@ impl Driven {
 
     /// \[x_p; x_e; x_d; x_s; delay; feedback\], input u.
     fn stage(&self, feedback: Option<&StateSpace>) -> Stage {
-        let late = self.stage.behind(&self.delay);
+        let late = self.stage.filter_input(&self.delay);
         match feedback {
-            Some(K) => late.around(K, &widened(&self.rate, late.order())),
+            Some(K) => late.close_loop(K, &pad_columns(&self.rate, late.order())),
             None => late,
         }
     }
@@ -149,16 +149,16 @@ impl Driven {
                 .noise
                 .process
                 .block_diag(&Mat::zeros(k - self.stage.order(), k - self.stage.order())),
-            reading: widened(&self.noise.reading, k),
+            reading: pad_columns(&self.noise.reading, k),
             ..self.noise
         };
-        let full = stage.behind(&self.inverse).with_price(T);
+        let full = stage.filter_input(&self.inverse).with_price(T);
         let solution = self.equations(&stage, &full, &noise, part)?;
         let module = self.module(&stage, &solution, &noise, T)?;
         let mean = |cost: Option<f64>| cost.map(|cost| cost / T);
         let cost = Cost {
-            predicted: mean(full.predicted(&solution.F, &solution.estimate, &noise)?),
-            achieved: mean(stage.achieved(&module.select(&[0, 2], &[0]), &noise, T)?),
+            predicted: mean(full.predict_cost(&solution.F, &solution.estimate, &noise)?),
+            achieved: mean(stage.closed_loop_cost(&module.select(&[0, 2], &[0]), &noise, T)?),
         };
         let (regulator, filter) = (solution.regulator, solution.filter);
         let certified = Certified { part, cost, regulator, filter };
@@ -174,7 +174,7 @@ impl Driven {
     ) -> Result<Solution, Error> {
         let (F, regulator) = self.regulator(full, part)?;
         let f: Vec<usize> = (self.disturbance.0..self.disturbance.1).collect();
-        let own = stage.on(&f);
+        let own = stage.select_states(&f);
         let seen = SampledNoise {
             process: noise.process.select(&f, &f),
             reading: noise.reading.select(&[0], &f),
@@ -202,7 +202,7 @@ impl Driven {
         let (first, last) = self.disturbance;
         let f: Vec<usize> = (first..last).collect();
         let p: Vec<usize> = (0..full.order()).filter(|i| !f.contains(i)).collect();
-        let moved = full.on(&p);
+        let moved = full.select_states(&p);
         let solution = moved.regulator(part)?;
         let (Q, R, S) = full.costs();
         let (A_f, A_pf) = (full.A.select(&f, &f), full.A.select(&p, &f));
@@ -224,7 +224,7 @@ impl Driven {
     fn estimate(&self, stage: &Stage, Y: &Mat, f: &[usize], noise: &SampledNoise) -> Result<Estimate, Error> {
         let p: Vec<usize> = (0..stage.order()).filter(|i| !f.contains(i)).collect();
         let row = noise.reading.select(&[0], f);
-        let (_, gain, innovation) = after_reading(Y, &row, noise.measurement);
+        let (_, gain, innovation) = update_by_reading(Y, &row, noise.measurement);
         let settled = (&stage.A.select(f, f) * &(Mat::eye(f.len()) - &(&gain * &row))).t();
         let driven = &(&stage.A.select(&p, f) * &(Y * &settled)) + &noise.process.select(&p, f);
         let cross = dsylvester(&stage.A.select(&p, &p), &settled, &driven)?;
@@ -250,7 +250,7 @@ impl Driven {
         let x = &before + &(&gain * &(&rows.input(0) - &(&noise.reading * &before)));
         let v = -(&solution.F * &x.vstack(&x_u));
         let u = &(&self.inverse.C * &x_u) + &(&self.inverse.D * &v);
-        let expected = &widened(&self.rate, stage.order()) * &x;
+        let expected = &pad_columns(&self.rate, stage.order()) * &x;
         let next = (&(&stage.A * &x) + &(&stage.B * &u))
             .vstack(&(&(&self.inverse.A * &x_u) + &(&self.inverse.B * &v)));
         rows.system(&next, &u.vstack(&expected).vstack(&v), period_s)

@@ -24,7 +24,10 @@ pub(super) struct Problem<'a> {
 ///
 /// # Errors
 /// Those of the matrix exponentials.
-pub(super) fn under_hold(problem: &Problem<'_>, period_s: f64) -> Result<(Stage, SampledNoise), Error> {
+pub(super) fn discretise_under_hold(
+    problem: &Problem<'_>,
+    period_s: f64,
+) -> Result<(Stage, SampledNoise), Error> {
     let Problem { A, B, seen, direct, process, density, reading } = *problem;
     let (Q, R, S) = (&seen.t() * seen, &direct.t() * direct, &seen.t() * direct);
     let cost = Quadratic { Q: &Q, R: &R, S: &S };
@@ -41,7 +44,7 @@ pub(super) fn under_hold(problem: &Problem<'_>, period_s: f64) -> Result<(Stage,
     Ok((Stage { A: found.cost.A, B: found.cost.B, weight }, noise))
 }
 
-pub(super) fn undelayed(plant: &DesignPlant) -> DesignPlant {
+pub(super) fn remove_delay(plant: &DesignPlant) -> DesignPlant {
     DesignPlant { pade_order: 0, ..plant.clone() }
 }
 
@@ -50,6 +53,6 @@ pub(super) fn bilinear(weight: &StateSpace, period_s: f64) -> Result<StateSpace,
 }
 
 /// The row with zeros behind it.
-pub(super) fn widened(row: &Mat, columns: usize) -> Mat {
+pub(super) fn pad_columns(row: &Mat, columns: usize) -> Mat {
     row.hstack(&Mat::zeros(1, columns - row.ncols()))
 }

@@ -34,12 +34,12 @@ impl Family for Blocks<'_> {
         Ok(GridResponse { K: self.gain(at, grid)?, slopes: grid.s.iter().map(of).collect() })
     }
 
-    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        self.sampled(at)
+    fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
+        self.sampled_feedback(at)
     }
 
-    fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        sampled_structure(&self.fixed(at), self.sampling)
+    fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
+        sampled_structure(&self.fix_parameters(at), self.sampling)
     }
 
     fn calmer(&self, at: &[f64]) -> Option<Vec<f64>> {
@@ -59,6 +59,6 @@ impl Family for Blocks<'_> {
     }
 
     fn feedback(&self, at: &[f64]) -> TunedFeedback {
-        TunedFeedback::Structure(self.fixed(at))
+        TunedFeedback::Structure(self.fix_parameters(at))
     }
 }

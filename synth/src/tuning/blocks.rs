@@ -73,10 +73,10 @@ impl<'a> Blocks<'a> {
     }
 
     /// The structure with every parameter fixed at a point.
-    pub fn fixed(&self, at: &[f64]) -> FixedStructure {
+    pub fn fix_parameters(&self, at: &[f64]) -> FixedStructure {
         let mut structure = self.structure.clone();
         for (block, values) in structure.blocks.iter_mut().zip(self.values(at)) {
-            block.parameters = values.into_iter().map(Parameter::fixed).collect();
+            block.parameters = values.into_iter().map(Parameter::with_fixed_value).collect();
         }
         structure
     }

@@ -68,7 +68,7 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
             radius = REGION_AGAIN;
         }
     }
-    let (objective, missed) = (found.objective(), found.exceeded());
+    let (objective, missed) = (found.objective(), found.worst_exceedance());
     Ok(Some(Descended { at, objective, missed, merit: objective + PENALTY * missed, evaluations }))
 }
 

@@ -29,7 +29,7 @@ impl Evaluation {
     }
 
     /// What the worst limit is exceeded by; 0 where all are kept.
-    pub fn exceeded(&self) -> f64 {
+    pub fn worst_exceedance(&self) -> f64 {
         self.limits.iter().map(|row| row.value).fold(0.0, f64::max)
     }
 }
@@ -155,7 +155,9 @@ impl Problem<'_> {
         let missing = |at: &[f64]| -> Result<[f64; SLOWEST + 1], Error> {
             let crossover_rad_s = if asked[1] > 0.0 { self.crossover(at)? } else { 0.0 };
             let (mut worst, mut damped) = (Vec::new(), f64::NEG_INFINITY);
-            for (poles, plant) in self.closed_poles(&self.family.unchecked(at)?)?.iter().zip(&self.plants) {
+            for (poles, plant) in
+                self.closed_poles(&self.family.unchecked_feedback(at)?)?.iter().zip(&self.plants)
+            {
                 let (_, damping) = pole_region(poles, &plant.system, crossover_rad_s);
                 damped = damped.max(1.0 - damping / asked[1]);
                 worst.extend(decays(poles, &plant.system).into_iter().map(|decay| 1.0 - decay / asked[0]));

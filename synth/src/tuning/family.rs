@@ -23,7 +23,7 @@ pub(crate) trait Family {
     /// K at each frequency of the grid.
     ///
     /// # Errors
-    /// As [`Family::unchecked`].
+    /// As [`Family::unchecked_feedback`].
     fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error>;
 
     /// K and the slopes of ln K.
@@ -35,14 +35,14 @@ pub(crate) trait Family {
     /// The sampled feedback from the error to the control, as it runs.
     ///
     /// # Errors
-    /// As [`Family::unchecked`], and those of the conversion.
-    fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error>;
+    /// As [`Family::unchecked_feedback`], and those of the conversion.
+    fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error>;
 
-    /// The feedback of [`Family::sampled`] in any realisation and without its checks: what slopes are differences of.
+    /// The feedback of [`Family::sampled_feedback`] in any realisation and without its checks: what slopes are differences of.
     ///
     /// # Errors
     /// [`Error::Refused`] if the family has no feedback at the point.
-    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error>;
+    fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error>;
 
     /// The point with less gain, whose loop is nearer to a stable one; `None` if the family has no gain of its own.
     fn calmer(&self, at: &[f64]) -> Option<Vec<f64>>;

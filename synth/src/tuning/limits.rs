@@ -6,7 +6,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, Timebase, feedback, h2norm, linfnorm, margins, poles, series};
 
 use super::Disturbance;
-use crate::figures::reached;
+use crate::figures::reachable_states;
 use crate::sampling::sampled_plant;
 use crate::tolerance::{CONTROL_PEAK, FASTEST_POLE, LIMIT_TIGHTENING};
 use crate::{DesignPlant, Error, Sampling};
@@ -85,7 +85,7 @@ impl Default for LoopLimits {
 
 impl LoopLimits {
     /// Returns by how much the worst limit is missed, relative to it; 0 if all are kept.
-    pub fn missed(&self, found: &LoopMeasures) -> f64 {
+    pub fn worst_shortfall(&self, found: &LoopMeasures) -> f64 {
         let above = self.upper(found).into_iter().map(|(limit, value)| value / limit - 1.0);
         let below = self.lower(found).into_iter().map(|(limit, value)| 1.0 - value / limit);
         let asked = |share: &f64| share.is_finite();
@@ -114,7 +114,7 @@ impl LoopLimits {
 
     /// Returns the limits that a grid must keep so that the figures keep these: those of the last round, moved by what the
     /// worst plant's figures exceed.
-    pub(crate) fn tightened(&self, last: &Self, found: &[LoopMeasures]) -> Self {
+    pub(crate) fn tighten(&self, last: &Self, found: &[LoopMeasures]) -> Self {
         let mut next = *last;
         for each in found {
             let over = |(limit, value): (f64, f64)| (limit / value).min(1.0) * (1.0 - LIMIT_TIGHTENING);
@@ -207,7 +207,7 @@ pub fn measure_controller(
 pub(crate) fn hub_path(linear: &StateSpace, reading: usize) -> StateSpace {
     let path = linear.select(&[0], &[reading]);
     let driven: Vec<usize> = (0..path.order()).filter(|&i| path.B[(i, 0)] != 0.0).collect();
-    let reached = reached(&path.A, driven);
+    let reached = reachable_states(&path.A, driven);
     StateSpace {
         A: path.A.select(&reached, &reached),
         B: path.B.select(&reached, &[0]),

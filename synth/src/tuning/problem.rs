@@ -67,7 +67,7 @@ impl<'a> Problem<'a> {
     /// beyond what a controller could hold.
     pub fn is_stable(&self, at: &[f64]) -> bool {
         let inside = |all: Vec<Vec<C64>>| all.iter().flatten().all(|pole| pole.norm() < 1.0);
-        let Ok(K) = self.family.sampled(at) else { return false };
+        let Ok(K) = self.family.sampled_feedback(at) else { return false };
         self.closed_poles(&K).map(inside).unwrap_or(false) && self.holds(&K).unwrap_or(false)
     }
 

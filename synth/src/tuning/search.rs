@@ -4,7 +4,7 @@
 use super::descent::{Descended, descend};
 use super::grid::LoopPlant;
 use super::problem::Problem;
-use super::starts::near;
+use super::starts::perturb_point;
 use super::{LoopMeasures, Tuned, TuningTask, measure_loop};
 use crate::Error;
 use crate::tolerance::LIMIT_KEPT;
@@ -60,7 +60,7 @@ impl<'a> Search<'a> {
     pub fn descend_near_best(&mut self) -> Result<(), Error> {
         for k in 0..self.task.starts {
             let Some(best) = &self.best else { break };
-            let start = near(&best.at, self.task.seed.wrapping_add(k as u64));
+            let start = perturb_point(&best.at, self.task.seed.wrapping_add(k as u64));
             let found = self.descended(&start)?;
             self.keep_better(found);
         }
@@ -100,7 +100,7 @@ impl<'a> Search<'a> {
             if judged.missed <= LIMIT_KEPT {
                 break;
             }
-            self.problem.limits = self.task.limits.tightened(&self.problem.limits, &judged.measures);
+            self.problem.limits = self.task.limits.tighten(&self.problem.limits, &judged.measures);
             let Some(next) = self.descended(&best.at)? else { break };
             let next_judged = self.judged(&next.at)?;
             if next_judged.missed >= judged.missed {
@@ -111,7 +111,7 @@ impl<'a> Search<'a> {
         let family = &self.problem.family;
         Ok(Tuned {
             feedback: family.feedback(&best.at),
-            sampled: family.sampled(&best.at)?,
+            sampled: family.sampled_feedback(&best.at)?,
             measures: judged.measures,
             missed: if judged.missed <= LIMIT_KEPT { 0.0 } else { judged.missed },
             starts_rad_s: self.starts_rad_s,
@@ -133,10 +133,10 @@ impl<'a> Search<'a> {
     }
 
     fn judged(&self, at: &[f64]) -> Result<Judged, Error> {
-        let K = self.problem.family.sampled(at)?;
+        let K = self.problem.family.sampled_feedback(at)?;
         let measure = |plant: &LoopPlant| measure_loop(&plant.system, &K, self.task.disturbance);
         let measures = self.problem.plants.iter().map(measure).collect::<Result<Vec<_>, Error>>()?;
-        let missed = measures.iter().map(|each| self.task.limits.missed(each)).fold(0.0, f64::max);
+        let missed = measures.iter().map(|each| self.task.limits.worst_shortfall(each)).fold(0.0, f64::max);
         Ok(Judged { measures, missed })
     }
 }

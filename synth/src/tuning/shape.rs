@@ -56,7 +56,7 @@ pub(super) struct Shape {
 
 impl Shape {
     pub fn of(weight: &Weight) -> Self {
-        let rational = weight.rational().mirrored();
+        let rational = weight.rational().mirror_to_left();
         let roots = |all: &[C64]| all.iter().filter_map(Root::of).collect();
         Self { modulus: rational.gain, zeros: roots(&rational.zeros), poles: roots(&rational.poles) }
     }
@@ -81,7 +81,7 @@ impl Shape {
     }
 
     /// The shape with its parameters taken from `values`, in the order of [`Shape::parameters`].
-    pub fn moved(&self, values: &mut impl Iterator<Item = f64>) -> Self {
+    pub fn with_parameters(&self, values: &mut impl Iterator<Item = f64>) -> Self {
         let mut next = || values.next().unwrap_or(0.0);
         let mut move_root = |root: &Root| match *root {
             Root::Origin => Root::Origin,

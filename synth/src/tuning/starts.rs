@@ -40,7 +40,7 @@ pub(crate) fn placed_starts(
 }
 
 /// A point near an answer, from which a descent may find a better one.
-pub(crate) fn near(at: &[f64], seed: u64) -> Vec<f64> {
+pub(crate) fn perturb_point(at: &[f64], seed: u64) -> Vec<f64> {
     let mut random = Random(seed);
     at.iter().enumerate().map(|(n, value)| value + SPREAD * random.symmetric(n)).collect()
 }

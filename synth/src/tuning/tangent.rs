@@ -24,7 +24,7 @@ pub(crate) struct Step {
 
 /// The merit of a loop: objective and penalty.
 pub(crate) fn merit(found: &Evaluation) -> f64 {
-    found.objective() + PENALTY * found.exceeded()
+    found.objective() + PENALTY * found.worst_exceedance()
 }
 
 /// Solves the tangent program; `None` if the solver gives up.

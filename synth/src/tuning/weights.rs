@@ -152,8 +152,8 @@ impl<'a> Weights<'a> {
         let mut next = || values.next().unwrap_or(1.0);
         let (modulus, measurement_noise) = (next(), next());
         let loop_recovery = if self.recovers { next() } else { self.stated.loop_recovery };
-        let error = Shape { modulus, ..self.error.moved(&mut values) };
-        let control = self.control.moved(&mut values);
+        let error = Shape { modulus, ..self.error.with_parameters(&mut values) };
+        let control = self.control.with_parameters(&mut values);
         FeedbackWeights {
             error: error.weight(),
             control: control.weight(),
@@ -214,11 +214,11 @@ impl Family for Weights<'_> {
     }
 
     fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error> {
-        on_grid(&self.unchecked(at)?, grid)
+        on_grid(&self.unchecked_feedback(at)?, grid)
     }
 
     fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error> {
-        let K = on_grid(&self.sampled(at)?, grid)?;
+        let K = on_grid(&self.sampled_feedback(at)?, grid)?;
         let here = self.gain(at, grid)?;
         let mut slopes = vec![Vec::with_capacity(at.len()); K.len()];
         for k in 0..at.len() {
@@ -231,16 +231,16 @@ impl Family for Weights<'_> {
         Ok(GridResponse { K, slopes })
     }
 
-    fn sampled(&self, at: &[f64]) -> Result<StateSpace, Error> {
+    fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         kept(&self.designs, at, || self.designed(at))
     }
 
-    fn unchecked(&self, at: &[f64]) -> Result<StateSpace, Error> {
+    fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         match self.sampling.method {
             SamplingMethod::Emulation(conversion) if self.plant.rate_loop.is_none() => {
                 kept(&self.plain, at, || self.plain(at, conversion))
             }
-            _ => self.sampled(at),
+            _ => self.sampled_feedback(at),
         }
     }
 

@@ -146,7 +146,7 @@ impl Weight {
     }
 
     /// The same weight times `factor`.
-    pub fn scaled(&self, factor: f64) -> Self {
+    pub fn scale_by(&self, factor: f64) -> Self {
         Weight::Product(vec![Weight::Constant { gain: factor }, self.clone()])
     }
 
@@ -155,7 +155,7 @@ impl Weight {
     /// # Errors
     /// [`Error::Weight`] where the weight has more zeros than poles, or a number that is not finite.
     pub fn realise(&self) -> Result<StateSpace, Error> {
-        let mirrored = self.rational().mirrored();
+        let mirrored = self.rational().mirror_to_left();
         if mirrored.relative_degree() < 0 {
             return Err(self.refused("it rises without bound at high frequency: no proper realisation"));
         }
@@ -171,7 +171,7 @@ impl Weight {
     /// [`Error::Weight`] where the weight has more poles than zeros (it vanishes at high frequency), is zero, or holds
     /// a number that is not finite.
     pub fn realise_inverse(&self) -> Result<StateSpace, Error> {
-        let inverse = self.rational().mirrored().inverse();
+        let inverse = self.rational().mirror_to_left().inverse();
         if inverse.relative_degree() < 0 {
             return Err(self.refused("it vanishes at high frequency, where control would be free"));
         }

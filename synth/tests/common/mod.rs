@@ -17,7 +17,7 @@ pub fn rig() -> DesignPlant {
 
 /// Any parameters as a design plant, in the same way.
 pub fn plant(parameters: &Parameters) -> DesignPlant {
-    let plant = Plant::lumped(parameters).unwrap();
+    let plant = Plant::from_lumped(parameters).unwrap();
     let equilibrium = plant.equilibrium(&OperatingPoint::default());
     let linear = plant.linearise(&equilibrium, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
     let sensors = &parameters.sensors;

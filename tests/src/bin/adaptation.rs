@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use counterpoise_tests::adaptation::{Case, trial};
-use counterpoise_tests::in_parallel;
+use counterpoise_tests::run_in_parallel;
 
 fn main() -> ExitCode {
     let range = std::env::args().nth(1).unwrap_or_else(|| "0..12".to_owned());
@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     };
     let noise = std::env::args().nth(2).and_then(|word| word.parse::<u64>().ok()).unwrap_or(0);
     let cases = Mutex::new(Vec::new());
-    in_parallel(to.saturating_sub(from) as usize, &|k| {
+    run_in_parallel(to.saturating_sub(from) as usize, &|k| {
         if let Some(case) = trial(from + k as u64, noise) {
             cases.lock().unwrap_or_else(PoisonError::into_inner).push(case);
         }
@@ -66,7 +66,7 @@ fn print(cases: &[Case]) {
                 "    {:?} {:?}: none {without:.3}, adapted {with:.3}, told {told:.3}, removed {:.2?}",
                 row.motion,
                 row.load,
-                row.removed()
+                row.removed_share()
             );
         }
     }

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use counterpoise_project::Project;
 use counterpoise_tests::certificates::{Row, trial};
-use counterpoise_tests::in_parallel;
+use counterpoise_tests::run_in_parallel;
 use counterpoise_verify::certificate::Stability;
 
 fn main() -> ExitCode {
@@ -34,7 +34,7 @@ fn certify(range: &str) -> Result<Vec<Row>, String> {
         .map_err(|why| format!("{path}: {why}; run this from the repository's root"))?;
     let base = Project::parse(&text, "project.toml").map_err(|errors| format!("{path}: {errors:?}"))?.project;
     let rows = Mutex::new(Vec::new());
-    in_parallel(to.saturating_sub(from) as usize, &|k| {
+    run_in_parallel(to.saturating_sub(from) as usize, &|k| {
         if let Some(row) = trial(from + k as u64, &base) {
             rows.lock().unwrap_or_else(PoisonError::into_inner).push(row);
         }

@@ -6,7 +6,7 @@
 
 use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::simulator_access::Pool;
-use counterpoise_tests::exported_loop::{Diagnosed, Way, diagnosed};
+use counterpoise_tests::exported_loop::{Diagnosed, Way, record_and_diagnose};
 use counterpoise_tests::sealed::PRACTICE;
 
 /// As many threads as the machine has.
@@ -14,7 +14,7 @@ struct Threads;
 
 impl Pool for Threads {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::in_parallel(count, job);
+        counterpoise_tests::run_in_parallel(count, job);
     }
 }
 
@@ -26,7 +26,7 @@ fn main() {
     let mut missed = 0;
     for (k, effect) in PRACTICE.iter().enumerate().filter(|(k, _)| only.is_none_or(|only| only == k + 1)) {
         let clock = std::time::Instant::now();
-        let all = Way::ALL.map(|way| diagnosed(effect, way, &Threads));
+        let all = Way::ALL.map(|way| record_and_diagnose(effect, way, &Threads));
         missed += all.iter().filter(|one| !one.is_right).count();
         let cells = all.iter().map(cell).collect::<Vec<_>>().join(" | ");
         println!("| {} | {cells} |", effect.name);

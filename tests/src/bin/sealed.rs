@@ -12,8 +12,8 @@ use std::sync::Mutex;
 
 use counterpoise_diagnose::{diagnose, simulator_access::Serial};
 use counterpoise_models::reference;
-use counterpoise_tests::sealed::oracle::compared;
-use counterpoise_tests::sealed::row::{recordings, scored};
+use counterpoise_tests::sealed::oracle::compare_fits;
+use counterpoise_tests::sealed::row::{recordings, score};
 use counterpoise_tests::sealed::truth::{ALL, conceal, machine};
 use counterpoise_tests::sealed::{Family, Row, case, case_of, controller, nominal_of, table};
 
@@ -41,7 +41,7 @@ fn run(mut seeds: Vec<u64>, path: &str) -> std::io::Result<()> {
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
     let file = Mutex::new(file);
     let fresh = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(seeds.len(), &|k| {
+    counterpoise_tests::run_in_parallel(seeds.len(), &|k| {
         let row = match row(seeds[k]) {
             Ok(row) => row,
             Err(error) => return eprintln!("seed {}: {error}", seeds[k]),
@@ -108,9 +108,9 @@ fn row(seed: u64) -> Result<Row, counterpoise_diagnose::Error> {
     };
     let clock = std::time::Instant::now();
     let found = diagnose(&nominal, &controller(), &recordings(&case), &Serial)?;
-    let mut row = scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64());
+    let mut row = score(seed, &case, &found.answer, clock.elapsed().as_secs_f64());
     if case.sealed.family != Family::Nothing {
-        row.split = compared(&nominal, &case, &found.answer)?;
+        row.split = compare_fits(&nominal, &case, &found.answer)?;
     }
     Ok(row)
 }

@@ -7,8 +7,8 @@ use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Answer;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
-use counterpoise_tests::sealed::oracle::compared;
-use counterpoise_tests::sealed::row::{recordings, scored};
+use counterpoise_tests::sealed::oracle::compare_fits;
+use counterpoise_tests::sealed::row::{recordings, score};
 use counterpoise_tests::sealed::truth::ALL;
 use counterpoise_tests::sealed::{Case, case, case_of, controller, nominal_of};
 
@@ -16,7 +16,7 @@ struct Threads;
 
 impl Pool for Threads {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::in_parallel(count, job);
+        counterpoise_tests::run_in_parallel(count, job);
     }
 }
 
@@ -76,9 +76,9 @@ fn print(seed: u64, nominal: &Parameters, case: &Case, answer: &Answer, seconds:
             beside.join(", ")
         );
     }
-    let row = scored(seed, case, answer, seconds);
+    let row = score(seed, case, answer, seconds);
     println!("  sizes {:.2?}, errors {:.2?}", row.sizes, row.errors);
-    match compared(nominal, case, answer) {
+    match compare_fits(nominal, case, answer) {
         Ok(split) => println!("  nominal, refitted, found, truth: {split:.4?}"),
         Err(error) => println!("  {error}"),
     }

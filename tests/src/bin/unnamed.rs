@@ -12,7 +12,7 @@ use counterpoise_models::reference;
 use counterpoise_report::wording::learned::describe_learned;
 use counterpoise_tests::sealed::controller;
 use counterpoise_tests::sealed::row::recording_of;
-use counterpoise_tests::sealed::unnamed::{NOTHING, unnamed};
+use counterpoise_tests::sealed::unnamed::{NOTHING, record_unnamed};
 
 /// Noise floors at which a machine counts as modelled.
 const MODELLED: f64 = 1.5;
@@ -34,7 +34,7 @@ struct Score {
 fn main() {
     let seeds: Vec<u64> = std::env::args().skip(1).flat_map(|text| parsed(&text)).collect();
     let scores = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(seeds.len(), &|k| {
+    counterpoise_tests::run_in_parallel(seeds.len(), &|k| {
         let score = scored(seeds[k]);
         scores.lock().unwrap().extend(score);
     });
@@ -55,7 +55,7 @@ fn parsed(text: &str) -> Vec<u64> {
 
 fn scored(seed: u64) -> Option<Score> {
     let nominal = reference::rig();
-    let case = unnamed(seed, &nominal);
+    let case = record_unnamed(seed, &nominal);
     let recordings: Vec<_> =
         case.recordings.iter().enumerate().map(|(k, written)| recording_of(k, written)).collect();
     let clock = std::time::Instant::now();

@@ -61,7 +61,7 @@ impl Dice {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64)
     }
 
-    pub fn below(&mut self, count: usize) -> usize {
+    pub fn draw_below(&mut self, count: usize) -> usize {
         (self.0.next_u64() % count as u64) as usize
     }
 

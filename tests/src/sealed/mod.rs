@@ -11,7 +11,7 @@ pub mod truth;
 pub mod unnamed;
 
 pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record, record_under};
-pub use row::{Row, scored};
+pub use row::{Row, score};
 pub use truth::{Concealed, Family, Sealed};
 
 use counterpoise_controller::{Controller, ProportionalIntegral, Runner};

@@ -27,7 +27,7 @@ const ORDINARY: [(&str, &str); 8] = [
 ///
 /// # Errors
 /// As the diagnosis itself.
-pub fn compared(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Option<f64>; 4], Error> {
+pub fn compare_fits(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Option<f64>; 4], Error> {
     let known = case.sealed.family != Family::Outside;
     let structures = [Structure::default(), ordinary(base), found(answer), truth(base, case)];
     let left = refit(base, &controller(), &recordings(case), &structures, &Serial)?;

@@ -114,7 +114,7 @@ pub fn recording_of(index: usize, written: &Written) -> Recording {
 }
 
 /// Scores an answer.
-pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
+pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
     let sealed = &case.sealed;
     let known = sealed.family != Family::Outside;
     let count = |hit: &dyn Fn(&Concealed) -> bool| sealed.concealed.iter().filter(|c| hit(c)).count();

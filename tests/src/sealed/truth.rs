@@ -143,8 +143,8 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
         d if d < 0.68 => Family::Instrument,
         _ => Family::Single,
     };
-    let noise = [0.5, 1.0, 3.0][dice.below(3)];
-    let sensors = dice.below(3);
+    let noise = [0.5, 1.0, 3.0][dice.draw_below(3)];
+    let sensors = dice.draw_below(3);
     let mut without = vec![machine.clone()];
     let concealed = match family {
         Family::Nothing => Vec::new(),
@@ -152,8 +152,8 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
         Family::Instrument => vec![instrument(machine, &mut dice)],
         Family::Single => vec![physics(machine, &mut dice, usize::MAX)],
         Family::Pair => {
-            let first = dice.below(PHYSICS);
-            let second = (first + 1 + dice.below(PHYSICS - 1)) % PHYSICS;
+            let first = dice.draw_below(PHYSICS);
+            let second = (first + 1 + dice.draw_below(PHYSICS - 1)) % PHYSICS;
             let one = physics(machine, &mut dice, first);
             without.push(machine.clone());
             physics(&mut without[0], &mut dice.clone(), second);
@@ -210,13 +210,13 @@ fn size(dice: &mut Dice) -> f64 {
 }
 
 fn sign(dice: &mut Dice) -> f64 {
-    if dice.below(2) == 0 { 1.0 } else { -1.0 }
+    if dice.draw_below(2) == 0 { 1.0 } else { -1.0 }
 }
 
 /// Any kind of physics, or a given one, of any size.
 fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> Concealed {
     let s = size(dice);
-    let which = if which == usize::MAX { dice.below(PHYSICS) } else { which };
+    let which = if which == usize::MAX { dice.draw_below(PHYSICS) } else { which };
     physics_of(m, dice, which, s)
 }
 
@@ -266,7 +266,7 @@ fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concea
 fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     match which {
         6 => {
-            m.cogging = [0.12 * s, [4.0, 6.0, 8.0, 12.0, 24.0][dice.below(5)], dice.uniform(-3.0, 3.0)];
+            m.cogging = [0.12 * s, [4.0, 6.0, 8.0, 12.0, 24.0][dice.draw_below(5)], dice.uniform(-3.0, 3.0)];
             let mut cogging = one("motor", "cogging", "amplitude", m.cogging[0]);
             cogging.parameters.extend([("order", m.cogging[1]), ("phase", m.cogging[2])]);
             cogging
@@ -314,11 +314,12 @@ fn one(component: &'static str, effect: &'static str, parameter: &'static str, v
 
 /// The rest of the vocabulary: what modulates friction, ripples, and the amplifier's limits.
 fn further(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
-    let order = [4.0, 6.0, 8.0, 12.0, 24.0][dice.below(5)];
+    let order = [4.0, 6.0, 8.0, 12.0, 24.0][dice.draw_below(5)];
     let phase = dice.uniform(-3.0, 3.0);
     match which {
         15 => {
-            m.pivot_friction.along = [(0.3 * s).min(0.8), [4.0, 8.0, 15.0, 30.0, 45.0][dice.below(5)], phase];
+            m.pivot_friction.along =
+                [(0.3 * s).min(0.8), [4.0, 8.0, 15.0, 30.0, 45.0][dice.draw_below(5)], phase];
             one("pivot", "position_dependent_friction", "amplitude", m.pivot_friction.along[0])
         }
         16 => {
@@ -397,7 +398,7 @@ const INSTRUMENTS: usize = 12;
 fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
     let s = size(dice);
     let signed = s * sign(dice);
-    let which = dice.below(INSTRUMENTS);
+    let which = dice.draw_below(INSTRUMENTS);
     instrument_of(m, which, s, signed)
 }
 
@@ -485,7 +486,7 @@ fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conce
 /// Physics that no entry of the library has.
 fn outside(m: &mut Machine, dice: &mut Dice) -> Concealed {
     let s = 10f64.powf(dice.uniform(-0.5, 0.5));
-    let component = match dice.below(3) {
+    let component = match dice.draw_below(3) {
         0 => {
             m.hum = [60.0 * s, dice.uniform(0.7, 6.0), dice.uniform(0.0, 6.0)];
             "structure"

@@ -35,7 +35,7 @@ pub const SHAPES: [&str; 12] = [
 ];
 
 /// The machine of a seed, recorded.
-pub fn unnamed(seed: u64, nominal: &Parameters) -> Unnamed {
+pub fn record_unnamed(seed: u64, nominal: &Parameters) -> Unnamed {
     let mut made = machine(nominal);
     let mut dice = Dice::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0xf2ee);
     let shape = if seed.is_multiple_of(4) {
@@ -66,7 +66,7 @@ fn smooth(dice: &mut Dice, size: f64, waves: [f64; 2]) -> Vec<Term> {
 
 fn conceal(which: usize, m: &mut Machine, dice: &mut Dice) {
     let s = size(dice);
-    let sign = if dice.below(2) == 0 { 1.0 } else { -1.0 };
+    let sign = if dice.draw_below(2) == 0 { 1.0 } else { -1.0 };
     let mut hide = |acts, over, terms| m.hidden.push(Hidden { acts, over, terms });
     match which {
         0 => {

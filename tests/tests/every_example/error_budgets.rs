@@ -29,7 +29,7 @@ fn cut(road: &Road) -> Road {
 
 /// What is wrong with the budget of an example, and the number of its sources; `None` if its loop holds no rate.
 fn budget(path: &Path) -> Option<Result<usize, String>> {
-    let designed = examples::designed(path)?;
+    let designed = examples::design_example(path)?;
     let whole = project_procedure(&designed.project, &examples::world(path)).unwrap();
     let asked = Procedure {
         road: whole.road.as_ref().map(cut),
@@ -57,7 +57,7 @@ fn budget(path: &Path) -> Option<Result<usize, String>> {
 fn shares_add_up_to_the_simulated_error() {
     let files = examples::files();
     let found = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(files.len(), &|k| found.lock().unwrap().extend(budget(&files[k])));
+    counterpoise_tests::run_in_parallel(files.len(), &|k| found.lock().unwrap().extend(budget(&files[k])));
     let found = found.into_inner().unwrap();
     let wrong: Vec<&String> = found.iter().filter_map(|one| one.as_ref().err()).collect();
     assert!(wrong.is_empty(), "{wrong:?}");

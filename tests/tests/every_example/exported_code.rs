@@ -27,7 +27,7 @@ use crate::every_example::target;
 /// Plant and controller of the shipped example.
 fn reference_rig() -> (Plant, Controller) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
-    let designed = examples::designed(&file).unwrap();
+    let designed = examples::design_example(&file).unwrap();
     (designed.modelled.plant.clone(), designed.made.sampled.controller.clone())
 }
 
@@ -42,7 +42,7 @@ fn scenario(duration_s: f64) -> Scenario {
         demand_rad_s: Signal::step(0.2, 0.1),
         platform,
         imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
-        ..Scenario::still(duration_s)
+        ..Scenario::at_rest(duration_s)
     }
 }
 
@@ -160,10 +160,10 @@ fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
 
 /// Returns the design of an example; `None` if its machine is not to be controlled.
 fn design_of(path: &Path) -> Option<Design> {
-    let designed = examples::designed(path)?;
+    let designed = examples::design_example(path)?;
     let (project, modelled) = (&designed.project, &designed.modelled);
     let world = examples::world(path);
-    let verified = examples::verified(path)?;
+    let verified = examples::verify_example(path)?;
     let compared = run_targets(modelled, &verified, &project_procedure(project, &world).unwrap()).unwrap();
     let name = examples::name(path);
     let controller = designed.made.sampled.controller.clone();
@@ -350,7 +350,7 @@ fn the_code_of_every_example_compiles_in_silence_and_moves_the_plant_alike() {
     let cores = if target::tools_are_there() { &CORES[..] } else { &[] };
     let files = examples::files();
     let tried = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(files.len(), &|k| match design_of(&files[k]) {
+    counterpoise_tests::run_in_parallel(files.len(), &|k| match design_of(&files[k]) {
         Some(design) => {
             design.is_right(cores);
             tried.lock().unwrap().push(design.name);

@@ -96,7 +96,7 @@ pub fn scenario(duration_s: f64) -> Scenario {
         pitch_rate_rad_s: Signal::sine(0.02, 7.0),
         ..PlatformMotion::STILL
     };
-    Scenario { demand_rad_s: Signal::step(0.02, 0.1), platform, ..Scenario::still(duration_s) }
+    Scenario { demand_rad_s: Signal::step(0.02, 0.1), platform, ..Scenario::at_rest(duration_s) }
 }
 
 /// What of an example's design is tried.
@@ -109,7 +109,7 @@ struct Design {
 
 /// Returns the design of an example; `None` if its machine is not to be controlled.
 fn design(path: &Path) -> Option<Design> {
-    let designed = examples::designed(path)?;
+    let designed = examples::design_example(path)?;
     Some(Design {
         plant: designed.modelled.plant.clone(),
         controller: designed.made.sampled.controller.clone(),
@@ -254,7 +254,7 @@ fn slowest_recovery(path: &Path) -> Option<f64> {
 fn every_fault_of_every_channel_is_survived_by_every_example() {
     let files = examples::files();
     let tried = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(files.len(), &|k| {
+    counterpoise_tests::run_in_parallel(files.len(), &|k| {
         let slowest = slowest_recovery(&files[k]);
         tried.lock().unwrap().extend(slowest);
     });

@@ -36,7 +36,7 @@ fn scenario() -> Scenario {
     };
     // the unit fires at the instants that the machine states
     let firing = Firing::Stated;
-    Scenario { demand_rad_s: Signal::step(0.2, 0.1), platform, firing, ..Scenario::still(2.0) }
+    Scenario { demand_rad_s: Signal::step(0.2, 0.1), platform, firing, ..Scenario::at_rest(2.0) }
 }
 
 fn csv(run: &TimeHistory) -> String {
@@ -75,7 +75,7 @@ fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &
 
 /// Writes the loop of an example, or nothing if it has no controller.
 fn write_example(path: &Path, folder: &Path) {
-    if let Some(designed) = examples::designed(path) {
+    if let Some(designed) = examples::design_example(path) {
         write_loop(folder, &designed.modelled.plant, &designed.made.sampled.controller, &scenario());
     }
 }
@@ -98,7 +98,7 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
     let all = folder("fmi_loop");
     let files = examples::files();
     let place = |path: &PathBuf| all.join(examples::name(path));
-    counterpoise_tests::in_parallel(files.len(), &|k| {
+    counterpoise_tests::run_in_parallel(files.len(), &|k| {
         write_example(&files[k], &place(&files[k]));
     });
     let folders: Vec<PathBuf> = files.iter().map(place).filter(|folder| folder.is_dir()).collect();
@@ -129,7 +129,7 @@ fn a_plant_without_a_unit_leaves_the_rest_of_the_code_there() {
     assert!(whole.left_out.is_empty());
     let mut parameters = modelled.plant.parameters().clone();
     parameters.interface.output_delay_samples = 20_000;
-    let late = Modelled { plant: Plant::lumped(&parameters).unwrap(), ..modelled };
+    let late = Modelled { plant: Plant::from_lumped(&parameters).unwrap(), ..modelled };
     let rest = export(&project, &late, &verified, &Nothing).unwrap();
     let units = |files: &[File], name: &str| files.iter().filter(|file| file.name.contains(name)).count();
     assert_eq!((units(&whole.files, "_plant/"), units(&rest.files, "_plant/")), (5, 0));
@@ -201,7 +201,7 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_practice_machine() {
             .iter()
             .fold(Document::parse(&text, name), |file, (key, value)| file.set(key, value).unwrap());
         let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
-        let plant = Plant::lumped(&project.plant).unwrap();
+        let plant = Plant::from_lumped(&project.plant).unwrap();
         let controller = plain_controller(
             &plant,
             project

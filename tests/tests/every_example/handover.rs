@@ -146,7 +146,7 @@ impl Example {
 
 /// Returns the longest settling on an example in every precision, s; `None` if the example has no design.
 fn slowest(path: &Path) -> Option<f64> {
-    let designed = examples::designed(path)?;
+    let designed = examples::design_example(path)?;
     let controller = &designed.made.sampled.controller;
     let mut example = Example::new(&designed.modelled.plant, controller);
     let history = readings(&example.drive(&mut controller.runner()));
@@ -167,7 +167,7 @@ fn slowest(path: &Path) -> Option<f64> {
 fn a_stuck_sensor_is_handed_over_to_feedback_alone_on_every_example() {
     let files = examples::files();
     let tried = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(files.len(), &|k| {
+    counterpoise_tests::run_in_parallel(files.len(), &|k| {
         let slowest = slowest(&files[k]);
         tried.lock().unwrap().extend(slowest);
     });

@@ -42,7 +42,7 @@ fn recorded_plant(designed: &Designed, step: f64) -> Plant {
     }
     // the machine has the flexible modes of its finite elements, if it is modelled by them
     match designed.project.model.structure {
-        StructureChoice::Lumped => Plant::lumped(&parameters).unwrap(),
+        StructureChoice::Lumped => Plant::from_lumped(&parameters).unwrap(),
         _ => Plant::with_body(&parameters, designed.modelled.plant.body().clone()).unwrap(),
     }
 }
@@ -137,7 +137,7 @@ fn in_fixed_point(designed: &Designed, plant: &Plant, readings: Vec<[f64; READIN
 
 /// What is wrong with the replays of an example's recordings; `None` if it designs no controller.
 fn wrong(path: &Path) -> Option<Vec<String>> {
-    let designed = examples::designed(path)?;
+    let designed = examples::design_example(path)?;
     let procedure = designed.project.verify.as_ref().map(|verify| verify.procedure.step.rate_rad_s.abs());
     let plant = recorded_plant(&designed, procedure.unwrap_or(0.1));
     let project = replaying(path, &designed, &plant);
@@ -168,7 +168,7 @@ fn wrong(path: &Path) -> Option<Vec<String>> {
 fn every_example_replays_its_own_recordings_in_double_single_and_fixed_point() {
     let files = examples::files();
     let found = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(files.len(), &|k| found.lock().unwrap().extend(wrong(&files[k])));
+    counterpoise_tests::run_in_parallel(files.len(), &|k| found.lock().unwrap().extend(wrong(&files[k])));
     let found = found.into_inner().unwrap();
     assert!(found.len() >= 13, "{} examples design a controller", found.len());
     assert!(found.iter().all(Vec::is_empty), "{}", found.concat().join("\n"));

@@ -26,8 +26,8 @@ fn in_sampled_time(made: &Synthesised) -> Option<String> {
 
 /// What is wrong with an example's design; `None` if it asks for none.
 fn wrong(path: &Path) -> Option<Vec<String>> {
-    examples::resolved(path, Purpose::Export).unwrap().synth?;
-    let designed = examples::designed(path)?;
+    examples::resolve_example(path, Purpose::Export).unwrap().synth?;
+    let designed = examples::design_example(path)?;
     let (project, made) = (&designed.project, &designed.made);
     let (name, mut wrong) = (examples::name(path), Vec::new());
     let costs = [Some(made.design.feedback.cost)]
@@ -43,7 +43,7 @@ fn wrong(path: &Path) -> Option<Vec<String>> {
         wrong.extend(in_sampled_time(made).map(|why| format!("{name}, in sampled time: {why}")));
     }
     if project.verify.is_some() {
-        let verified = examples::verified(path)?;
+        let verified = examples::verify_example(path)?;
         for (requirement, verdict) in &verified.verification().verdicts {
             println!("{name}: {}: {verdict:?}", requirement.figure.key());
             if !matches!(verdict, Verdict::Holds { .. }) {
@@ -58,7 +58,7 @@ fn wrong(path: &Path) -> Option<Vec<String>> {
 fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
     let files = examples::files();
     let found = Mutex::new(Vec::new());
-    counterpoise_tests::in_parallel(files.len(), &|k| found.lock().unwrap().extend(wrong(&files[k])));
+    counterpoise_tests::run_in_parallel(files.len(), &|k| found.lock().unwrap().extend(wrong(&files[k])));
     let found = found.into_inner().unwrap();
     assert!(found.len() >= 7, "{} designs", found.len());
     assert!(found.iter().all(Vec::is_empty), "{}", found.concat().join("\n"));

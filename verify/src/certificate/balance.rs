@@ -111,7 +111,7 @@ impl CycleBalance {
         let equilibrium = body.equilibrium(&subject.procedure.operating_point);
         let free = body.linearise(&equilibrium, friction, Angles::Relative)?;
         let resolver = resolver_use(&quasi_linear(subject.controller, &at.elements.observers)?);
-        let free = SampledPlant::driven_by_torques(&free, body.parameters(), resolver)?.continuous;
+        let free = SampledPlant::with_torque_inputs(&free, body.parameters(), resolver)?.continuous;
         let hub_rad = motion.rate_rad_s / motion.frequency_rad_s;
         let all: Vec<usize> = (0..free.outputs()).collect();
         let readings: Vec<usize> = (port::FIRST_READING..at.linear.plant.sampled.outputs()).collect();

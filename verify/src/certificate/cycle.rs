@@ -121,7 +121,7 @@ impl<'a> Balance<'a> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         let hub_rad = motion.rate_rad_s / motion.frequency_rad_s;
         let wind_up_rad = hub_rad * (motion.motor_over_hub / gearbox.ratio - 1.0).abs();
-        let pressed_rad = self.pressed_rad();
+        let pressed_rad = self.pressed_wind_up_rad();
         if self.teeth == Teeth::WithoutGap || self.pressed_nm == 0.0 {
             return MeshBalance { wind_up_rad, pressed_rad, gap_rad: 0.0, share: 1.0 };
         }
@@ -131,7 +131,7 @@ impl<'a> Balance<'a> {
     }
 
     /// Wind-up by which the teeth are pressed together, rad: below 0 in the middle of the gap, where nothing presses them.
-    pub(super) fn pressed_rad(&self) -> f64 {
+    pub(super) fn pressed_wind_up_rad(&self) -> f64 {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         if self.pressed_nm == 0.0 {
             -0.5 * gearbox.backlash_rad

@@ -7,7 +7,7 @@ use counterpoise_simulate::history::TrueColumns;
 use super::Case;
 use crate::Procedure;
 use crate::signals::rms;
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 
 /// What a reading is uncertain by, and what keeps the loop moving without being a motion: in rad/s in a loop of the hub's rate, in the unit
 /// of what it controls in every other loop.
@@ -39,7 +39,7 @@ pub(crate) struct Subject<'a> {
 
 impl Subject<'_> {
     /// Returns what the loop controls.
-    pub(crate) fn controlled(&self) -> ControlledQuantity {
+    pub(crate) fn controlled_quantity(&self) -> ControlledQuantity {
         self.case.plant.parameters().controlled_quantity()
     }
 
@@ -52,7 +52,7 @@ impl Subject<'_> {
     /// a line, because friction lets it creep while it cycles.
     pub(crate) fn motion(&self, truth: &TrueColumns, first: usize) -> Vec<f64> {
         let from = |column: &[f64]| column[first.min(column.len())..].to_vec();
-        match self.controlled().kind {
+        match self.controlled_quantity().kind {
             QuantityKind::Rate => from(&truth.hub_rate_rad_s),
             QuantityKind::Position => {
                 let pairs = truth.hub_angle_rad.iter().zip(&truth.platform_angle_rad).skip(first);
@@ -66,9 +66,9 @@ impl Subject<'_> {
     /// Returns the RMS by which a motion is seen to settle or to fade: of the hub's rate, in which creep is small, or of the torque or the
     /// current that the loop controls.
     pub(crate) fn settling_rms(&self, truth: &TrueColumns) -> f64 {
-        match self.controlled().kind {
-            QuantityKind::Rate | QuantityKind::Position => rms(&centred(&truth.hub_rate_rad_s)),
-            QuantityKind::Effort | QuantityKind::Current => rms(&centred(&self.motion(truth, 0))),
+        match self.controlled_quantity().kind {
+            QuantityKind::Rate | QuantityKind::Position => rms(&subtract_mean(&truth.hub_rate_rad_s)),
+            QuantityKind::Effort | QuantityKind::Current => rms(&subtract_mean(&self.motion(truth, 0))),
         }
     }
 
@@ -79,7 +79,7 @@ impl Subject<'_> {
         let ratio = parameters.gearbox.ratio;
         let inertia =
             || self.case.plant.body().inertia_kg_m2 + parameters.motor.inertia_kg_m2 * ratio * ratio;
-        match self.controlled().kind {
+        match self.controlled_quantity().kind {
             QuantityKind::Rate => amplitude,
             QuantityKind::Position => rate * amplitude,
             QuantityKind::Effort => amplitude / (inertia() * rate),
@@ -93,7 +93,7 @@ impl Subject<'_> {
 /// Returns a series about its line of least squares.
 fn about_line(series: &[f64]) -> Vec<f64> {
     let middle = 0.5 * (series.len().max(1) - 1) as f64;
-    let level = centred(series);
+    let level = subtract_mean(series);
     let time = |k: usize| k as f64 - middle;
     let square: f64 = (0..series.len()).map(|k| time(k).powi(2)).sum();
     let slope = level.iter().enumerate().map(|(k, value)| time(k) * value).sum::<f64>() / square.max(1.0);

@@ -25,7 +25,7 @@ impl Balance<'_> {
     /// teeth that stay together and with teeth that part.
     pub(super) fn rattling(&self) -> Result<Vec<Bracketed>, Error> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
-        let (gap, pressed) = (gearbox.backlash_rad, self.pressed_rad());
+        let (gap, pressed) = (gearbox.backlash_rad, self.pressed_wind_up_rad());
         let least = if pressed > 0.0 { pressed } else { 0.5 * gap };
         let mut cycles = Vec::new();
         let mut before: Option<Swing> = None;
@@ -64,7 +64,7 @@ impl Balance<'_> {
     /// The growth at a swing of the wind-up; `None` if nothing oscillates.
     fn swinging(&self, swing_rad: f64) -> Result<Option<Swing>, Error> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
-        let share = gap_share(swing_rad, self.pressed_rad(), gearbox.backlash_rad).max(OPEN);
+        let share = gap_share(swing_rad, self.pressed_wind_up_rad(), gearbox.backlash_rad).max(OPEN);
         let mut motion = Sinusoid {
             rate_rad_s: swing_rad * self.start_rad_s,
             frequency_rad_s: self.start_rad_s,
@@ -85,7 +85,7 @@ impl Balance<'_> {
                 frequency_rad_s: frequency,
                 motor_over_hub: over,
             };
-            let (pressed_rad, gap_rad) = (self.pressed_rad(), gearbox.backlash_rad);
+            let (pressed_rad, gap_rad) = (self.pressed_wind_up_rad(), gearbox.backlash_rad);
             let mesh = MeshBalance { wind_up_rad: swing_rad, pressed_rad, gap_rad, share };
             found = Some(Settled { motion: used, elements, linear, pole, mesh });
         }

@@ -171,11 +171,11 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let prediction = prediction::predict(subject)?;
     let orbits = orbit::follow(subject, &prediction)?;
     let rest = runs::at_rest(subject)?;
-    let motion = runs::in_motion(subject)?;
+    let motion = runs::run_in_motion(subject)?;
     let mut found = CaseCertificate {
         name: subject.case.name.clone(),
-        rate: subject.controlled().rate(),
-        controlled: subject.controlled(),
+        rate: subject.controlled_quantity().rate(),
+        controlled: subject.controlled_quantity(),
         out_of_balance_kg_m: subject.case.out_of_balance_kg_m,
         stability: Stability::Stable,
         regimes,

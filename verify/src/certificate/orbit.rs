@@ -10,7 +10,7 @@ use super::Prediction;
 use super::floor::Subject;
 use crate::Error;
 use crate::signals::periodic::fundamental_hz;
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 use crate::signals::{mean, rms};
 use crate::tolerance::{
     BURST_PERIODS, CYCLE_BAND, FADED_FLOORS, LONGEST_STRETCH_S, MULTIPLE, OBSERVED_S, SETTLED, SETTLING_S,
@@ -168,7 +168,7 @@ impl Stretches {
         let initial = Initial::State(Box::new(self.state.clone()));
         let scenario = Scenario { initial, ..still(subject, self.stretch_s) };
         let run = simulator.run(controller, &scenario)?;
-        let rates = centred(&subject.motion(&run.truth, 0));
+        let rates = subtract_mean(&subject.motion(&run.truth, 0));
         self.before_rad_s.extend(Some(self.settling_rms).filter(|rms| !rms.is_nan()));
         self.settling_rms = subject.settling_rms(&run.truth);
         self.rms_rad_s = rms(&rates);
@@ -194,7 +194,7 @@ impl Stretches {
 
 fn still(subject: &Subject<'_>, duration_s: f64) -> Scenario {
     let angle = subject.procedure.operating_point.platform_angle_rad;
-    let mut scenario = Scenario::still(duration_s);
+    let mut scenario = Scenario::at_rest(duration_s);
     scenario.platform.initial_angle_rad = angle;
     scenario
 }

@@ -19,7 +19,7 @@ use crate::tolerance::{ROUNDED_STEP, RUN_S};
 pub(super) fn reading_noise(subject: &Subject<'_>) -> Result<ReadingNoise, Error> {
     let parameters = subject.case.plant.parameters();
     let (sensor, interface) = (&parameters.sensors.hub_gyro, &parameters.interface);
-    let is_rate = subject.controlled().kind == QuantityKind::Rate;
+    let is_rate = subject.controlled_quantity().kind == QuantityKind::Rate;
     let converter_step =
         2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit;
     Ok(ReadingNoise {

@@ -8,7 +8,7 @@ use super::floor::Subject;
 use super::orbit::cycle_of;
 use crate::Error;
 use crate::signals::rms;
-use crate::signals::statistics::centred;
+use crate::signals::statistics::subtract_mean;
 use crate::tolerance::{
     ALIKE_HALVES, GROWS, MOST_CREST, MOVES_FLOORS, MOVES_UNSTABLE_FLOORS, REPEATED_RUNS, RUN_S, SETTLING_S,
 };
@@ -86,7 +86,7 @@ fn at_rest_with(subject: &Subject<'_>, seed: u64) -> Result<Run, Error> {
 }
 
 /// Heave and pitch of the procedure together.
-pub(super) fn in_motion(subject: &Subject<'_>) -> Result<Run, Error> {
+pub(super) fn run_in_motion(subject: &Subject<'_>) -> Result<Run, Error> {
     let sine = |sine: &crate::Sine| Signal::sine(sine.amplitude, std::f64::consts::TAU * sine.frequency_hz);
     let heave_m_s2 = sine(&subject.procedure.heave);
     let pitch_rate_rad_s = sine(&subject.procedure.pitch);
@@ -109,7 +109,7 @@ fn run(
         initial: start.map_or(Initial::Rest { hub_angle_rad: point.hub_angle_rad }, |state| {
             Initial::State(Box::new(state))
         }),
-        ..Scenario::still(SETTLING_S + RUN_S)
+        ..Scenario::at_rest(SETTLING_S + RUN_S)
     };
     let history = match Simulator::new(&subject.case.plant)?.run(&mut runner, &scenario) {
         Err(counterpoise_simulate::Error::Diverged { .. }) => {
@@ -129,7 +129,7 @@ fn run(
     let first = (SETTLING_S / history.sample_period_s) as usize;
     let rates = &subject.motion(&history.truth, first);
     let (early, late) = rates.split_at(rates.len() / 2);
-    let spread = |part: &[f64]| rms(&centred(part));
+    let spread = |part: &[f64]| rms(&subtract_mean(part));
     let [amplitude_rad_s, frequency_hz] = cycle_of(late, history.sample_period_s);
     Ok(Run {
         rms_rad_s: spread(rates),
@@ -138,6 +138,6 @@ fn run(
         amplitude_rad_s,
         frequency_hz,
         spread_rad_s: 0.0,
-        rates_rad_s: centred(rates),
+        rates_rad_s: subtract_mean(rates),
     })
 }

@@ -152,7 +152,7 @@ impl<'a> Scaled<'a> {
     }
 
     fn pieces(&self, over: Interval) -> Option<Pieces> {
-        let mut found = self.pulled.over(over)?;
+        let mut found = self.pulled.pieces_over(over)?;
         for k in 0..2 {
             found.control[k] = found.control[k] * self.units[k];
             found.reading[k] = found.reading[k] * self.units[k];

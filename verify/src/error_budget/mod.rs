@@ -229,7 +229,7 @@ impl Runs<'_> {
                 rad: angles.error(self.sight.exposure_s).values(),
                 spectrum: bands.spectrum(&angles),
             },
-            None => RunError { spectrum: SightSpectrum::still(bands.len()), ..RunError::default() },
+            None => RunError { spectrum: SightSpectrum::at_rest(bands.len()), ..RunError::default() },
         };
         self.done.push((on, error.clone()));
         Ok(error)
@@ -282,7 +282,7 @@ fn grown(j: usize, [before, after]: [&RunError; 2]) -> f64 {
 
 /// The mean of what the spectrum grows by in two pairs of runs.
 fn mean_growth(on: [&RunError; 2], back: [&RunError; 2]) -> SightSpectrum {
-    let still = SightSpectrum::still(on[0].spectrum.hub_rad2.len());
+    let still = SightSpectrum::at_rest(on[0].spectrum.hub_rad2.len());
     let signed = [(0.5, on[1]), (-0.5, on[0]), (0.5, back[1]), (-0.5, back[0])];
     signed.into_iter().fold(still, |sum, (factor, run)| sum.plus(factor, &run.spectrum))
 }

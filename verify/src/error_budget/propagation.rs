@@ -24,7 +24,7 @@ use crate::history::History;
 use crate::line_of_sight::SightAngles;
 use crate::linear::closed::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
-use crate::linear::{Closed, SampledPlant, arranged, disturbance, surge::acting_arrangement};
+use crate::linear::{Closed, SampledPlant, arrange, disturbance, surge::acting_arrangement};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
 use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
@@ -113,13 +113,13 @@ impl<'a> Propagation<'a> {
         let equilibrium = plant.equilibrium(&procedure.operating_point);
         let linear = plant.linearise(&equilibrium, FrictionLinearisation::Viscous, plant.angles())?;
         let sampled = SampledPlant::new(&linear, parameters, resolver)?;
-        let torqued = SampledPlant::driven_by_torques(&linear, parameters, resolver)?;
+        let torqued = SampledPlant::with_torque_inputs(&linear, parameters, resolver)?;
         let moment = controller.parts().design_out_of_balance_kg_m;
         let closed = Closed::new(&sampled, Some(controller), moment)?;
         if closed.pole_radius() >= 1.0 {
             return Ok(None);
         }
-        let meets_surge = arranged(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
+        let meets_surge = arrange(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
         let closed_for_surge = Closed::new(&sampled, meets_surge.as_ref(), moment)?;
         let closed_for_torques = Closed::new(&torqued, Some(controller), moment)?;
         let grid = Grid::of(bands);
@@ -246,7 +246,7 @@ impl<'a> Propagation<'a> {
         let further = self.procedure.road.as_ref().and_then(|road| Some((road, road.further.as_ref()?)));
         let hub = |k: usize| {
             let Some((road, further)) = further else { return 0.0 };
-            let at = |values: &[f64]| road.interpolated(values, k as f64 * whole.sample_period_s);
+            let at = |values: &[f64]| road.interpolate(values, k as f64 * whole.sample_period_s);
             let rates = match source {
                 ErrorSource::Roll => [at(&further.roll_rate_rad_s), 0.0],
                 _ => [0.0, at(&further.yaw_rate_rad_s)],
@@ -345,7 +345,7 @@ struct Densities {
 
 impl Densities {
     fn still(bands: usize) -> Self {
-        Self { square: [0.0; 5], spectrum: SightSpectrum::still(bands) }
+        Self { square: [0.0; 5], spectrum: SightSpectrum::at_rest(bands) }
     }
 
     /// Adds what a band of hub, tip and bending holds; the weights are those of the run and of an exposure.

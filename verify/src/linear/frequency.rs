@@ -81,7 +81,7 @@ impl Curves {
             rejection.extend(rejection_of(plant, at, K.as_deref(), *arrangement));
             controller = K.or(controller);
         }
-        let broken = controller.as_deref().map_or(Vec::new(), |K| broken_at(K, &at.readings));
+        let broken = controller.as_deref().map_or(Vec::new(), |K| break_loop(K, &at.readings));
         Ok(Self {
             plant: plant_curves,
             controller: controller.as_deref().map_or(Vec::new(), controller_curves),
@@ -97,7 +97,7 @@ impl Curves {
 }
 
 /// L = -K P.
-pub(super) fn broken_at(K: &[CMat], P: &[CMat]) -> Vec<C64> {
+pub(super) fn break_loop(K: &[CMat], P: &[CMat]) -> Vec<C64> {
     let at = |(K, P): (&CMat, &CMat)| -(0..P.nrows()).map(|i| K[(0, i)] * P[(i, 0)]).sum::<C64>();
     K.iter().zip(P).map(at).collect()
 }

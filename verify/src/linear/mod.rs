@@ -16,7 +16,7 @@ pub mod root_locus;
 pub mod surge;
 pub mod time;
 
-pub use closed::{ArrangedLoop, Closed, arranged};
+pub use closed::{ArrangedLoop, Closed, arrange};
 pub use frequency::{Curve, Curves, rejection_db};
 pub use loop_responses::{LoopCause, LoopEffect, LoopResponse};
 pub use loop_shape::{

@@ -4,7 +4,7 @@ use counterpoise_linalg::C64;
 
 use super::SampledPlant;
 use super::closed::Closed;
-use super::frequency::broken_at;
+use super::frequency::break_loop;
 use super::plant::port;
 use super::plant_response::{PlantResponse, hold};
 use crate::Error;
@@ -45,7 +45,7 @@ pub fn noise_responses(
 ) -> Result<Vec<NoiseResponse>, Error> {
     let at = PlantResponse::of(plant, frequency_hz)?;
     let Some(K) = at.controller(closed)? else { return Ok(Vec::new()) };
-    let broken = broken_at(&K, &at.readings);
+    let broken = break_loop(&K, &at.readings);
     let through = |k: usize, row: usize| {
         at.continuous[k][(row, 0)] * hold(plant, at.rates_rad_s[k]) / (C64::new(1.0, 0.0) + broken[k])
     };

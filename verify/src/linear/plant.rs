@@ -104,12 +104,12 @@ impl SampledPlant {
     ///
     /// # Errors
     /// As [`SampledPlant::new`].
-    pub fn driven_by_torques(
+    pub fn with_torque_inputs(
         plant: &LinearPlant,
         parameters: &Parameters,
         resolver: Resolver,
     ) -> Result<Self, Error> {
-        Self::driven(&plant.driven_by_torques()?, parameters, resolver, Drivers::Torques)
+        Self::driven(&plant.with_torque_inputs()?, parameters, resolver, Drivers::Torques)
     }
 
     fn driven(

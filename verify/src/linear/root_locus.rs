@@ -46,7 +46,7 @@ pub const LOCUS_CROSSOVERS: f64 = 5.0;
 
 impl RootLocus {
     /// Returns the locus in the s-plane.
-    pub fn in_continuous_time(&self) -> ContinuousLocus {
+    pub fn convert_to_continuous(&self) -> ContinuousLocus {
         let equivalent = |z: &C64| continuous_equivalent(*z, self.sample_period_s);
         let all = |places: &[C64]| places.iter().filter_map(equivalent).collect();
         let point = |z: &C64| equivalent(z).unwrap_or(BREAK);

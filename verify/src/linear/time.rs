@@ -5,7 +5,7 @@ use counterpoise_lti::lsim;
 
 use super::plant::port;
 use super::{Closed, SampledPlant};
-use crate::history::{Experiment, History, integrated};
+use crate::history::{Experiment, History, integrate};
 use crate::procedure::{Step, Triangle};
 use crate::{Arrangement, Error, HeaveAndPitch, Model, Source};
 
@@ -84,7 +84,7 @@ fn run(
     // A loop of a torque or a current has it in the place of the hub's rate.
     let moving = if plant.controls_effort { column(port::TIP) } else { hub.clone() };
     let relative = moving.iter().zip(&driven).map(|(rate, inputs)| rate - inputs.platform.pitch_rate_rad_s);
-    let travel_rad = if plant.controls_position { hub.clone() } else { integrated(relative, period_s) };
+    let travel_rad = if plant.controls_position { hub.clone() } else { integrate(relative, period_s) };
     Ok(History {
         model: Model::Linear,
         experiment,

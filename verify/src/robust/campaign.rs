@@ -97,7 +97,7 @@ impl Campaign {
     }
 
     /// What the loop controls.
-    pub fn controlled(&self) -> ControlledQuantity {
+    pub fn controlled_quantity(&self) -> ControlledQuantity {
         self.nominal.controlled_quantity()
     }
 
@@ -182,7 +182,7 @@ impl Campaign {
     /// # Errors
     /// As [`figures_of`].
     pub fn values_at(&self, factors: &[f64], index: usize, figures: &[Figure]) -> Result<Vec<f64>, Error> {
-        let plant = Plant::lumped(&self.parameters(factors)?)?;
+        let plant = Plant::from_lumped(&self.parameters(factors)?)?;
         let controller = self.controller(factors)?;
         let seed = self.procedure.seed.wrapping_add(index as u64);
         let procedure = Procedure { seed, ..self.procedure.clone() };

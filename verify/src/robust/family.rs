@@ -43,7 +43,7 @@ pub fn one_at_a_time(
             let mut parameters = nominal.clone();
             varied.scale(&mut parameters, factor)?;
             let controller = varied.scaled_controller(controller, factor)?;
-            let values = figures_of(&Plant::lumped(&parameters)?, &controller, procedure, figures)?;
+            let values = figures_of(&Plant::from_lumped(&parameters)?, &controller, procedure, figures)?;
             members.push(Member { name: format!("{} x {factor}", varied.key()), values });
         }
     }
@@ -61,7 +61,7 @@ pub fn configurations(
     figures: &[Figure],
 ) -> Result<Vec<Member>, Error> {
     let member = |configuration| {
-        let plant = Plant::lumped(&nominal.configured(configuration)?)?;
+        let plant = Plant::from_lumped(&nominal.with_configuration(configuration)?)?;
         let values = figures_of(&plant, controller, procedure, figures)?;
         Ok(Member { name: configuration.name.clone(), values })
     };

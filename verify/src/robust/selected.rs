@@ -8,8 +8,8 @@ use counterpoise_simulate::Simulator;
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed::resolver_use;
-use crate::linear::{ArrangedLoop, Closed, SampledPlant, arranged, surge};
-use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
+use crate::linear::{ArrangedLoop, Closed, SampledPlant, arrange, surge};
+use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
 use crate::{Arrangement, Error, Figure, Model, Procedure, Unmeasured, nonlinear};
 
@@ -119,8 +119,8 @@ fn simulated(
             Ok(figures)
         }
         Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => {
-            let mut figures = diverged(Model::Nonlinear, experiment);
-            figures.extend(line_of_sight::diverged(procedure, experiment));
+            let mut figures = infinite_figures(Model::Nonlinear, experiment);
+            figures.extend(line_of_sight::infinite_figures(procedure, experiment));
             Ok(figures)
         }
         Err(error) => Err(error),
@@ -142,7 +142,7 @@ impl<'a> Linear<'a> {
 
     fn closed(&self, arrangement: Arrangement) -> Result<Closed, Error> {
         let moment = self.controller.parts().design_out_of_balance_kg_m;
-        Closed::new(&self.sampled, arranged(self.controller, arrangement)?.as_ref(), moment)
+        Closed::new(&self.sampled, arrange(self.controller, arrangement)?.as_ref(), moment)
     }
 
     fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<Measured>, Error> {
@@ -158,7 +158,7 @@ impl<'a> Linear<'a> {
             Need::Linear(experiment) | Need::Simulated(experiment) => {
                 let found = self.history(experiment, procedure)?;
                 Ok(found.map_or_else(
-                    || diverged(Model::Linear, experiment),
+                    || infinite_figures(Model::Linear, experiment),
                     |history| history_figures(&history, procedure.settle_s),
                 ))
             }

@@ -112,7 +112,7 @@ pub fn iso_road(drive: Drive, vehicle: Vehicle, gravity_m_s2: f64) -> Result<Roa
     let [heave, pitch_rate] = motion(drive, vehicle, &dynamics(vehicle)?, &common)?;
     let [roll_rate, roll_acceleration] =
         motion(drive, vehicle, &roll_dynamics(vehicle, sides)?, &difference)?;
-    let mut series = BaseSeries::still(heave.len(), drive.sample_period_s);
+    let mut series = BaseSeries::at_rest(heave.len(), drive.sample_period_s);
     for k in 0..heave.len() {
         let sway = -sides.pivot_height_m * roll_acceleration[k];
         series.set(k, [0.0, sway, heave[k], roll_rate[k], pitch_rate[k], 0.0]);

@@ -1,6 +1,6 @@
 //! The period with which a motion repeats itself.
 
-use super::statistics::centred;
+use super::statistics::subtract_mean;
 
 /// Samples that are correlated at most: longer series are averaged in blocks first.
 const SAMPLES: usize = 4000;
@@ -16,7 +16,7 @@ const SHORTEST: f64 = 0.9;
 pub fn fundamental_hz(samples: &[f64], period_s: f64) -> Option<f64> {
     let block = samples.len().div_ceil(SAMPLES).max(1);
     let means: Vec<f64> = samples.chunks_exact(block).map(super::mean).collect();
-    let x = centred(&means);
+    let x = subtract_mean(&means);
     let size = |part: &[f64]| part.iter().map(|v| v * v).sum::<f64>();
     let correlation = |lag: usize| {
         let (early, late) = (&x[..x.len() - lag], &x[lag..]);

@@ -18,7 +18,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::base_motion::Traverse;
 
 use super::six_axes::{BaseSeries, felt_road, phases};
-use super::spectrum::{Realisation, SINES, check, out_of_range, window};
+use super::spectrum::{Realisation, SINES, check, range_error, window};
 use crate::{Error, Road};
 
 /// Shape of the spectrum of the waves' height.
@@ -94,7 +94,7 @@ pub struct Wave {
 
 impl Waves {
     /// Returns the waves that realise the spectrum: their variances add up to that of the significant height.
-    pub fn realised(&self) -> Vec<Wave> {
+    pub fn realise(&self) -> Vec<Wave> {
         let peak = TAU / self.peak_period_s;
         let ratio = (BAND[1] / BAND[0]).powf(1.0 / SINES as f64);
         let below = |over: f64| (-1.25 * over.powi(-4)).exp();
@@ -180,7 +180,7 @@ impl Sea {
     pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
         check(how)?;
         self.check()?;
-        let (waves, phases) = (self.waves.realised(), phases(how.seed, WAVE_STREAM));
+        let (waves, phases) = (self.waves.realise(), phases(how.seed, WAVE_STREAM));
         let heading = self.waves.heading_rad;
         let mut tones: Vec<(f64, Operators)> = Vec::with_capacity(waves.len());
         for (wave, phase_rad) in waves.iter().zip(phases) {
@@ -190,7 +190,7 @@ impl Sea {
             tones.push((met, operators.map(|operator| operator * phasor)));
         }
         let samples = (how.duration_s / SEA_PERIOD_S).round() as usize + 1;
-        let mut series = BaseSeries::still(samples, SEA_PERIOD_S);
+        let mut series = BaseSeries::at_rest(samples, SEA_PERIOD_S);
         for k in 0..samples {
             let time_s = k as f64 * SEA_PERIOD_S;
             let faded = window(time_s, how)[0];
@@ -217,7 +217,7 @@ impl Sea {
             ("damping ratio of roll", ship.roll_damping),
         ] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(out_of_range(what, value, "positive"));
+                return Err(range_error(what, value, "positive"));
             }
         }
         for (what, value, most) in [
@@ -225,13 +225,13 @@ impl Sea {
             ("heading of the waves in rad", waves.heading_rad.abs(), TAU),
         ] {
             if !(0.0..=most).contains(&value) {
-                return Err(out_of_range(what, value, "a ship's"));
+                return Err(range_error(what, value, "a ship's"));
             }
         }
         // steeper waves break: the significant steepness of an open sea stays below 1/7 of the wave's length (Miche 1944)
         let length_m = 9.81 * waves.peak_period_s.powi(2) / TAU;
         if waves.significant_height_m > length_m / 7.0 {
-            return Err(out_of_range(
+            return Err(range_error(
                 "significant height in m",
                 waves.significant_height_m,
                 "at most a seventh of the length of the waves at the peak, g T^2 / (2 pi)",
@@ -271,7 +271,7 @@ mod tests {
     fn the_waves_have_the_variance_and_the_peak_of_their_spectrum() {
         for shape in [WaveShape::PiersonMoskowitz, WaveShape::Jonswap] {
             let waves = sea(shape, PI).waves;
-            let all = waves.realised();
+            let all = waves.realise();
             let variance: f64 = all.iter().map(|wave| 0.5 * wave.amplitude_m.powi(2)).sum();
             assert!((variance / (2.5 * 2.5 / 16.0) - 1.0).abs() < 1e-12);
             // the lines are even in the logarithm: density times frequency
@@ -333,7 +333,7 @@ mod tests {
     fn the_axis_feels_what_the_operators_say_and_head_seas_do_not_roll() {
         let motion = sea(WaveShape::PiersonMoskowitz, PI);
         let road = motion.road(HOW, G).unwrap();
-        let waves = motion.waves.realised();
+        let waves = motion.waves.realise();
         let expected = |axis: usize| {
             let one = |wave: &Wave| {
                 0.5 * (motion.ship.operators(wave.rate_rad_s, PI, G)[axis] * wave.amplitude_m).norm_sqr()

@@ -11,7 +11,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::spectrum::{
-    PERIOD_S, Realisation, SINES, Tone, check, frequency, out_of_range, power, sum, tones, window,
+    PERIOD_S, Realisation, SINES, Tone, check, frequency, power, range_error, sum, tones, window,
 };
 use crate::procedure::FurtherRoad;
 use crate::{Error, Road};
@@ -46,7 +46,7 @@ pub(super) struct BaseSeries {
 
 impl BaseSeries {
     /// Returns a base at rest.
-    pub(super) fn still(samples: usize, period_s: f64) -> Self {
+    pub(super) fn at_rest(samples: usize, period_s: f64) -> Self {
         Self { rows: vec![[0.0; 6]; samples], period_s }
     }
 
@@ -95,9 +95,9 @@ impl SixAxes {
     pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
         let samples = check(how)?;
         if !(0.0..=1.0).contains(&self.coherence) {
-            return Err(out_of_range("coherence", self.coherence, "from 0 to 1"));
+            return Err(range_error("coherence", self.coherence, "from 0 to 1"));
         }
-        let mut series = BaseSeries::still(samples, PERIOD_S);
+        let mut series = BaseSeries::at_rest(samples, PERIOD_S);
         for (axis, tones) in self.all_tones(how.seed)?.iter().enumerate() {
             for (k, row) in series.rows.iter_mut().enumerate() {
                 let t = k as f64 * PERIOD_S;
@@ -116,7 +116,7 @@ impl SixAxes {
             let mut tones = Vec::new();
             for [amplitude, hz] in &axis.sines {
                 if !amplitude.is_finite() {
-                    return Err(out_of_range("amplitude of a sine", *amplitude, "finite"));
+                    return Err(range_error("amplitude of a sine", *amplitude, "finite"));
                 }
                 frequency(*hz)?;
                 tones.push(Tone { rate_rad_s: TAU * hz, amplitude: *amplitude, phase_rad: 0.0 });

@@ -80,11 +80,11 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
 pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Result<Road, Error> {
     let samples = check(how)?;
     if !offset_m.is_finite() {
-        return Err(out_of_range("offset of the pivot in m", offset_m, "finite"));
+        return Err(range_error("offset of the pivot in m", offset_m, "finite"));
     }
     for tone in angle {
         if !tone.amplitude.is_finite() {
-            return Err(out_of_range("amplitude of the pitch in rad", tone.amplitude, "finite"));
+            return Err(range_error("amplitude of the pitch in rad", tone.amplitude, "finite"));
         }
         frequency(tone.rate_rad_s / TAU)?;
     }
@@ -107,18 +107,18 @@ pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Resul
 pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, Error> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
     if points.len() < 2 {
-        return Err(out_of_range("points of a spectrum", points.len() as f64, "at least 2"));
+        return Err(range_error("points of a spectrum", points.len() as f64, "at least 2"));
     }
     for two in points.windows(2) {
         let rises = two[1][0] > two[0][0];
         if !rises {
-            return Err(out_of_range("frequency of a spectrum in Hz", two[1][0], "above the one before"));
+            return Err(range_error("frequency of a spectrum in Hz", two[1][0], "above the one before"));
         }
     }
     for [hz, density] in points {
         frequency(*hz)?;
         if !(*density > 0.0 && density.is_finite()) {
-            return Err(out_of_range("density of a spectrum", *density, "positive"));
+            return Err(range_error("density of a spectrum", *density, "positive"));
         }
     }
     let mut source = ChaCha8Rng::seed_from_u64(seed);
@@ -186,10 +186,10 @@ pub(super) fn window(time_s: f64, how: Realisation) -> [f64; 3] {
 
 pub(super) fn check(how: Realisation) -> Result<usize, Error> {
     if !(how.duration_s > 0.0 && how.duration_s <= 3600.0) {
-        return Err(out_of_range("duration of the motion in s", how.duration_s, "positive, at most 3600"));
+        return Err(range_error("duration of the motion in s", how.duration_s, "positive, at most 3600"));
     }
     if !(how.fade_s >= 0.0 && 2.0 * how.fade_s <= how.duration_s) {
-        return Err(out_of_range("fade of the motion in s", how.fade_s, "at most half the duration"));
+        return Err(range_error("fade of the motion in s", how.fade_s, "at most half the duration"));
     }
     Ok((how.duration_s / PERIOD_S).round() as usize + 1)
 }
@@ -198,11 +198,11 @@ pub(super) fn frequency(hz: f64) -> Result<(), Error> {
     if hz > 0.0 && hz <= HIGHEST_HZ {
         Ok(())
     } else {
-        Err(out_of_range("frequency of the platform in Hz", hz, "positive, at most 50"))
+        Err(range_error("frequency of the platform in Hz", hz, "positive, at most 50"))
     }
 }
 
-pub(super) fn out_of_range(what: &'static str, value: f64, allowed: &'static str) -> Error {
+pub(super) fn range_error(what: &'static str, value: f64, allowed: &'static str) -> Error {
     Error::Range { what, value, allowed }
 }
 

@@ -20,7 +20,7 @@ pub fn peak(samples: &[f64]) -> f64 {
 }
 
 /// The series less its mean.
-pub fn centred(samples: &[f64]) -> Vec<f64> {
+pub fn subtract_mean(samples: &[f64]) -> Vec<f64> {
     let middle = mean(samples);
     samples.iter().map(|v| v - middle).collect()
 }

@@ -43,7 +43,7 @@ impl Structure {
     }
 
     /// Each block with the rows that it takes.
-    pub fn placed(&self) -> Vec<(Block, Range<usize>)> {
+    pub fn place_blocks(&self) -> Vec<(Block, Range<usize>)> {
         let mut from = 0;
         let mut place = |block: &Block| {
             let rows = from..from + block.order();

@@ -25,7 +25,7 @@ pub struct GainErrors {
 }
 
 /// The mechanism, whose dry friction does not act, linearised with the springs of presliding: without angles if there are none.
-pub(super) fn linearised(body: &Plant, at: &OperatingPoint, dry: &Dry) -> Result<LinearPlant, Error> {
+pub(super) fn linearise(body: &Plant, at: &OperatingPoint, dry: &Dry) -> Result<LinearPlant, Error> {
     let spring = |stiffness| Impedance { stiffness, damping: 0.0 };
     let (friction, angles) = if dry.springs == [0.0; 2] {
         (FrictionLinearisation::Viscous, body.angles())
@@ -55,15 +55,15 @@ pub struct ClosedWith {
 ///
 /// # Errors
 /// As [`outermost_pole`].
-pub fn closed_with(
+pub fn close_perturbed_loop(
     parameters: &Parameters,
     dry: &Dry,
     controller: &Controller,
     at: &OperatingPoint,
     errors: &GainErrors,
 ) -> Result<ClosedWith, Error> {
-    let body = Plant::lumped(parameters)?;
-    let linear = linearised(&body, at, dry)?;
+    let body = Plant::from_lumped(parameters)?;
+    let linear = linearise(&body, at, dry)?;
     let plant = SampledPlant::new(&linear, parameters, resolver_use(controller))?;
     let K = controller.linear(controller.parts().design_out_of_balance_kg_m)?;
     let period_s = plant.sample_period_s;
@@ -90,7 +90,7 @@ pub fn outermost_pole(
     at: &OperatingPoint,
     errors: &GainErrors,
 ) -> Result<C64, Error> {
-    let closed = closed_with(parameters, dry, controller, at, errors)?;
+    let closed = close_perturbed_loop(parameters, dry, controller, at, errors)?;
     let system = lft(&closed.plant, &closed.controller)?;
     let all: Vec<C64> = if dry.springs == [0.0; 2] {
         poles(&system)?

@@ -23,7 +23,7 @@ use counterpoise_models::plant::{LinearPlant, OperatingPoint, Plant};
 
 use super::blocks::{Block, Structure};
 use super::channels::{Base, Channel, base, channels_of};
-use super::closing::linearised;
+use super::closing::linearise;
 use super::factor::Factor;
 use super::places::{Dry, Place};
 use super::taylor::{Evaluated, Interval, Taylor};
@@ -116,8 +116,8 @@ impl UncertainLoop {
         uncertain: &[Uncertain],
         errors: [f64; 2],
     ) -> Result<Self, Error> {
-        let body = Plant::lumped(nominal)?;
-        let linear = linearised(&body, at, &dry)?;
+        let body = Plant::from_lumped(nominal)?;
+        let linear = linearise(&body, at, &dry)?;
         let body = body.local_at(&linear.equilibrium);
         let plant = SampledPlant::new(&linear, nominal, resolver_use(controller))?;
         let moment = controller.parts().design_out_of_balance_kg_m;
@@ -177,10 +177,10 @@ impl UncertainLoop {
 
     /// The parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole is in the
     /// middle of the interval, or if the loop is algebraically singular.
-    pub fn over(&self, interval: Interval) -> Option<Pieces> {
+    pub fn pieces_over(&self, interval: Interval) -> Option<Pieces> {
         let m = self.channels;
-        let G = self.systems.extended.over(interval)?;
-        let K = self.systems.closed.as_ref()?.over(interval)?;
+        let G = self.systems.extended.evaluate_over(interval)?;
+        let K = self.systems.closed.as_ref()?.evaluate_over(interval)?;
         let none = Taylor::constant(C64::new(0.0, 0.0), interval);
         let period_s = self.plant.sample_period_s;
         let control_s = period_s * self.plant.delays.control as f64;
@@ -312,7 +312,7 @@ mod tests {
 
     /// Hub gyroscope's reading over the control of the mechanism with the given factor, straight from its linearisation.
     fn direct(parameters: &Parameters, rate: f64) -> C64 {
-        let body = Plant::lumped(parameters).unwrap();
+        let body = Plant::from_lumped(parameters).unwrap();
         let at = body.equilibrium(&OperatingPoint::default());
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let plant = SampledPlant::new(&linear, parameters, Resolver::Unread).unwrap();
@@ -322,7 +322,7 @@ mod tests {
 
     /// The same with the deviation closed around the extended plant.
     fn pulled_out(parameters: &Parameters, varied: Varied, factor: Factor, delta: f64, rate: f64) -> C64 {
-        let body = Plant::lumped(parameters).unwrap();
+        let body = Plant::from_lumped(parameters).unwrap();
         let at = body.equilibrium(&OperatingPoint::default());
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];

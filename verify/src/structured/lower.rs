@@ -80,7 +80,7 @@ impl<'a> Iteration<'a> {
     /// z from (a, w), or b from them, block by block; sets the perturbation.
     fn turned(&mut self, which: Turn) -> Vec<C64> {
         let mut out = vec![C64::new(0.0, 0.0); self.a.len()];
-        for (k, (block, rows)) in self.structure.placed().into_iter().enumerate() {
+        for (k, (block, rows)) in self.structure.place_blocks().into_iter().enumerate() {
             let (a, w) = (&self.a[rows.clone()], &self.w[rows.clone()]);
             let q = match block {
                 Block::Complex => phase(inner(a, w)),

@@ -111,7 +111,7 @@ impl Search<'_, '_> {
         let period_s = self.0.pulled.sample_period_s();
         let frequency_hz = pole.arg().abs() / (std::f64::consts::TAU * period_s);
         let (deltas, phases) = (candidate.deltas.clone(), candidate.phases);
-        let closed = self.0.closed_at(candidate, scale)?;
+        let closed = self.0.close_loop_at(candidate, scale)?;
         Ok(Destabilising { scale, factors, errors, pole, frequency_hz, deltas, phases, closed })
     }
 }

@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_models::parameters::Parameters;
 
-use super::closing::{ClosedWith, GainErrors, closed_with, outermost_pole};
+use super::closing::{ClosedWith, GainErrors, close_perturbed_loop, outermost_pole};
 use super::factor::{Factor, Reach};
 use super::loops::{Uncertain, UncertainLoop};
 use super::places::{Dry, Joints, Place, dry_as_viscous, places, presliding, without_dry};
@@ -213,10 +213,10 @@ impl<'a> Problem<'a> {
     }
 
     /// The loop closed with a perturbation.
-    pub(super) fn closed_at(&self, direction: &Direction, scale: f64) -> Result<ClosedWith, Error> {
+    pub(super) fn close_loop_at(&self, direction: &Direction, scale: f64) -> Result<ClosedWith, Error> {
         let (parameters, dry) = self.perturbed(&direction.deltas, scale)?;
         let errors = self.gain_errors(direction, scale);
-        closed_with(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
+        close_perturbed_loop(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
     /// Bounds over a grid that is refined about the peaks of the upper bound.

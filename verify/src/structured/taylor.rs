@@ -163,7 +163,7 @@ impl Evaluated {
     /// Returns the response over an interval of rates, by rows. With the resolvent R = (s I - A)^-1,
     /// R(s + d) = R - d R^2 + d^2 R^3 (I + d R)^-1.
     /// `None` if the middle of the interval is a pole.
-    pub fn over(&self, over: Interval) -> Option<Vec<Vec<Taylor>>> {
+    pub fn evaluate_over(&self, over: Interval) -> Option<Vec<Vec<Taylor>>> {
         let half = over.half_rad_s;
         // the point, its derivative with the rate, how far it moves, and how far it leaves its tangent
         let (point, along, moved, bent) = match self.timebase {
@@ -219,7 +219,7 @@ mod tests {
                 [(2.0, 0.2), (15.0, 0.2), (19.9, 0.2), (19.9, 0.01), (40.0, 0.2)]
             {
                 let over = Interval { middle_rad_s, half_rad_s };
-                let found = evaluated.over(over).unwrap()[0][0];
+                let found = evaluated.evaluate_over(over).unwrap()[0][0];
                 for x in [-1.0, -0.5, 0.35, 1.0].map(|share| share * half_rad_s) {
                     let exact = response_at(&system, middle_rad_s + x).unwrap()[(0, 0)];
                     assert!(inside(found, exact, x), "{timebase:?} {middle_rad_s} {x}");

@@ -90,7 +90,7 @@ fn unscaled(bound: &UpperBound, scale: &[f64]) -> Scalings {
 fn balanced(M: &CMat, structure: &Structure) -> Vec<f64> {
     let mut scale = vec![1.0; M.nrows()];
     for _ in 0..8 {
-        for (_, rows) in structure.placed() {
+        for (_, rows) in structure.place_blocks() {
             let outside = |k: &usize| !rows.contains(k);
             let size = |i: usize, j: usize| (M[(i, j)] * (scale[i] / scale[j])).norm_sqr();
             let others: Vec<usize> = (0..M.nrows()).filter(outside).collect();
@@ -132,7 +132,7 @@ struct Direction {
 
 fn directions(structure: &Structure) -> Vec<Direction> {
     let mut all = Vec::new();
-    for (block, rows) in structure.placed() {
+    for (block, rows) in structure.place_blocks() {
         let kinds = if matches!(block, Block::Real { .. }) { &[false, true][..] } else { &[false][..] };
         for &of_G in kinds {
             for a in rows.clone() {

@@ -49,7 +49,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(M: &'a CMat, structure: &Structure, reach: &'a [Reach]) -> Option<Self> {
         let (mut real, mut complex, mut owner) = (Vec::new(), Vec::new(), Vec::new());
-        for (block, rows) in structure.placed() {
+        for (block, rows) in structure.place_blocks() {
             if block == Block::Complex {
                 complex.extend(rows);
             } else {

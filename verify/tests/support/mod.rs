@@ -16,7 +16,7 @@ pub fn rig() -> Parameters {
 }
 
 pub fn plant() -> Plant {
-    Plant::lumped(&rig()).unwrap()
+    Plant::from_lumped(&rig()).unwrap()
 }
 
 fn gain(name: &str, signal: Signal, value: f64) -> Path {

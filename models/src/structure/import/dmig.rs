@@ -1,7 +1,7 @@
 //! Nastran's DMIG bulk data: matrices by grid and component, in small, large and free fields.
 
 use super::node_map::Dof;
-use super::text::{columns, integer, real, refused};
+use super::text::{columns, integer, line_error, real};
 use crate::Error;
 use counterpoise_linalg::{Sparse, sparse::Entry};
 
@@ -54,7 +54,8 @@ pub fn dmig(text: &str) -> Result<Vec<Dmig>, Error> {
             continue;
         }
         let found = out.iter_mut().rfind(|d| d.name == name);
-        let matrix = found.ok_or_else(|| refused(card.line, format!("DMIG {name} has no header before")))?;
+        let matrix =
+            found.ok_or_else(|| line_error(card.line, format!("DMIG {name} has no header before")))?;
         column(card.line, &fields, matrix)?;
     }
     Ok(out)
@@ -64,13 +65,13 @@ fn header(at: usize, name: &str, fields: &[&str]) -> Result<Dmig, Error> {
     let form: u32 = integer(at, fields.get(2).unwrap_or(&""))?;
     let kind: u32 = integer(at, fields.get(3).unwrap_or(&""))?;
     if form != 1 && form != 6 {
-        return Err(refused(
+        return Err(line_error(
             at,
             format!("DMIG {name} has form {form}: only square (1) and symmetric (6) are read"),
         ));
     }
     if kind != 1 && kind != 2 {
-        return Err(refused(at, format!("DMIG {name} has type {kind}, not a real one")));
+        return Err(line_error(at, format!("DMIG {name} has type {kind}, not a real one")));
     }
     Ok(Dmig { name: name.to_owned(), symmetric: form == 6, entries: Vec::new() })
 }

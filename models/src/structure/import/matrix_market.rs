@@ -1,6 +1,6 @@
 //! Matrix Market text (R. Boisvert, R. Pozo, K. Remington, NIST IR 5935, 1996): coordinate and array, real.
 
-use super::text::{check_size, integer, real, refused};
+use super::text::{check_size, integer, line_error, real};
 use crate::Error;
 use counterpoise_linalg::{Sparse, sparse::Entry};
 
@@ -11,17 +11,17 @@ use counterpoise_linalg::{Sparse, sparse::Entry};
 /// [`Error::Import`] with the line: a header that is not supported, an index outside, a number missing or too many.
 pub fn matrix_market(text: &str) -> Result<Sparse, Error> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
-    let (_, banner) = lines.next().ok_or_else(|| refused(1, "the text is empty".to_owned()))?;
+    let (_, banner) = lines.next().ok_or_else(|| line_error(1, "the text is empty".to_owned()))?;
     let header = Header::parse(banner)?;
     let mut body = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('%'));
-    let (at, size) = body.next().ok_or_else(|| refused(1, "the size is missing".to_owned()))?;
+    let (at, size) = body.next().ok_or_else(|| line_error(1, "the size is missing".to_owned()))?;
     let size: Vec<usize> = size.split_whitespace().map(|t| integer(at, t)).collect::<Result<_, _>>()?;
     match (header.layout, size.as_slice()) {
         (Layout::Coordinate, &[rows, columns, entries]) => {
             coordinate(body, &header, Shape { rows, columns }, entries, at)
         }
         (Layout::Array, &[rows, columns]) => array(body, &header, Shape { rows, columns }, at),
-        _ => Err(refused(at, "the size has the wrong number of entries".to_owned())),
+        _ => Err(line_error(at, "the size has the wrong number of entries".to_owned())),
     }
 }
 
@@ -51,7 +51,7 @@ impl Header {
     fn parse(banner: &str) -> Result<Self, Error> {
         let words: Vec<String> = banner.split_whitespace().map(str::to_ascii_lowercase).collect();
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
-        let unsupported = || refused(1, format!("\"{banner}\" is not a real Matrix Market matrix"));
+        let unsupported = || line_error(1, format!("\"{banner}\" is not a real Matrix Market matrix"));
         let ["%%matrixmarket", "matrix", format, "real" | "integer" | "double", symmetry] = words.as_slice()
         else {
             return Err(unsupported());
@@ -93,11 +93,11 @@ fn coordinate<'a>(
         let mut words = line.split_whitespace();
         let (Some(i), Some(j), Some(value), None) = (words.next(), words.next(), words.next(), words.next())
         else {
-            return Err(refused(at, format!("\"{line}\" is not row, column and value")));
+            return Err(line_error(at, format!("\"{line}\" is not row, column and value")));
         };
         let (i, j): (usize, usize) = (integer(at, i)?, integer(at, j)?);
         if i == 0 || j == 0 || i > rows || j > columns {
-            return Err(refused(at, format!("({i}, {j}) is outside {rows} x {columns}")));
+            return Err(line_error(at, format!("({i}, {j}) is outside {rows} x {columns}")));
         }
         header.add(&mut out, Entry { row: i - 1, col: j - 1, value: real(at, value)? });
         found += 1;
@@ -105,7 +105,7 @@ fn coordinate<'a>(
     if found == entries {
         Ok(Sparse::from_entries(rows, columns, &out)?)
     } else {
-        Err(refused(size_line, format!("{found} entries of {entries} are there")))
+        Err(line_error(size_line, format!("{found} entries of {entries} are there")))
     }
 }
 
@@ -129,7 +129,8 @@ fn array<'a>(
     let mut places = (0..columns).flat_map(|j| (first(j)..rows).map(move |i| (i, j)));
     let mut out = Vec::new();
     for (at, line) in lines {
-        let (row, col) = places.next().ok_or_else(|| refused(at, "there are too many entries".to_owned()))?;
+        let (row, col) =
+            places.next().ok_or_else(|| line_error(at, "there are too many entries".to_owned()))?;
         let value = real(at, line)?;
         if value != 0.0 {
             header.add(&mut out, Entry { row, col, value });
@@ -137,14 +138,14 @@ fn array<'a>(
     }
     match places.next() {
         None => Ok(Sparse::from_entries(rows, columns, &out)?),
-        Some((i, j)) => Err(refused(size_line, format!("the entries end before ({}, {})", i + 1, j + 1))),
+        Some((i, j)) => Err(line_error(size_line, format!("the entries end before ({}, {})", i + 1, j + 1))),
     }
 }
 
 fn check_shape(header: &Header, Shape { rows, columns }: Shape, at: usize) -> Result<(), Error> {
     check_size(at, rows, columns)?;
     if header.mirror != 0.0 && rows != columns {
-        return Err(refused(at, format!("a symmetric matrix cannot be {rows} x {columns}")));
+        return Err(line_error(at, format!("a symmetric matrix cannot be {rows} x {columns}")));
     }
     Ok(())
 }

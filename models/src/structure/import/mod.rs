@@ -41,7 +41,7 @@ pub struct Imported {
 
 impl Imported {
     /// Plain matrices in the row order of the node map.
-    pub fn in_order_of(map: &NodeMap, M: Sparse, C: Option<Sparse>, K: Sparse) -> Self {
+    pub fn from_row_order(map: &NodeMap, M: Sparse, C: Option<Sparse>, K: Sparse) -> Self {
         Self { M, C, K, rows: map.rows.clone() }
     }
 
@@ -57,7 +57,7 @@ impl Imported {
     ) -> Result<Self, Error> {
         let named = |name: &str| {
             let found = all.iter().find(|d| d.name.eq_ignore_ascii_case(name));
-            found.ok_or_else(|| text::refused(0, format!("there is no DMIG matrix {name}")))
+            found.ok_or_else(|| text::line_error(0, format!("there is no DMIG matrix {name}")))
         };
         let (m, k) = (named(mass)?, named(stiffness)?);
         let c = damping.map(named).transpose()?;
@@ -69,7 +69,7 @@ impl Imported {
         Ok(Self { M: m.matrix(&rows)?, C, K: k.matrix(&rows)?, rows })
     }
 
-    /// Returns whether [`Imported::condensed`] condenses the structure.
+    /// Returns whether [`Imported::condense`] condenses the structure.
     pub fn is_large(&self) -> bool {
         self.rows.len() > LARGE_STRUCTURE
     }
@@ -78,8 +78,8 @@ impl Imported {
     /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns or shapes are to be balanced.
     ///
     /// # Errors
-    /// As for [`Imported::sparse`] and [`SparseStructure::condensed`].
-    pub fn condensed(
+    /// As for [`Imported::sparse`] and [`SparseStructure::condense`].
+    pub fn condense(
         &self,
         map: &NodeMap,
         wanted: &Condensation,
@@ -87,7 +87,7 @@ impl Imported {
     ) -> Result<FeModel, Error> {
         let whole = self.sparse(map)?;
         match self.is_large() || wanted.shapes == Shapes::Balanced {
-            true => whole.condensed(wanted, watch),
+            true => whole.condense(wanted, watch),
             false => Ok(whole.dense()),
         }
     }
@@ -182,7 +182,7 @@ impl Imported {
     ///
     /// # Errors
     /// [`Error::Import`] if the grid that carries a mass lacks a row that it needs.
-    pub fn fitted(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
+    pub fn with_fitted_masses(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
         let mut out = self.clone();
         for mass in &fitted.masses {
             let grid = self.carrier(map, mass.position_m)?;
@@ -227,7 +227,9 @@ impl Imported {
     fn node(&self, map: &NodeMap, grid: u64) -> Result<NodeRows, Error> {
         let row = |component: u8| {
             let found = self.rows.iter().position(|d| d.grid == grid && d.component == component);
-            found.ok_or_else(|| text::refused(0, format!("grid {grid} has no row for component {component}")))
+            found.ok_or_else(|| {
+                text::line_error(0, format!("grid {grid} has no row for component {component}"))
+            })
         };
         Ok(NodeRows { deflection: row(map.deflection)?, rotation: row(map.rotation)? })
     }
@@ -236,11 +238,11 @@ impl Imported {
 fn check_symmetric(matrix: &Sparse, n: usize) -> Result<(), Error> {
     if matrix.shape() != (n, n) {
         let (rows, cols) = matrix.shape();
-        return Err(text::refused(0, format!("a matrix is {rows} x {cols}, the node map has {n} rows")));
+        return Err(text::line_error(0, format!("a matrix is {rows} x {cols}, the node map has {n} rows")));
     }
     let skew = matrix.asymmetry();
     if skew > ASYMMETRY_OF_IMPORT * matrix.norm_max() {
-        return Err(text::refused(0, format!("a matrix is not symmetric: entries differ by {skew:e}")));
+        return Err(text::line_error(0, format!("a matrix is not symmetric: entries differ by {skew:e}")));
     }
     Ok(())
 }

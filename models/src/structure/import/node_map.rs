@@ -1,6 +1,6 @@
 //! Which node and direction each row of an imported matrix belongs to, and where the nodes lie.
 
-use super::text::{integer, real, refused};
+use super::text::{integer, line_error, real};
 use crate::Error;
 use std::collections::BTreeMap;
 
@@ -71,7 +71,7 @@ impl NodeMap {
     /// [`Error::Import`] for a grid that the map lacks.
     pub fn position(&self, grid: u64) -> Result<f64, Error> {
         let found = self.positions_m.get(&grid).copied();
-        found.ok_or_else(|| refused(0, format!("the node map has no position for grid {grid}")))
+        found.ok_or_else(|| line_error(0, format!("the node map has no position for grid {grid}")))
     }
 
     /// Height of a grid above the axis, m.
@@ -86,7 +86,7 @@ impl NodeMap {
     pub fn nearest(&self, position_m: f64) -> Result<u64, Error> {
         let distance = |x: f64| (x - position_m).abs();
         let found = self.positions_m.iter().min_by(|a, b| distance(*a.1).total_cmp(&distance(*b.1)));
-        found.map(|(grid, _)| *grid).ok_or_else(|| refused(0, "the node map has no grid".to_owned()))
+        found.map(|(grid, _)| *grid).ok_or_else(|| line_error(0, "the node map has no grid".to_owned()))
     }
 }
 
@@ -121,21 +121,27 @@ impl Draft {
             ["row", grid, component] => {
                 self.rows.push(Dof { grid: integer(at, grid)?, component: integer(at, component)? });
             }
-            _ => return Err(refused(at, format!("\"{}\" is not a line of a node map", words.join(" ")))),
+            _ => return Err(line_error(at, format!("\"{}\" is not a line of a node map", words.join(" ")))),
         }
         Ok(())
     }
 
     fn finish(self) -> Result<NodeMap, Error> {
-        let missing = |what: &str| refused(0, format!("the node map lacks its \"{what}\" line"));
+        let missing = |what: &str| line_error(0, format!("the node map lacks its \"{what}\" line"));
         let (deflection, rotation) = self.axes.ok_or_else(|| missing("axes"))?;
         if deflection == rotation.unsigned_abs() {
-            return Err(refused(0, format!("component {deflection} cannot be both deflection and rotation")));
+            return Err(line_error(
+                0,
+                format!("component {deflection} cannot be both deflection and rotation"),
+            ));
         }
         if let Some(axial) =
             self.axial.filter(|a| [deflection, rotation.unsigned_abs()].contains(&a.unsigned_abs()))
         {
-            return Err(refused(0, format!("component {axial} cannot be axial and deflection or rotation")));
+            return Err(line_error(
+                0,
+                format!("component {axial} cannot be axial and deflection or rotation"),
+            ));
         }
         if self.axial.is_none() && self.heights_m.values().any(|height| *height != 0.0) {
             return Err(missing("axial"));

@@ -1,6 +1,6 @@
 //! Nastran's OUTPUT4 as text: dense, sparse and "bigmat" columns of real matrices.
 
-use super::text::{check_size, columns, integer, real, refused};
+use super::text::{check_size, columns, integer, line_error, real};
 use crate::Error;
 use counterpoise_linalg::{Sparse, sparse::Entry};
 
@@ -44,14 +44,14 @@ impl Header {
         let field = |k: usize| integer::<i64>(at, columns(line, 8 * k, 8 * k + 8));
         let (cols, rows, kind) = (field(0)?, field(1)?, field(3)?);
         if kind != 1 && kind != 2 {
-            return Err(refused(at, format!("type {kind} is not a real matrix")));
+            return Err(line_error(at, format!("type {kind} is not a real matrix")));
         }
         if cols < 1 || rows == 0 {
-            return Err(refused(at, format!("a matrix of {rows} x {cols} has no entries")));
+            return Err(line_error(at, format!("a matrix of {rows} x {cols} has no entries")));
         }
         let name = columns(line, 32, 40).trim().to_owned();
         let width = value_width(columns(line, 40, line.len()));
-        let width = width.ok_or_else(|| refused(at, "the format of the values is missing".to_owned()))?;
+        let width = width.ok_or_else(|| line_error(at, "the format of the values is missing".to_owned()))?;
         let (rows, cols) = (rows.unsigned_abs() as usize, cols as usize);
         check_size(at, rows, cols)?;
         Ok(Self { name, rows, cols, width })
@@ -85,10 +85,10 @@ fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -
             [column, first, _] => (row, col) = (first, column),
             [_, first] => row = first,
             [packed] => row = packed % STRING_ROW,
-            _ => return Err(refused(at, format!("\"{line}\" begins neither a column nor a string"))),
+            _ => return Err(line_error(at, format!("\"{line}\" begins neither a column nor a string"))),
         }
     }
-    Err(refused(0, format!("matrix {} does not end", header.name)))
+    Err(line_error(0, format!("matrix {} does not end", header.name)))
 }
 
 /// Writes a line's values into the column from the row on; returns the row after them.
@@ -104,7 +104,10 @@ fn values(
     let many = line.len().div_ceil(header.width);
     for k in 0..many {
         if row == 0 || col == 0 || row > header.rows {
-            return Err(refused(at, format!("({row}, {col}) is outside {} x {}", header.rows, header.cols)));
+            return Err(line_error(
+                at,
+                format!("({row}, {col}) is outside {} x {}", header.rows, header.cols),
+            ));
         }
         let value = real(at, columns(line, k * header.width, (k + 1) * header.width))?;
         if value != 0.0 {

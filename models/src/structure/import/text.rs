@@ -4,7 +4,7 @@ use crate::Error;
 use crate::tolerance::MOST_ROWS;
 
 /// Returns the error for a line; line 0 stands for the text as a whole.
-pub(super) fn refused(line: usize, what: String) -> Error {
+pub(super) fn line_error(line: usize, what: String) -> Error {
     Error::Import { line, what }
 }
 
@@ -16,7 +16,7 @@ pub(super) fn real(line: usize, text: &str) -> Result<f64, Error> {
     };
     let value = text.trim().parse().ok().or_else(fortran);
     let finite = value.filter(|v: &f64| v.is_finite());
-    finite.ok_or_else(|| refused(line, format!("\"{}\" is not a number", text.trim())))
+    finite.ok_or_else(|| line_error(line, format!("\"{}\" is not a number", text.trim())))
 }
 
 /// Returns the text with an `e` before a sign in its middle.
@@ -27,7 +27,7 @@ fn with_exponent(text: &str) -> Option<String> {
 
 /// Parses a whole number.
 pub(super) fn integer<T: std::str::FromStr>(line: usize, text: &str) -> Result<T, Error> {
-    text.trim().parse().map_err(|_| refused(line, format!("\"{}\" is not a whole number", text.trim())))
+    text.trim().parse().map_err(|_| line_error(line, format!("\"{}\" is not a whole number", text.trim())))
 }
 
 /// Checks that a matrix of this size can be handled.
@@ -35,7 +35,10 @@ pub(super) fn check_size(line: usize, rows: usize, cols: usize) -> Result<(), Er
     if rows.max(cols) <= MOST_ROWS {
         return Ok(());
     }
-    Err(refused(line, format!("{rows} x {cols} is more than {MOST_ROWS} unknowns: condense the model first")))
+    Err(line_error(
+        line,
+        format!("{rows} x {cols} is more than {MOST_ROWS} unknowns: condense the model first"),
+    ))
 }
 
 /// Returns a piece of a line by columns; empty beyond the line's end.

@@ -8,7 +8,7 @@ use counterpoise_verify::Procedure;
 
 use super::excitation::{CHANGE, Load, MEASURED_S, Motion, load_parts, motion_from, platform_motion};
 use crate::synth::controller_blocks::estimator;
-use crate::synth::schedule::unbalanced;
+use crate::synth::schedule::scale_imbalance;
 use crate::{Modelled, PipelineError};
 
 /// What acts in a run.
@@ -77,13 +77,13 @@ impl Stage<'_> {
             if acts == Acts::Told {
                 watched.runner.set_out_of_balance(part.factor * design);
             }
-            let plant = unbalanced(&self.modelled.plant, part.factor)?;
+            let plant = scale_imbalance(&self.modelled.plant, part.factor)?;
             let rest = Initial::Rest { hub_angle_rad: self.procedure.operating_point.hub_angle_rad };
             let scenario = Scenario {
                 platform: motion_from(platform, part.from_s, angle),
                 imperfections: Imperfections::NoiseAndQuantisation { seed: self.procedure.seed },
                 initial: state.take().map_or(rest, |state| Initial::State(Box::new(state))),
-                ..Scenario::still(part.to_s - part.from_s)
+                ..Scenario::at_rest(part.to_s - part.from_s)
             };
             let run = match Simulator::new(&plant)?.run(&mut watched, &scenario) {
                 Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(TrialRun::default()),

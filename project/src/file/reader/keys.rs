@@ -97,7 +97,7 @@ impl<'a> Visit for Reader<'a> {
             return;
         }
         let remark = Remark::new(Problem::OutOfRange, &path, format!("must be {one_of}"))
-            .found(self.source.quote(&node.span));
+            .with_value(self.source.quote(&node.span));
         self.report(node.span.start, remark.hint(did_you_mean(text, allowed.iter().copied())));
         self.silence();
     }
@@ -256,13 +256,13 @@ impl<'a> Visit for Reader<'a> {
             .unwrap_or_else(|| path.clone());
         let told = self.findings.iter().any(|f| f.path == path || f.path.starts_with(&item));
         if !told {
-            let remark =
-                Remark::new(Problem::OutOfRange, &path, allowed).found(self.source.quote(&entry.node.span));
+            let remark = Remark::new(Problem::OutOfRange, &path, allowed)
+                .with_value(self.source.quote(&entry.node.span));
             self.report(entry.node.span.start, remark.hint(hint));
         }
     }
 
-    fn attached(&mut self, name: &str) -> Option<Result<String, String>> {
+    fn attached_text(&mut self, name: &str) -> Option<Result<String, String>> {
         if name.is_empty() { None } else { Some(self.attachments.text(name)) }
     }
 

@@ -153,7 +153,7 @@ impl<'a> Reader<'a> {
 
     fn refuse(&mut self, path: &str, node: &Node, problem: Problem, allowed: String) {
         let found = self.source.quote(&node.span);
-        let remark = Remark::new(problem, path, allowed).found(found);
+        let remark = Remark::new(problem, path, allowed).with_value(found);
         self.report(node.span.start, remark);
     }
 
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
         let found =
             if matches!(node.value, Value::Table(_)) { is.to_owned() } else { self.source.quote(&node.span) };
         let remark =
-            Remark::new(Problem::WrongType, path, format!("must be {wanted}, not {is}")).found(found);
+            Remark::new(Problem::WrongType, path, format!("must be {wanted}, not {is}")).with_value(found);
         self.report(node.span.start, remark);
     }
 
@@ -198,7 +198,7 @@ impl<'a> Reader<'a> {
         let what = if matches!(entry.node.value, Value::Table(_)) { "section" } else { "key" };
         let known: Vec<&str> = frame.known.iter().take(MOST_KNOWN).map(String::as_str).collect();
         let near = nearest(&entry.key, frame.known.iter().map(String::as_str));
-        let near = near.or_else(|| synonyms::meant(&entry.key, &frame.known)).map(str::to_owned);
+        let near = near.or_else(|| synonyms::find_synonym(&entry.key, &frame.known)).map(str::to_owned);
         let path =
             if frame.path.is_empty() { entry.key.clone() } else { format!("{}.{}", frame.path, entry.key) };
         let allowed = format!("there is no such {what}; known here: {}", known.join(", "));

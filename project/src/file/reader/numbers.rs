@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
             Ok(value) => Some(value),
             Err(error) => {
                 let remark = Remark::new(Problem::WrongType, path, error.to_string())
-                    .found(self.source.quote(&node.span))
+                    .with_value(self.source.quote(&node.span))
                     .hint(error.hint());
                 self.report(node.span.start, remark);
                 None

@@ -24,7 +24,7 @@ const SYNONYMS: &[(&str, &str)] = &[
 ];
 
 /// Returns the key that a name means, if it, or the section in which it stands, is known here.
-pub(super) fn meant(written: &str, known: &[String]) -> Option<&'static str> {
+pub(super) fn find_synonym(written: &str, known: &[String]) -> Option<&'static str> {
     let written = written.to_lowercase();
     let here = |key: &str| {
         let first = key.split('.').next().unwrap_or(key);
