@@ -52,9 +52,9 @@ pub fn minimal_part(A: &Mat, B: &Mat, C: &Mat, tolerance: f64) -> Result<Minimal
     staircase.keep_reached(size(A), size(C))?;
     staircase.transpose();
     Ok(MinimalPart {
-        A: staircase.A.rounded(),
-        B: staircase.B.rounded(),
-        C: staircase.C.rounded(),
+        A: staircase.A.round(),
+        B: staircase.B.round(),
+        C: staircase.C.round(),
         reached,
         smallest_kept: staircase.smallest_kept,
         largest_dropped: staircase.largest_dropped,
@@ -102,7 +102,7 @@ impl Staircase {
     fn stair(&mut self, driving: &Precise, size: f64) -> Result<Option<Stair>, Error> {
         let (rows, cols) = driving.high.shape();
         // A square matrix, so that all left singular vectors are computed.
-        let padded = driving.rounded().hstack(&Mat::zeros(rows, rows.saturating_sub(cols)));
+        let padded = driving.round().hstack(&Mat::zeros(rows, rows.saturating_sub(cols)));
         let parts = svd(&padded.scale(1.0 / size))?;
         let values = &parts.s[..rows.min(cols)];
         let rank = values.iter().filter(|&&value| value > self.tolerance).count();

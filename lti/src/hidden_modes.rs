@@ -22,7 +22,7 @@ use counterpoise_linalg::{self as linalg, Realisation, Schur};
 /// # Errors
 /// [`Error::Matrix`] if the Schur form cannot be computed.
 pub(crate) fn without_hidden_modes(g: &StateSpace) -> Result<Option<StateSpace>, Error> {
-    let mut form = linalg::schur(&g.A).during("modes on the boundary")?;
+    let mut form = linalg::schur(&g.A).with_operation("modes on the boundary")?;
     let all = form.eigenvalues();
     let centres: Vec<C64> = poles_on_boundary(g)?.into_iter().flat_map(|p| [p, p.conj()]).collect();
     let size = all.iter().map(|pole| pole.norm()).fold(1.0, f64::max);
@@ -37,7 +37,7 @@ pub(crate) fn without_hidden_modes(g: &StateSpace) -> Result<Option<StateSpace>,
             return Ok(None);
         }
     }
-    let count = form.reorder(is_apart).during("modes on the boundary")?;
+    let count = form.reorder(is_apart).with_operation("modes on the boundary")?;
     leading_part(g, &form, count).map(Some)
 }
 
@@ -92,7 +92,7 @@ fn leading_part(g: &StateSpace, form: &Schur, count: usize) -> Result<StateSpace
         Mat::zeros(0, rest)
     } else {
         let coupling = -form.T.block(0, count, count, rest);
-        linalg::sylvester(&T11, &-T22, &coupling).during("modes on the boundary")?
+        linalg::sylvester(&T11, &-T22, &coupling).with_operation("modes on the boundary")?
     };
     let (B, C) = (&form.U.t() * &g.B, &g.C * &form.U);
     let B1 = &B.block(0, 0, count, m) - &(&X * &B.block(count, 0, rest, m));

@@ -55,7 +55,7 @@ pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
 
 /// Returns the part of a scaled system that is reachable and seen, by staircases in 32 digits.
 fn in_32_digits(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
-    let part = linalg::minimal_part(&g.A, &g.B, &g.C, tolerance).during("staircase")?;
+    let part = linalg::minimal_part(&g.A, &g.B, &g.C, tolerance).with_step("staircase")?;
     let gap = Gap { kept: part.smallest_kept, dropped: part.largest_dropped };
     let (unreachable, unseen) = (g.order() - part.reached, part.reached - part.A.nrows());
     let system = StateSpace::new(part.A, part.B, part.C, g.D.clone(), g.timebase)?;
