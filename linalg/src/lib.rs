@@ -8,7 +8,7 @@
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`invariant_subspace`] (how well one is determined), [`generalised`],
 //! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`stability`], [`range_basis`] (ranks on the way to zeros), [`refined`] (a transfer matrix to the last digits).
+//! [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`refined`] (a transfer matrix to the last digits).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};

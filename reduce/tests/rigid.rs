@@ -71,3 +71,18 @@ fn a_rigid_body_between_stiff_dashpots_is_not_split_in_two() {
         assert_eq!(split(&g).unwrap().second.order(), 2, "{first} {second}");
     }
 }
+
+#[test]
+fn a_slow_mode_beside_a_fast_one_is_stable() {
+    // Damping 1e-8 of the critical one at 0.01 rad/s, and a mode at 1e4 rad/s whose entries say nothing about it.
+    let mode = |w: f64, zeta: f64| Mat::from_rows(&[&[0.0, 1.0], &[-w * w, -2.0 * zeta * w]]);
+    let g = StateSpace::new(
+        mode(0.01, 1e-8).block_diag(&mode(1e4, 1e-3)),
+        Mat::col(&[0.0, 1.0, 0.0, 1.0]),
+        Mat::row(&[1.0, 0.0, 1.0, 0.0]),
+        Mat::zeros(1, 1),
+        Timebase::Continuous,
+    );
+    let parts = split(&g.unwrap()).unwrap();
+    assert_eq!((parts.first.order(), parts.second.order()), (4, 0));
+}
