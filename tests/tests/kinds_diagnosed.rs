@@ -273,8 +273,8 @@ const KINDS: [Kind; 19] = [
     },
 ];
 
-/// Kinds that run by default.
-const DEFAULT: [usize; 2] = [0, 1];
+/// The kinds that run by default.
+const DEFAULT: [usize; 1] = [0];
 
 fn chosen() -> Vec<&'static Kind> {
     match std::env::var("COUNTERPOISE_KINDS") {
