@@ -292,10 +292,9 @@ pub const DELAYED_BOUNDARY_POLE: f64 = 1e-3;
 /// A sweep over the scalings that gains less than this share of the norm is the last one.
 pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;
 
-/// Scales of states that differ by more than this cost Tustin's method digits: its linear equations are solved with errors relative to the norm of
-/// A, so that a response loses as many digits as the ratio of the scales has, here three of sixteen. Below, the operations stay those on the system
-/// as it is given.
-pub const SPREAD_UNITS: f64 = 1e3;
+/// Scales of states that differ by more than this cost Tustin's method digits: a third of those that a double has. Below, the operations stay
+/// those on the system as it is given.
+pub const SPREAD_UNITS: f64 = 1e6;
 
 /// A solution of the Riccati equation of a level proves the level if its error, as estimated, is below this share of it: six digits of a
 /// solution that does not exist are not settled by Newton's method.
