@@ -17,7 +17,7 @@ use counterpoise_host::terminal::escape_controls;
 use counterpoise_host::terminal::{error_causes, print_message};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::first_findings;
-use counterpoise_report::adaptation::LEFT_OUT_BY_TRIALS;
+use counterpoise_report::adaptation::{EXPORTED_BY_BANDS, LEFT_OUT_BY_TRIALS};
 
 /// Exit code of a program whose standard output was lost: a full disk, or a reader that has gone away.
 const LOST: i32 = 3;
@@ -111,7 +111,7 @@ pub fn print_warnings(loaded: &Loaded, progress: Progress) {
             );
         }
         if loaded.adaptation_is_left_out() {
-            eprintln!("note: {LEFT_OUT_BY_TRIALS}");
+            eprintln!("note: {LEFT_OUT_BY_TRIALS}; {EXPORTED_BY_BANDS}");
         }
         let lines = first_findings(&loaded.warnings, ToString::to_string);
         lines.iter().for_each(|warning| print_message(warning));

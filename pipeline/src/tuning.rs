@@ -452,11 +452,6 @@ pub struct LoopMeasuresResult {
     pub decay_rad_s: f64,
 }
 
-/// Returns what the disturbance leaves, with the key of a result.
-fn residual(controlled: ControlledQuantity, value: f64) -> InOwnUnit<f64> {
-    InOwnUnit { stem: "residual", controlled, value }
-}
-
 impl LoopMeasuresResult {
     /// Returns the figures of the best linear feedback. The bound has no controller: margins, crossover and decay are NaN.
     pub fn of_bound(found: &BestLoop, controlled: ControlledQuantity) -> Self {
@@ -470,7 +465,7 @@ impl LoopMeasuresResult {
             noise_gain: found.noise_gain,
             control_peak: found.control_peak,
             effort_v: found.effort_v,
-            residual: residual(controlled, found.residual_rad_s),
+            residual: InOwnUnit::new("residual", controlled, found.residual_rad_s),
             decay_rad_s: f64::NAN,
         }
     }
@@ -487,7 +482,7 @@ impl LoopMeasuresResult {
             noise_gain: m.noise_gain,
             control_peak: m.control_peak,
             effort_v: m.effort_v,
-            residual: residual(controlled, m.residual_rad_s),
+            residual: InOwnUnit::new("residual", controlled, m.residual_rad_s),
             decay_rad_s: m.decay_rad_s,
         }
     }
@@ -576,7 +571,7 @@ impl TuningResult {
             measures: tuned.measures.iter().map(|m| LoopMeasuresResult::of(m, controlled)).collect(),
             plants: found.plants,
             missed: tuned.missed,
-            starts: InOwnUnit { stem: "starts", controlled, value: reached.collect() },
+            starts: InOwnUnit::new("starts", controlled, reached.collect()),
             evaluations: tuned.evaluations,
         }
     }

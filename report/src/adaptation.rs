@@ -79,7 +79,11 @@ pub fn trial_section(tried: &Trials) -> Section {
 
 /// Why an adaptation that the project asks for is not exported, before its trials are shown.
 pub const LEFT_OUT_BY_TRIALS: &str = "the controller is exported without adaptation: on each motion some trial is worse with it than without, or the mechanism has no gravity \
-     and a changed load adds nothing that could be removed; `counterpoise adapt` shows the trials";
+     and a changed load adds nothing that could be removed (`counterpoise adapt` shows the trials)";
+
+/// How an adaptation is exported that trials leave out.
+pub const EXPORTED_BY_BANDS: &str =
+    "state `dead_band` or `hold_band` in [synth.adaptation] to export it with those";
 
 /// Returns where recursive least squares act, or why the exported controller does not adapt; `None` for other methods.
 pub fn describe_action(tried: &Trials) -> Option<String> {
@@ -108,13 +112,11 @@ fn describe_left_out(rows: &[TrialRow]) -> String {
         )
     });
     let added = |row: &&TrialRow| row.without_rad_s / row.told_rad_s - 1.0;
-    let most = rows.iter().max_by(|a, b| added(a).total_cmp(&added(b))).filter(|row| added(row) > 0.0);
+    let most = rows.iter().filter(|row| added(row) > 0.0).max_by(|a, b| added(a).total_cmp(&added(b)));
     let gains = most.map_or("no load of the trials adds to the hub rate".to_owned(), |row| {
         format!("most that an unknown load adds is {} %, {}", short_number(100.0 * added(&row)), trial(row))
     });
-    format!(
-        "the controller is exported without adaptation: {harms}; {gains}; state `dead_band` or `hold_band` in [synth.adaptation] to export it with those"
-    )
+    format!("the controller is exported without adaptation: {harms}; {gains}; {EXPORTED_BY_BANDS}")
 }
 
 /// Returns the motion and the load of a trial.
@@ -272,6 +274,10 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("adds is 25 %, on road (30 % more, sudden)"), "{text}");
+        // a motion that diverges with every controller adds no number
+        let diverged = row(Motion::Multisine, Load::Slow, [f64::INFINITY; 3]);
+        let text = describe_left_out(&[rows[1], diverged]);
+        assert!(text.contains("adds is 25 %, on road"), "{text}");
         let still = describe_left_out(&[row(Motion::Road, Load::Nominal, [2.0, 2.0, 2.0])]);
         assert!(
             still.contains("no trial with the usual bands is worse")

@@ -1,6 +1,6 @@
 //! A machine whose truth is concealed, diagnosed: a found name must never make data worse that was not fitted.
 //!
-//! `COUNTERPOISE_SEEDS=0..40 cargo test --release -p counterpoise-tests --test all sealed -- --nocapture` scores more of them, as `.ci/evidence` does.
+//! `COUNTERPOISE_SEEDS=0..40 cargo test --release -p counterpoise-tests --test all sealed -- --nocapture` scores more of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::diagnose;

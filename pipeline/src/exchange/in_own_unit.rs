@@ -16,6 +16,13 @@ pub struct InOwnUnit<T> {
     pub value: T,
 }
 
+impl<T> InOwnUnit<T> {
+    /// Returns a value of a quantity, whose key begins with a stem.
+    pub const fn new(stem: &'static str, controlled: ControlledQuantity, value: T) -> Self {
+        Self { stem, controlled, value }
+    }
+}
+
 impl<T: Serialize> Serialize for InOwnUnit<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(1))?;
@@ -40,7 +47,7 @@ mod tests {
 
     fn written(kind: QuantityKind, value: Option<f64>) -> String {
         let controlled = ControlledQuantity { kind, ..ControlledQuantity::default() };
-        let residual = InOwnUnit { stem: "residual", controlled, value };
+        let residual = InOwnUnit::new("residual", controlled, value);
         serde_json::to_string(&Figures { before: 1.5, residual, after: 2.5 }).expect("figures are plain data")
     }
 

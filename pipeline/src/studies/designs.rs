@@ -207,7 +207,7 @@ pub fn design_table(
         }
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
-    let reading_noise = InOwnUnit { stem: "reading_noise", controlled, value: reading_noise_rad_s };
+    let reading_noise = InOwnUnit::new("reading_noise", controlled, reading_noise_rad_s);
     let (name, hash) = (identity.name, identity.hash);
     Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, rows })
 }
@@ -393,12 +393,11 @@ impl Bench<'_> {
             None => None,
         };
         let controlled = self.project.plant.controlled_quantity();
-        let of = |stem: &'static str, value: f64| InOwnUnit { stem, controlled, value };
         Ok(RunFigures {
-            step: of("step", run(Experiment::Step)?[0]),
-            sines: of("sines", sines[0]),
-            motion: InOwnUnit { stem: "motion", controlled, value: motion.map(|found| found[0]) },
-            rest: of("rest", run(Experiment::Rest)?[0]),
+            step: InOwnUnit::new("step", controlled, run(Experiment::Step)?[0]),
+            sines: InOwnUnit::new("sines", controlled, sines[0]),
+            motion: InOwnUnit::new("motion", controlled, motion.map(|found| found[0])),
+            rest: InOwnUnit::new("rest", controlled, run(Experiment::Rest)?[0]),
             control_v: motion.unwrap_or(sines)[1],
         })
     }
