@@ -6,8 +6,9 @@ numbers for every loop, so they read all of them under the names of a loop of ra
 
 import re
 
+# The tip's angle against the hub's is an angle in every loop.
 ENDINGS = [
-    (r"(?:(?<=_)|^)(?:hub|slide|torque|force|controlled_current)_(rms|peak)_(?:rad_s|m_s|rad|m|nm|n|a)$", r"hub_\1_rad_s"),
+    (r"(?:(?<=_)(?<!against_)|^)(?:hub|slide|torque|force|controlled_current)_(rms|peak)_(?:rad_s|m_s|rad|m|nm|n|a)$", r"hub_\1_rad_s"),
     (r"tip_(rms|peak)_(?:rad_s|m_s|rad|m)$", r"tip_\1_rad_s"),
     (r"error_(rms|peak)_(?:rad_s|m_s|rad|m|nm|n|a)$", r"error_\1_rad_s"),
     (r"travel_peak_(?:rad|m)$", "travel_peak_rad"),
