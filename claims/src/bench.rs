@@ -22,7 +22,7 @@ pub struct Bench<'a> {
     /// The project.
     pub project: &'a Project,
     /// Files beside it.
-    pub world: &'a dyn World,
+    pub world: &'a (dyn World + Sync),
     /// Its design.
     pub designed: Stages,
     /// What is done to the mechanism.
@@ -98,7 +98,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// Those of the pipeline.
-    pub fn new(project: &'a Project, world: &'a dyn World) -> Result<Self, PipelineError> {
+    pub fn new(project: &'a Project, world: &'a (dyn World + Sync)) -> Result<Self, PipelineError> {
         let designed = run_stages(project, world)?;
         let procedure = designed.procedure.clone();
         let friction = identify_friction(&designed.modelled.parameters)?;

@@ -41,6 +41,9 @@ pub mod weights;
 pub use bench::Bench;
 pub use criterion::{Agreement, Criterion};
 
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use counterpoise_pipeline::{PipelineError, World};
 use counterpoise_plot::Figure as Drawing;
 use counterpoise_project::Project;
@@ -163,21 +166,30 @@ pub fn claim_ids() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|row| row.0)
 }
 
-/// Measures every row of which `wanted` holds, in order. `progress` is told the number of rows done and of all that are wanted.
+/// Measures every row of which `wanted` holds, in order, side by side on the processors of `world`. `progress` is told the number of rows
+/// done and of all that are wanted.
 ///
 /// # Errors
 /// Those of the pipeline: a project that is not a whole design.
 pub fn measure_claims(
     project: &Project,
-    world: &dyn World,
+    world: &(dyn World + Sync),
     wanted: &dyn Fn(&str) -> bool,
-    progress: &dyn Fn(usize, usize),
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Vec<Claim>, PipelineError> {
     let bench = Bench::new(project, world)?;
     let rows: Vec<Row> = ROWS.iter().filter(|row| wanted(row.0)).map(|row| row.1).collect();
-    let measured = |(done, row): (usize, &Row)| {
-        progress(done, rows.len());
-        row(&bench)
-    };
-    rows.iter().enumerate().map(measured).collect()
+    let found: Vec<OnceLock<Result<Claim, PipelineError>>> = rows.iter().map(|_| OnceLock::new()).collect();
+    let done = AtomicUsize::new(0);
+    progress(0, rows.len());
+    world.pool().run(rows.len(), &|k| {
+        drop(found[k].set(rows[k](&bench)));
+        progress(done.fetch_add(1, Ordering::Relaxed) + 1, rows.len());
+    });
+    // a pool that was asked to stop leaves rows out
+    found
+        .into_iter()
+        .zip(rows)
+        .map(|(row, measure)| row.into_inner().unwrap_or_else(|| measure(&bench)))
+        .collect()
 }

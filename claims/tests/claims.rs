@@ -1,18 +1,43 @@
 //! The thesis' claims on the reference rig: every row is there, and what it is known to find stays found.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use counterpoise_claims::{Claim, Finding, measure_claims};
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::World;
 use counterpoise_plot::Content;
 use counterpoise_project::Project;
 
 struct Example;
 
+/// Two threads, as the program has on the smallest machine that it is built for.
+struct Threads;
+
+impl Pool for Threads {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while let Some(k) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|k| *k < count) {
+                job(k);
+            }
+        };
+        std::thread::scope(|scope| {
+            scope.spawn(work);
+            work();
+        });
+    }
+}
+
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/");
 
 impl World for Example {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         std::fs::read(format!("{FOLDER}{name}")).map_err(|error| error.to_string())
+    }
+
+    fn pool(&self) -> &dyn Pool {
+        &Threads
     }
 }
 

@@ -121,7 +121,7 @@ pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
 /// Diagnoses a machine whose sizes are those of the library.
 fn diagnose_as_built(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
     let Request { base, control, contradiction, recordings } = request;
-    check(recordings, control)?;
+    check(base, recordings, control)?;
     pool.progress("examining", 0, 1);
     let examined = find_instrument_faults(base, control, recordings);
     let foreign = match contradiction {
@@ -170,7 +170,7 @@ fn diagnose_of(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    check(recordings, &control)?;
+    check(base, recordings, &control)?;
     pool.progress("qualifying", 0, 1);
     let (sound, qualification) = qualified(sizes, base, recordings)?;
     let examined = recordings;
@@ -294,7 +294,7 @@ fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, V
     }
 }
 
-fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
+fn check(base: &Parameters, recordings: &[Recording], control: &Loop) -> Result<(), Error> {
     if recordings.is_empty() {
         return Err(Error::NoRecording);
     }
@@ -305,7 +305,12 @@ fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
             ("hub_rate", r.has(Channel::HubRate)),
         ];
         if let Some((channel, _)) = needed.into_iter().find(|(_, present)| !present) {
-            return Err(Error::NoChannel { recording: r.name.clone(), channel });
+            return Err(Error::NoChannel {
+                controlled: base.controlled_quantity(),
+                replays_control: *control == Loop::Open,
+                recording: r.name.clone(),
+                channel,
+            });
         }
     }
     Ok(())

@@ -13,10 +13,15 @@ pub enum Error {
     NoRecording,
     /// A channel without which there is no diagnosis.
     #[error(
-        "recording {recording}: the channel {channel} is missing; a diagnosis needs demand, control and hub_rate (or \
-         hub_position in a loop of position)"
+        "recording {recording}: the channel {channel} is missing; a diagnosis of this machine needs {}{}",
+        if *replays_control { "" } else { "demand, " },
+        shown_channels(*controlled)
     )]
     NoChannel {
+        /// What the loop of the machine controls.
+        controlled: ControlledQuantity,
+        /// Whether the recorded control is replayed, which needs no demand.
+        replays_control: bool,
         /// Name of the recording.
         recording: String,
         /// Name of the channel.
@@ -25,7 +30,7 @@ pub enum Error {
     /// A channel without which nothing is identified.
     #[error(
         "recording {recording}: the channel {channel} is missing; identification of this machine needs {}",
-        needed_channels(*controlled)
+        identifying_channels(*controlled)
     )]
     NotIdentifiable {
         /// What the loop of the machine controls.
@@ -69,16 +74,62 @@ pub enum Error {
     Simulate(#[from] counterpoise_simulate::Error),
 }
 
-/// Returns the channels that identification needs: those that show the motion, and the control.
-fn needed_channels(controlled: ControlledQuantity) -> String {
+/// Returns the channels of the control and of what the loop controls.
+fn shown_channels(controlled: ControlledQuantity) -> String {
     let name = controlled.name();
     match controlled.kind {
-        QuantityKind::Rate => format!("control and hub_rate (the {name})"),
         QuantityKind::Position => {
             format!("control and hub_rate (the {name}, which may be recorded as hub_position)")
         }
+        _ => format!("control and hub_rate (the {name})"),
+    }
+}
+
+/// Returns the channels that identification needs: those that show the motion, and the control.
+fn identifying_channels(controlled: ControlledQuantity) -> String {
+    match controlled.kind {
+        QuantityKind::Rate | QuantityKind::Position => shown_channels(controlled),
         QuantityKind::Effort | QuantityKind::Current => {
-            format!("control, hub_rate (the {name}) and motor_rate, which alone shows the motion")
+            format!(
+                "control, hub_rate (the {}) and motor_rate, which alone shows the motion",
+                controlled.name()
+            )
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use counterpoise_models::parameters::Axis;
+
+    use super::*;
+
+    #[test]
+    fn a_missing_channel_is_told_in_the_words_of_the_machine() {
+        let told = |kind, axis, replays_control| {
+            let controlled = ControlledQuantity { kind, axis };
+            let recording = "run 3".to_owned();
+            Error::NoChannel { controlled, replays_control, recording, channel: "hub_rate" }.to_string()
+        };
+        assert_eq!(
+            told(QuantityKind::Rate, Axis::Linear, false),
+            "recording run 3: the channel hub_rate is missing; a diagnosis of this machine needs demand, control and hub_rate (the slide speed)"
+        );
+        let position = told(QuantityKind::Position, Axis::Rotary, true);
+        assert!(
+            position.ends_with(
+                "needs control and hub_rate (the hub angle, which may be recorded as hub_position)"
+            ),
+            "{position}"
+        );
+        let identified = Error::NotIdentifiable {
+            controlled: ControlledQuantity { kind: QuantityKind::Effort, axis: Axis::Rotary },
+            recording: "run 3".to_owned(),
+            channel: "motor_rate",
+        };
+        assert!(
+            identified.to_string().contains("hub_rate (the transmitted torque) and motor_rate"),
+            "{identified}"
+        );
     }
 }

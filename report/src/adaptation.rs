@@ -1,5 +1,7 @@
 //! The runs of the adaptation: out-of-balance and estimate, control and hub rate over time, and what each interval came to.
 
+use counterpoise_models::ControlledQuantity;
+use counterpoise_models::parameters::Axis;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
@@ -8,7 +10,7 @@ use counterpoise_pipeline::studies::adaptation_trials::{
 
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
-use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
+use counterpoise_plot::{Axis as PlotAxis, Colour, Figure, Panel, Series};
 
 /// How near to the default case the hub rate must come back.
 pub const NEAR: f64 = 1.10;
@@ -20,7 +22,11 @@ pub fn has_returned(interval: &Interval) -> bool {
 
 /// Returns the trials of the methods in lines, for a terminal.
 pub fn trial_lines(tried: &Trials) -> Vec<String> {
-    let mut lines = vec!["trials on motions that no window fits (hub rate in mrad/s RMS):".to_owned()];
+    let mut lines = vec![format!(
+        "trials on motions that no window fits ({} in {} RMS):",
+        rate_of(&tried.rows).name(),
+        rate_of(&tried.rows).milli_unit()
+    )];
     lines.extend(tried.rows.iter().map(|row| {
         let removed = row
             .removed_share()
@@ -54,12 +60,13 @@ pub fn trial_section(tried: &Trials) -> Section {
     let columns = [
         Column::Text("motion"),
         Column::Text("load"),
-        Column::Number("without [mrad/s]"),
-        Column::Number("with adaptation [mrad/s]"),
-        Column::Number("load known [mrad/s]"),
+        Column::Number("without"),
+        Column::Number("with adaptation"),
+        Column::Number("load known"),
         Column::Number("with over without"),
     ];
-    let mut table = Table::new("Hub rate, RMS", &columns);
+    let rate = rate_of(&tried.rows);
+    let mut table = Table::new(&format!("RMS of the {}, {}", rate.name(), rate.milli_unit()), &columns);
     let row = |row: &TrialRow| {
         vec![
             Cell::text(motion(row.motion)),
@@ -104,19 +111,26 @@ fn describe_left_out(rows: &[TrialRow]) -> String {
     let worst = rows.iter().filter(|row| ratio(row) > 1.0).max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     let harms = worst.map_or("no trial with the usual bands is worse with it".to_owned(), |row| {
         format!(
-            "with the usual bands it makes the hub rate {:.3} times that without, {}: {:.3} against {:.3} mrad/s RMS",
+            "with the usual bands it makes the {} {:.3} times that without, {}: {:.3} against {:.3} {} RMS",
+            row.rate.name(),
             row.ratio(),
             trial(row),
             1e3 * row.with_rad_s,
-            1e3 * row.without_rad_s
+            1e3 * row.without_rad_s,
+            row.rate.milli_unit()
         )
     });
     let added = |row: &&TrialRow| row.without_rad_s / row.told_rad_s - 1.0;
     let most = rows.iter().filter(|row| added(row) > 0.0).max_by(|a, b| added(a).total_cmp(&added(b)));
-    let gains = most.map_or("no load of the trials adds to the hub rate".to_owned(), |row| {
+    let gains = most.map_or(format!("no load of the trials adds to the {}", rate_of(rows).name()), |row| {
         format!("most that an unknown load adds is {} %, {}", short_number(100.0 * added(&row)), trial(row))
     });
     format!("the controller is exported without adaptation: {harms}; {gains}; {EXPORTED_BY_BANDS}")
+}
+
+/// Returns the rate that trials measure.
+fn rate_of(rows: &[TrialRow]) -> ControlledQuantity {
+    rows.first().map_or(ControlledQuantity::RATE, |row| row.rate)
 }
 
 /// Returns the motion and the load of a trial.
@@ -126,13 +140,15 @@ fn trial(row: &TrialRow) -> String {
 
 /// Returns the reason why a method is refused.
 pub fn describe_refusal(refused: &Refusal) -> String {
-    let TrialRow { method, without_rad_s, with_rad_s, .. } = refused.worst;
+    let TrialRow { rate, method, without_rad_s, with_rad_s, .. } = refused.worst;
     format!(
-        "REFUSED: {method} makes the hub rate worse than no adaptation does, {:.2} times {}: {:.3} against {:.3} mrad/s RMS",
+        "REFUSED: {method} makes the {} worse than no adaptation does, {:.2} times {}: {:.3} against {:.3} {} RMS",
+        rate.name(),
         refused.ratio,
         trial(&refused.worst),
         1e3 * with_rad_s,
-        1e3 * without_rad_s
+        1e3 * without_rad_s,
+        rate.milli_unit()
     )
 }
 
@@ -160,8 +176,11 @@ pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Rep
     let good = judged.iter().filter(|interval| has_returned(interval)).count();
     let tone = if good == judged.len() { Tone::Good } else { Tone::Bad };
     let text = format!("{good} of {} adapted intervals come back to within 10 % of run (a)", judged.len());
-    let detail =
-        "Hub rate RMS in the later part of each interval, over that of run (a) in the same time.".to_owned();
+    let rate = rate_of_runs(runs);
+    let detail = format!(
+        "RMS of the {} in the later part of each interval, over that of run (a) in the same time.",
+        rate.name()
+    );
     let worst = judged.iter().map(|interval| interval.over_default).fold(0.0, f64::max);
     let off = |i: &&Interval| (i.used_kg_m - i.out_of_balance_kg_m).abs();
     let off = judged.iter().map(off).fold(0.0, f64::max);
@@ -172,7 +191,7 @@ pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Rep
         headline: Headline { tone, text, detail },
         tiles: vec![
             Tile::plain("worst adapted interval", short_number(worst), "of run (a)"),
-            Tile::plain("largest error of the estimate", short_number(off), "kg m")
+            Tile::plain("largest error of the estimate", short_number(off), rate.axis.unit("kg m"))
                 .with_note("at the end of an interval"),
         ],
         verdicts: table(runs),
@@ -185,14 +204,37 @@ pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Rep
     }
 }
 
+/// Returns the rate that runs measure.
+fn rate_of_runs(runs: &[AdaptRun]) -> ControlledQuantity {
+    let first = runs.iter().flat_map(|run| &run.intervals).next();
+    first.map_or(ControlledQuantity::RATE, |interval| interval.rate)
+}
+
+/// Returns the heads of the columns with out-of-balance and rate, in the units of the axis.
+fn unit_columns(rate: ControlledQuantity) -> [Column; 3] {
+    match rate.axis {
+        Axis::Rotary => [
+            Column::Number("out-of-balance [kg m]"),
+            Column::Number("controller uses [kg m]"),
+            Column::Number("hub rate [mrad/s RMS]"),
+        ],
+        Axis::Linear => [
+            Column::Number("weight along the axis [kg]"),
+            Column::Number("controller uses [kg]"),
+            Column::Number("slide speed [mm/s RMS]"),
+        ],
+    }
+}
+
 fn table(runs: &[AdaptRun]) -> Table {
+    let [balance, used, rate] = unit_columns(rate_of_runs(runs));
     let columns = [
         Column::Text("run"),
         Column::Number("from [s]"),
         Column::Number("to [s]"),
-        Column::Number("out-of-balance [kg m]"),
-        Column::Number("controller uses [kg m]"),
-        Column::Number("hub rate [mrad/s RMS]"),
+        balance,
+        used,
+        rate,
         Column::Number("over (a)"),
         Column::Text("verdict"),
     ];
@@ -226,20 +268,21 @@ fn section(run: &AdaptRun, command: &str) -> Section {
         Series::solid_line("true", Colour::Second, over(out_of_balance_kg_m, 1.0)),
         Series::dashed_line("controller uses", Colour::First, over(used_kg_m, 1.0)),
     ];
+    let rate = rate_of_runs(std::slice::from_ref(run));
     let panels = vec![
-        Panel::new(Axis::linear("out-of-balance", "kg m"), balance).with_height(120.0),
+        Panel::new(PlotAxis::linear("out-of-balance", rate.axis.unit("kg m")), balance).with_height(120.0),
         Panel::new(
-            Axis::linear("control", "V"),
+            PlotAxis::linear("control", "V"),
             vec![Series::solid_line("", Colour::Muted, over(control_v, 1.0))],
         )
         .with_height(110.0),
         Panel::new(
-            Axis::linear("hub rate", "mrad/s"),
+            PlotAxis::linear(rate.name(), rate.milli_unit()),
             vec![Series::solid_line("", Colour::First, over(hub_rate_rad_s, 1e3))],
         )
         .with_height(150.0),
     ];
-    let figure = Figure::new(&format!("Run ({})", run.letter), Axis::linear("time", "s"), panels);
+    let figure = Figure::new(&format!("Run ({})", run.letter), PlotAxis::linear("time", "s"), panels);
     let figure = Figure { command: command.to_owned(), ..figure };
     Section::new(&format!("({}) {}", run.letter, run.says)).showing([figure])
 }
@@ -250,6 +293,7 @@ mod tests {
 
     fn row(motion: Motion, load: Load, [without, with, told]: [f64; 3]) -> TrialRow {
         TrialRow {
+            rate: ControlledQuantity::RATE,
             method: "recursive",
             motion,
             load,

@@ -28,6 +28,38 @@ pub fn files() -> Vec<PathBuf> {
     found
 }
 
+/// Examples that the longest suites try by default: feedforwards, schedule, adaptation, cascade of a hobby servo and of a ball screw, a direct
+/// drive, a hydraulic cylinder, and the thesis' own design.
+const CHOSEN: [&str; 8] = [
+    "reference-rig_project",
+    "out-of-balance-schedule_project",
+    "adaptation_project",
+    "servo-pendulum_project",
+    "ball-screw_project",
+    "direct-gimbal_project",
+    "crane-cylinder_project",
+    "appendix-5_chapter-6",
+];
+
+/// Whether everything is tried on every example, as `.ci/evidence` does: `EVERY_EXAMPLE` is set.
+pub fn every_one_is_asked_for() -> bool {
+    std::env::var_os("EVERY_EXAMPLE").is_some()
+}
+
+/// Returns the examples that the longest suites try: a few of different structure, or every one if it is asked for.
+///
+/// # Panics
+/// If a chosen example is no longer there.
+pub fn chosen_files() -> Vec<PathBuf> {
+    let all = files();
+    if every_one_is_asked_for() {
+        return all;
+    }
+    let chosen: Vec<PathBuf> = all.into_iter().filter(|path| CHOSEN.contains(&name(path).as_str())).collect();
+    assert_eq!(chosen.len(), CHOSEN.len(), "{chosen:?}");
+    chosen
+}
+
 /// Returns the name of an example without separators, for example `reference-rig_project`.
 pub fn name(path: &Path) -> String {
     let folder = path.parent().and_then(Path::file_name).unwrap();

@@ -12,6 +12,7 @@ mod data_sheets;
 mod design_table;
 mod designs;
 mod every_example;
+#[cfg(feature = "evidence")]
 mod exported_recordings;
 mod fuzz;
 mod imported_controllers;

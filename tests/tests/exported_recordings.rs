@@ -1,5 +1,5 @@
 //! Effects are identified in recordings under the exported controller, replayed in closed loop from its file, and played back. The binary
-//! `exported_loop` does it for all eight practice effects.
+//! `exported_loop` does it for all eight practice effects. Each takes a minute and a half of processor time, so they are part of the evidence.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::simulator_access::Pool;

@@ -184,7 +184,7 @@ const KINDS: [Kind; 19] = [
             plant.friction.pivot = { model = \"coulomb\", coulomb = 0.03, viscous = 0.01 }
             plant.sensors.resolver = { noise = \"5 arcsec\", natural_frequency = 4000.0 }
             plant.interface = { sample_period = 1e-3, output_bits = 16 }",
-        conceals: |p| p.motor.cogging = Ripple { amplitude: 0.02, order: 12.0, phase_rad: 0.4 },
+        conceals: |p| p.motor.cogging = Ripple { amplitude: 0.02, order: 72.0, phase_rad: 0.4 },
         names: &[(C::Motor, E::Cogging), (C::Motor, E::TorqueRipple), (C::Pivot, E::PositionDependentFriction)],
     },
     Kind {

@@ -62,10 +62,13 @@ fn print(runs: &[AdaptRun]) {
                 (false, _) => "",
             };
             say!(
-                "    {from:5.1} to {to:5.1} s: out-of-balance {:7.2} kg m, controller uses {:7.2}; hub rate {:.3} mrad/s RMS, {:.3} of (a)  {verdict}",
+                "    {from:5.1} to {to:5.1} s: out-of-balance {:7.2} {}, controller uses {:7.2}; {} {:.3} {} RMS, {:.3} of (a)  {verdict}",
                 interval.out_of_balance_kg_m,
+                interval.rate.axis.unit("kg m"),
                 interval.used_kg_m,
+                interval.rate.name(),
                 1e3 * interval.hub_rms_rad_s,
+                interval.rate.milli_unit(),
                 interval.over_default
             );
         }

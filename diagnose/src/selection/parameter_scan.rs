@@ -9,6 +9,7 @@ use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
 use crate::library::{Component, Effect, EffectName, Mapping, find_effects, find_scan_range};
+use crate::selection::order_spectrum::{BalanceOverAngle, OrderRange};
 use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple_perturbation};
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, is_close, measure_signature, weight_residuals,
@@ -91,7 +92,8 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
     let is_sampled = |order: &f64| *order * ratio * scene.simulator.turns_per_sample() < PERIODS_SAMPLED;
     let orders = per_motor_turn
         .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
-        .filter(|order| at_pivot || (is_seen(order) && is_sampled(order)));
+        .filter(|order| at_pivot || (is_seen(order) && is_sampled(order)))
+        .chain(read_orders(scene, effect));
     let scan: Vec<Perturbation> = orders.map(|order| ripple_perturbation(effect, order)).collect();
     let signatures =
         map(scene.pool, scan.len(), |t| measure_signature(scene, &here, &scan[t], &one, Span::Head));
@@ -99,6 +101,21 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
     let mut ranked: Vec<(f64, Perturbation)> = signatures.iter().map(share).zip(scan).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     ranked.into_iter().take(ORDERS_KEPT).map(|(_, perturbation)| perturbation).collect()
+}
+
+/// Returns the orders that the balance of the drive shows in the most active recording, if the effect repeats with the motor's angle.
+fn read_orders(scene: &ScreeningContext, effect: &'static Effect) -> Vec<f64> {
+    if !matches!(effect.component, Component::Motor | Component::Gearbox) {
+        return Vec::new();
+    }
+    let ratio = scene.base.gearbox.ratio;
+    let bounds = effect.parameters[1].bounds;
+    let seen = PERIOD_SEEN * std::f64::consts::TAU / (scene.simulator.travel_rad() * ratio);
+    let sampled = PERIODS_SAMPLED / (scene.simulator.turns_per_sample() * ratio);
+    let range = OrderRange { lowest: seen.max(bounds[0]), highest: sampled.min(bounds[1]) };
+    let measured = scene.simulator.measured_signals(scene.simulator.most_active_recording());
+    let over_angle = measured.and_then(|m| BalanceOverAngle::new(scene.base, &m, effect.effect));
+    over_angle.map_or_else(Vec::new, |balance| balance.find_peaks(range))
 }
 
 /// Returns whether a torque that repeats with the motor's angle does so over its travel, rad: over less than most of a period, a

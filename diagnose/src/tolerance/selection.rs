@@ -11,6 +11,16 @@ pub const SCANNED_ORDERS: [f64; 25] = [
     1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
     24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
 ];
+/// Orders that go on from the spectrum of the drive's balance over the motor's angle.
+pub const ORDER_PEAKS: usize = 3;
+/// Least share of the balance that one of these explains.
+pub const ORDER_PEAK_SHARE: f64 = 0.05;
+/// Steps of that spectrum for the width of a line, which is a period over the travel.
+pub const ORDER_STEPS_A_LINE: f64 = 4.0;
+/// Most lines of the spectrum.
+pub const ORDER_SPECTRUM_LINES: usize = 4000;
+/// Most samples that a line is computed from.
+pub const ORDER_SPECTRUM_SAMPLES: usize = 2000;
 /// Points of a scan of a parameter over its range.
 pub const SCAN_POINTS: usize = 64;
 /// Points of each of the two refinements of a scan.

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use counterpoise_controller::{Controller, SampledController};
-use counterpoise_models::MapPoint;
 use counterpoise_models::plant::Plant;
+use counterpoise_models::{ControlledQuantity, MapPoint};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{
     Detail, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
@@ -13,7 +13,8 @@ use counterpoise_simulate::{
 use counterpoise_synth::adaptation::{Curve, Scale};
 use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 use counterpoise_verify::Procedure;
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::budget::{Run, affordable};
 use crate::synth::controller_blocks::{SMALL_KG_M, dead_band_m_s2, drive_curve, inertia_v_s2_rad};
@@ -56,9 +57,11 @@ pub struct Trace {
     pub hub_rate_rad_s: Vec<f64>,
 }
 
-/// A part of a run between changes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A part of a run between changes. On an axis that slides its keys have that axis' units: `slide_rms_m_s` and `used_kg`.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Interval {
+    /// The rate of the axis.
+    pub rate: ControlledQuantity,
     /// Start and end, s.
     pub from_to_s: [f64; 2],
     /// Factor on the out-of-balance.
@@ -73,6 +76,21 @@ pub struct Interval {
     pub over_default: f64,
     /// Whether the adaptation was in force throughout.
     pub adapted: bool,
+}
+
+impl Serialize for Interval {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(7))?;
+        let of_balance = |stem: &str| format!("{stem}_{}", self.rate.axis.unit("kg m").replace(' ', "_"));
+        map.serialize_entry("from_to_s", &self.from_to_s)?;
+        map.serialize_entry("factor", &self.factor)?;
+        map.serialize_entry(&of_balance("out_of_balance"), &self.out_of_balance_kg_m)?;
+        map.serialize_entry(&of_balance("used"), &self.used_kg_m)?;
+        map.serialize_entry(&self.rate.named_figure("hub_rms_rad_s"), &self.hub_rms_rad_s)?;
+        map.serialize_entry("over_default", &self.over_default)?;
+        map.serialize_entry("adapted", &self.adapted)?;
+        map.end()
+    }
 }
 
 /// Share of an interval that is left to the estimate before the RMS is taken.
@@ -269,6 +287,7 @@ impl Stage<'_> {
             let is_exported = self.adaptation.use_in_code == AdaptationUse::Exported;
             let late = is_exported && plan.from.is_some_and(|from| from <= start + SHORT);
             intervals.push(Interval {
+                rate: self.modelled.parameters.controlled_quantity().rate(),
                 from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
                 factor,
                 out_of_balance_kg_m: factor * moment,

@@ -178,6 +178,7 @@ impl Search<'_> {
                 let rate =
                     |k: usize| runs.get(k).map_or(f64::INFINITY, |run| rms_or_infinite(&run.hub_rate_rad_s));
                 TrialRow {
+                    rate: self.modelled.parameters.controlled_quantity().rate(),
                     method: RECURSIVE,
                     motion: jobs[0].motion,
                     load: jobs[0].load,

@@ -9,18 +9,22 @@ pub use excitation::{Load, Motion};
 pub(super) use excitation::{LOADS, MOTIONS};
 pub(super) use stage::{Acts, Stage, TrialRun};
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
 use counterpoise_verify::Procedure;
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::synth::controller_blocks::{dead_band_m_s2, hold_band};
 use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS};
 use crate::{Modelled, PipelineError, Synthesised};
 
-/// One trial of one method: RMS of the hub rate once the load has settled.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// One trial of one method: RMS of the hub rate once the load has settled. Its keys end in the unit of the axis: `with_m_s` on one that slides.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrialRow {
+    /// The rate, whose unit the values have.
+    pub rate: ControlledQuantity,
     /// The method's key.
     pub method: &'static str,
     /// The motion.
@@ -65,8 +69,10 @@ pub struct Trials {
 }
 
 /// The hub's rate in a run of a trial.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrialHistory {
+    /// The rate, whose name and unit the samples have.
+    pub rate: ControlledQuantity,
     /// The motion.
     pub motion: Motion,
     /// The load.
@@ -77,6 +83,18 @@ pub struct TrialHistory {
     pub sample_time_s: f64,
     /// From when the hub rate is measured until the end, rad/s; empty if the motion diverges.
     pub hub_rate_rad_s: Vec<f64>,
+}
+
+impl Serialize for TrialHistory {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(5))?;
+        map.serialize_entry("motion", &self.motion)?;
+        map.serialize_entry("load", &self.load)?;
+        map.serialize_entry("acts", self.acts)?;
+        map.serialize_entry("sample_time_s", &self.sample_time_s)?;
+        map.serialize_entry(&self.rate.signal(), &self.hub_rate_rad_s)?;
+        map.end()
+    }
 }
 
 /// Why a method is refused.
@@ -108,6 +126,20 @@ pub const METHODS: [KeyedMethod; 3] = [
     KeyedMethod { method: AdaptationMethod::WindowedMean, key: "windowed-mean" },
     KeyedMethod { method: AdaptationMethod::Recursive, key: RECURSIVE },
 ];
+
+impl Serialize for TrialRow {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(7))?;
+        map.serialize_entry("method", self.method)?;
+        map.serialize_entry("motion", &self.motion)?;
+        map.serialize_entry("load", &self.load)?;
+        let rates = [self.without_rad_s, self.with_rad_s, self.told_rad_s, self.spread_rad_s];
+        for (stem, value) in ["without", "with", "told", "spread"].into_iter().zip(rates) {
+            map.serialize_entry(&self.rate.key_of(stem), &value)?;
+        }
+        map.end()
+    }
+}
 
 impl TrialRow {
     /// Returns the hub rate with adaptation over that without.
@@ -182,13 +214,21 @@ pub(super) fn adaptation_options(project: &Project) -> Option<&Adaptation> {
 fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<Trials, PipelineError> {
     let (mut rows, mut histories) = (Vec::new(), Vec::new());
     let sample_time_s = stage.modelled.parameters.interface.sample_period_s;
+    let rate = stage.modelled.parameters.controlled_quantity().rate();
     for motion in MOTIONS {
         let platform = stage.platform(motion)?;
         for load in LOADS {
             let mut rms = |acts, name| {
                 let hub_rate_rad_s = stage.run(&platform, load, acts)?.hub_rate_rad_s;
                 let found = rms_or_infinite(&hub_rate_rad_s);
-                histories.push(TrialHistory { motion, load, acts: name, sample_time_s, hub_rate_rad_s });
+                histories.push(TrialHistory {
+                    rate,
+                    motion,
+                    load,
+                    acts: name,
+                    sample_time_s,
+                    hub_rate_rad_s,
+                });
                 Ok::<_, PipelineError>(found)
             };
             let (without_rad_s, told_rad_s) = (rms(Acts::Without, "none")?, rms(Acts::Told, "told")?);
@@ -196,6 +236,7 @@ fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<Trials, PipelineError
                 let with_rad_s = rms(Acts::Adapts(method), key)?;
                 let spread_rad_s = 0.0;
                 let row = TrialRow {
+                    rate,
                     method: key,
                     motion,
                     load,
