@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn a_missing_channel_is_told_in_the_words_of_the_machine() {
         let told = |kind, axis, replays_control| {
-            let controlled = ControlledQuantity { kind, axis };
+            let controlled = ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
             let recording = "run 3".to_owned();
             Error::NoChannel { controlled, replays_control, recording, channel: "hub_rate" }.to_string()
         };
@@ -123,7 +123,7 @@ mod tests {
             "{position}"
         );
         let identified = Error::NotIdentifiable {
-            controlled: ControlledQuantity { kind: QuantityKind::Effort, axis: Axis::Rotary },
+            controlled: ControlledQuantity { kind: QuantityKind::Effort, ..ControlledQuantity::RATE },
             recording: "run 3".to_owned(),
             channel: "motor_rate",
         };

@@ -130,7 +130,11 @@ mod tests {
     fn a_variable_of_a_unit_has_the_unit_of_its_quantity() {
         let text = "    <Float64 name=\"demand_rad_s\" unit=\"rad/s\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         let files = vec![File { name: "modelDescription.xml".into(), text: text.into() }];
-        let place = ControlledQuantity { kind: QuantityKind::Position, axis: Axis::Linear };
+        let place = ControlledQuantity {
+            kind: QuantityKind::Position,
+            axis: Axis::Linear,
+            ..ControlledQuantity::RATE
+        };
         let found = with_loop_names(place, files);
         let expected = "    <Float64 name=\"demand_m\" unit=\"m\"/>\n    <Float64 name=\"motor_rate_rad_s\" unit=\"rad/s\"/>";
         assert_eq!(found[0].text, expected);

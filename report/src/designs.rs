@@ -307,7 +307,7 @@ mod tests {
         let kinds = [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current];
         for kind in kinds {
             for axis in [Travel::Rotary, Travel::Linear] {
-                let controlled = ControlledQuantity { kind, axis };
+                let controlled = ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
                 let (milli, gain) = (controlled.milli_unit(), controlled.gain_unit());
                 let own = columns(controlled);
                 assert_eq!(own[7], format!("noise gain [{gain}]"));

@@ -367,7 +367,7 @@ fn the_limit_of_the_chosen_requirement_is_drawn_where_its_figure_is_read_and_in_
     assert_eq!(rejection.levels, [-70.0]);
     assert!((rejection.marks[0].x - 1.0).abs() < 1e-9 && rejection.marks[0].label.contains("limit"));
     assert!(seen("gain margin", "Rejection of heave").marks.is_empty());
-    assert_eq!(seen("peak current", "Motor current").levels, [30.0, -30.0]);
+    assert_eq!(seen("peak current", "Current").levels, [30.0, -30.0]);
     assert!(
         (seen("step overshoot, nonlinear", "Step of the demand: hub rate").levels[0] - 115.0).abs() < 1e-9
     );

@@ -163,6 +163,7 @@ impl Quantity {
             Quantity::HubPeak => format!("peak {}", controlled.name()),
             Quantity::TipRms => format!("RMS {}", controlled.tip_name()),
             Quantity::TipPeak => format!("peak {}", controlled.tip_name()),
+            Quantity::CurrentPeak => format!("peak {}", controlled.drive_name()),
             other => words(&QUANTITIES, &other).name.to_owned(),
         }
     }
@@ -467,6 +468,7 @@ impl Figure {
             | Figure::Disturbance(_, _, _, Quantity::HubRms | Quantity::HubPeak)
             | Figure::Rest(RestFigure::HubRms) => controlled.unit(),
             Figure::Disturbance(_, _, _, Quantity::TipRms | Quantity::TipPeak) => controlled.tip_unit(),
+            Figure::Disturbance(_, _, _, Quantity::CurrentPeak) => controlled.drive_unit(),
             Figure::Disturbance(_, _, _, Quantity::TravelPeak) | Figure::Rest(RestFigure::Drift) => {
                 controlled.travel_unit()
             }
@@ -526,7 +528,7 @@ fn rejections(frequency_hz: f64) -> Vec<Figure> {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
-    use counterpoise_models::{Axis, QuantityKind};
+    use counterpoise_models::{Axis, DriveQuantity, QuantityKind};
 
     #[test]
     fn every_key_finds_its_figure_and_no_two_are_alike() {
@@ -555,8 +557,17 @@ mod tests {
 
     #[test]
     fn a_figure_has_the_name_and_the_unit_of_what_its_loop_controls() {
-        let of = |kind, axis| ControlledQuantity { kind, axis };
+        let of = |kind, axis| ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
         let torque = of(QuantityKind::Effort, Axis::Rotary);
+        let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
+        assert_eq!((peak.key_in(torque), peak.unit(torque)), (peak.key(), "A"));
+        let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
+        assert_eq!(peak.key_in(boom), "linear_pitch_feedback_load_pressure_peak_mpa");
+        assert_eq!(
+            (peak.name(boom), peak.unit(boom)),
+            (peak.name(torque).replace("current", "load pressure"), "MPa")
+        );
+        assert_eq!(Figure::from_key_in(boom, &peak.key_in(boom)), Ok(peak));
         let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
         assert_eq!(rms.name(torque), "RMS transmitted torque, pitch, feedback, linear plant");
         assert_eq!(

@@ -19,6 +19,16 @@ pub enum QuantityKind {
     Current,
 }
 
+/// What the drive makes its torque or force of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DriveQuantity {
+    /// The motor's current, A.
+    #[default]
+    Current,
+    /// The load pressure of a hydraulic cylinder, MPa.
+    Pressure,
+}
+
 /// The quantity that a loop controls, on the axis that it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ControlledQuantity {
@@ -26,12 +36,15 @@ pub struct ControlledQuantity {
     pub kind: QuantityKind,
     /// Whether the axis turns or slides.
     pub axis: Axis,
+    /// What the drive makes its torque or force of.
+    pub drive: DriveQuantity,
 }
 
 impl Parameters {
     /// Returns the quantity that the loop of this machine controls: what its sensor measures.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
-        ControlledQuantity { kind: self.sensors.measured.kind(), axis: self.axis }
+        let drive = if self.cylinder.is_some() { DriveQuantity::Pressure } else { DriveQuantity::Current };
+        ControlledQuantity { kind: self.sensors.measured.kind(), axis: self.axis, drive }
     }
 }
 
@@ -81,7 +94,8 @@ const CURRENT: Words =
 
 impl ControlledQuantity {
     /// The rate of a turning axis.
-    pub const RATE: Self = Self { kind: QuantityKind::Rate, axis: Axis::Rotary };
+    pub const RATE: Self =
+        Self { kind: QuantityKind::Rate, axis: Axis::Rotary, drive: DriveQuantity::Current };
 
     fn words(self) -> &'static Words {
         match (self.kind, self.axis) {
@@ -103,7 +117,9 @@ impl ControlledQuantity {
     /// Returns every quantity on every axis.
     fn all() -> impl Iterator<Item = Self> {
         let kinds = [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current];
-        kinds.into_iter().flat_map(|kind| [Axis::Rotary, Axis::Linear].map(|axis| Self { kind, axis }))
+        kinds
+            .into_iter()
+            .flat_map(|kind| [Axis::Rotary, Axis::Linear].map(|axis| Self { kind, axis, ..Self::RATE }))
     }
 
     /// Returns the rate on the same axis: what the inner loop of a cascade controls.
@@ -114,6 +130,22 @@ impl ControlledQuantity {
     /// Returns what hub and tip of the plant move by: positions in a loop of position, rates in every other.
     pub fn motion(self) -> Self {
         if self.kind == QuantityKind::Position { self } else { self.rate() }
+    }
+
+    /// Returns what the drive makes its torque or force of, in a sentence: "current" or "load pressure".
+    pub fn drive_name(self) -> &'static str {
+        match self.drive {
+            DriveQuantity::Current => "current",
+            DriveQuantity::Pressure => "load pressure",
+        }
+    }
+
+    /// Returns the unit of what the drive makes its torque or force of.
+    pub fn drive_unit(self) -> &'static str {
+        match self.drive {
+            DriveQuantity::Current => "A",
+            DriveQuantity::Pressure => "MPa",
+        }
     }
 
     /// Returns the quantity in a sentence, for example "hub rate" or "transmitted torque".
@@ -210,6 +242,7 @@ impl ControlledQuantity {
             "expected_rate_rad_s" => own(format!("expected_{short}")),
             "hub_rate_rad_s" => self.signal(),
             "tip_rate_rad_s" => self.tip_signal(),
+            "current_a" if self.drive == DriveQuantity::Pressure => "load_pressure_mpa".to_owned(),
             other => other.to_owned(),
         }
     }
@@ -227,6 +260,13 @@ impl ControlledQuantity {
             ("error_peak_rad_s", format!("error_peak_{}", own.suffix)),
             ("travel_peak_rad", format!("travel_peak_{travel}")),
             ("rest_drift_rad", format!("rest_drift_{travel}")),
+            (
+                "current_peak_a",
+                match self.drive {
+                    DriveQuantity::Current => "current_peak_a".to_owned(),
+                    DriveQuantity::Pressure => "load_pressure_peak_mpa".to_owned(),
+                },
+            ),
         ];
         for (rate, name) in ends {
             if let Some(start) = of_rate_loop.strip_suffix(rate) {
@@ -273,7 +313,8 @@ mod tests {
             own.dedup();
             assert_eq!(own.len(), keys.len(), "{own:?}");
         }
-        let force = ControlledQuantity { kind: QuantityKind::Effort, axis: Axis::Linear };
+        let force =
+            ControlledQuantity { kind: QuantityKind::Effort, axis: Axis::Linear, ..ControlledQuantity::RATE };
         assert_eq!((force.signal().as_str(), force.unit()), ("transmitted_force_n", "N"));
         assert_eq!(force.tip_signal(), "tip_speed_m_s");
     }

@@ -17,7 +17,7 @@ mod structure;
 
 use crate::loads::Loads;
 
-pub use controlled::{ControlledQuantity, QuantityKind};
+pub use controlled::{ControlledQuantity, DriveQuantity, QuantityKind};
 pub use cylinder::Cylinder;
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use drive_limits::{

@@ -70,12 +70,13 @@ pub struct ResponseResult {
 }
 
 /// Endings of names that carry a unit, longest first.
-const UNITS: [(&str, &str); 11] = [
+const UNITS: [(&str, &str); 12] = [
     ("_nm_s_rad", "N m s/rad"),
     ("_m_s2", "m/s^2"),
     ("_rad_s", "rad/s"),
     ("_kg_m", "kg m"),
     ("_rad", "rad"),
+    ("_mpa", "MPa"),
     ("_m_s", "m/s"),
     ("_nm", "N m"),
     ("_v", "V"),

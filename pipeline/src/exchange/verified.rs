@@ -61,7 +61,7 @@ pub struct HistoryResult {
     pub tip_rate_rad_s: Vec<f64>,
     /// Control, V.
     pub control_v: Vec<f64>,
-    /// Motor current, A.
+    /// Motor current, A; with a cylinder the load pressure, MPa.
     pub current_a: Vec<f64>,
     /// Hub angle relative to the platform from its start, rad.
     pub travel_rad: Vec<f64>,
@@ -82,7 +82,7 @@ impl Serialize for HistoryResult {
         map.serialize_entry(&controlled.signal(), &self.hub_rate_rad_s)?;
         map.serialize_entry(&controlled.tip_signal(), &self.tip_rate_rad_s)?;
         map.serialize_entry("control_v", &self.control_v)?;
-        map.serialize_entry("current_a", &self.current_a)?;
+        map.serialize_entry(&controlled.named_signal("current_a"), &self.current_a)?;
         map.serialize_entry(&format!("travel_{}", controlled.travel_unit()), &self.travel_rad)?;
         if !self.contact.is_empty() {
             map.serialize_entry("contact", &self.contact)?;

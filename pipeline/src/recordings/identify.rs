@@ -51,7 +51,7 @@ impl AxisUnits {
             viscous: axis.unit("N m s/rad"),
             slope: axis.unit("V s/rad"),
             position: axis.unit("rad"),
-            rate: ControlledQuantity { kind: QuantityKind::Rate, axis },
+            rate: ControlledQuantity { kind: QuantityKind::Rate, axis, ..ControlledQuantity::RATE },
         }
     }
 }

@@ -30,11 +30,18 @@ pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
         .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
     let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
     let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
+    let controlled = found.controlled_quantity();
+    let drive_name = capitalise_first(controlled.drive_name());
     let column = |name, unit, factor, values| HistoryColumn { name, unit, factor, values };
     let mut charts = [
         hub_chart(view, found, experiment),
         history_chart(view, found, experiment, &column("Control", "V", 1.0, |h| &h.control_v)),
-        history_chart(view, found, experiment, &column("Motor current", "A", 1.0, |h| &h.current_a)),
+        history_chart(
+            view,
+            found,
+            experiment,
+            &column(&drive_name, controlled.drive_unit(), 1.0, |h| &h.current_a),
+        ),
         history_chart(
             view,
             found,
