@@ -1,7 +1,6 @@
 //! `counterpoise fra`: the frequency response analyser, on the simulated mechanism or on recordings.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
@@ -20,7 +19,9 @@ use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
-use counterpoise_host::workers::Workers;
+use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_host::clock::Moment;
+use counterpoise_host::workers::{Processors, Workers, run_on};
 
 /// Arguments of `fra`.
 #[derive(Args)]
@@ -152,12 +153,12 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
         }
     };
     let workers = Workers::new(options.outputs.results.progress());
-    let start = Instant::now();
+    let start = Moment::now();
     let measured = analyser.measure(plan, &workers);
     let seconds = start.elapsed().as_secs_f64();
     workers.finish();
     let measured = measured?;
-    let mut speed = vec![Pace { threads: rayon::current_num_threads(), seconds }];
+    let mut speed = vec![Pace { threads: Processors.processors(), seconds }];
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
@@ -168,13 +169,12 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
 /// last bit.
 fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
-    let all = rayon::current_num_threads();
+    let all = Processors.processors();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
     let mut paces = Vec::new();
     for threads in doubling.chain([all]) {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        let start = Instant::now();
-        let measured = pool.install(|| analyser.measure(plan, &Workers::new(Progress::Quiet)))?;
+        let start = Moment::now();
+        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(Progress::Quiet)))??;
         paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
         if measured != expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
