@@ -6,6 +6,7 @@ use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::studies::assumptions::AssumptionEffect;
+use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
@@ -122,7 +123,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: Co
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
         .showing(plants.iter().map(figure));
-    section.text.extend(reduced.warnings.iter().map(ToString::to_string));
+    section.text.extend(reduced.warnings.iter().map(describe_reduction_warning));
     section
 }
 
