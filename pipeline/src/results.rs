@@ -2,6 +2,7 @@
 
 mod balance;
 mod certificate;
+mod complete_design;
 mod robustness;
 mod two_axes;
 
@@ -26,6 +27,7 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
+pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
 pub use two_axes::{JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
