@@ -1,6 +1,6 @@
 //! The report of the frequency response analyser: gain and phase over frequency for every amplitude, beside the linear models.
 
-use counterpoise_pipeline::studies::fra::{Map, Point};
+use counterpoise_pipeline::studies::fra::{Around, Map, Point};
 use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, Sticking};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
@@ -31,7 +31,7 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let name = first.map_or("", |map| map.name.as_str());
     Report {
         title: format!("Frequency responses of {name}"),
-        subtitle: first.map(|map| map.words()).unwrap_or_default(),
+        subtitle: first.map(map_title).unwrap_or_default(),
         headline: headline(maps),
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
@@ -55,6 +55,16 @@ fn headline(maps: &[Map]) -> Headline {
     let detail =
         format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
+}
+
+/// Describes what a map relates and what surrounds the measurement, for example "demand to hub rate, with the controller".
+pub fn map_title(map: &Map) -> String {
+    let surroundings = match map.around {
+        Around::Plant => "without controller",
+        Around::Closed | Around::Disturbance => "with the controller",
+        Around::Disconnected => "balanced, the motor disconnected",
+    };
+    format!("{} to {}, {surroundings}", map.signals.input, map.signals.output)
 }
 
 /// Returns a sentence for each amplitude at which the joint sticks, with the next amplitude of the map that moves it at all of those frequencies.

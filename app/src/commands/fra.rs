@@ -10,7 +10,7 @@ use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, fra_report, sticking_lines};
+use counterpoise_report::fra::{Pace, fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
@@ -254,7 +254,7 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
 
 fn print(map: &Map) {
     let from = map.recording.as_deref().unwrap_or("simulated");
-    say!("{}: {} ({from})", map.name, map.words());
+    say!("{}: {} ({from})", map.name, map_title(map));
     say!(
         "{:>10} {:>10} {:>9} {:>9} {:>11} {:>11} {:>9} {:>11}",
         map.signals.input_unit,
