@@ -75,3 +75,7 @@ pub(crate) const DEAD_BAND_MARGIN: f64 = 1.05;
 
 /// Least dead-band over the acceleration of the quietest motion that was tried: below, no trial shows what an estimate is worth.
 pub(crate) const BELOW_TRIED: f64 = 0.5;
+
+/// Multiple of its noise floor from which on a channel has a residual that a model could remove: the level below which the diagnosis calls a
+/// channel explained. Nearer to 1, the power that is removed of pure noise would be counted.
+pub(crate) const RESIDUAL_ABOVE_FLOOR: f64 = 1.5;

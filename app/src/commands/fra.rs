@@ -9,7 +9,7 @@ use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, fra_report, sticking_lines, sticks};
+use counterpoise_report::fra::{Pace, fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
@@ -254,7 +254,7 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
 
 fn print(map: &Map) {
     let from = map.recording.as_deref().unwrap_or("simulated");
-    say!("{}: {} ({from})", map.name, map.words());
+    say!("{}: {} ({from})", map.name, map_title(map));
     say!(
         "{:>10} {:>10} {:>9} {:>9} {:>11} {:>11} {:>9} {:>11}",
         map.signals.input_unit,
@@ -266,10 +266,9 @@ fn print(map: &Map) {
         "harmonics",
         format!("mean {}", map.signals.output_unit)
     );
-    let db = |h: [f64; 2]| 20.0 * h[0].hypot(h[1]).log10();
     for p in &map.points {
-        let described = p.describing.map_or("-".to_owned(), |h| format!("{:.2}", db(h)));
-        let [gain, phase] = match sticks(p) {
+        let described = p.describing_gain_db().map_or("-".to_owned(), |gain| format!("{gain:.2}"));
+        let [gain, phase] = match p.sticks() {
             true => ["sticks".to_owned(), "-".to_owned()],
             false => [format!("{:.2}", p.gain_db), format!("{:.2}", p.phase_deg)],
         };
@@ -277,7 +276,7 @@ fn print(map: &Map) {
             "{:10.4} {:10.4} {gain:>9} {phase:>9} {:11.2} {described:>11} {:8.2}% {:11.2e}{}",
             p.amplitude,
             p.frequency_hz,
-            db(p.linear),
+            p.linear_gain_db(),
             100.0 * p.distortion,
             p.mean_rad_s,
             match (p.settled, &map.recording) {
