@@ -97,7 +97,7 @@ pub fn run(options: &FraOptions) -> Done {
     let mut loaded = projects::load_project(&options.project, Purpose::Model)?;
     let around = options.around.map_or_else(|| Around::usual_of(&loaded.project), Around::from);
     let has_controller = matches!(around, Around::Closed | Around::Disturbance);
-    if has_controller && options.recording.is_empty() && loaded.project.synth.is_none() {
+    if has_controller && options.recording.is_empty() && pipeline::leaves_weights_open(&loaded.project) {
         loaded = projects::load_project(&options.project, Purpose::Synth)?;
     }
     output::print_warnings(&loaded, options.outputs.results.progress());
