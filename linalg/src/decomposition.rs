@@ -188,7 +188,7 @@ pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
     if n < 3 {
         return Ok((A.clone(), Mat::eye(n)));
     }
-    let (least, most) = compact::SAFE_ENTRIES;
+    let (least, most) = crate::tolerance::SAFE_ENTRIES;
     if n <= compact::SIMILARITIES && (least..most).contains(&A.norm_max()) {
         let mut H = A.clone();
         let Q = compact::hessenberg(&mut H);
@@ -202,7 +202,7 @@ pub(crate) fn hessenberg_values(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
     let n = A.nrows();
     let mut H = A.clone();
-    let (least, most) = compact::SAFE_ENTRIES;
+    let (least, most) = crate::tolerance::SAFE_ENTRIES;
     if n < 3 {
         return Ok(H);
     }

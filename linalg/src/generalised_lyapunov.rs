@@ -131,10 +131,7 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &Weights, kind: Kind) -> Result<O
         Kind::Discrete => dare(&reduced, B, &Q, weights.R, S.as_ref())?,
     };
     let equation = Generalised { A, E, B, weights, kind };
-    match answer {
-        Outcome::Infeasible(reason) => Ok(Outcome::Infeasible(reason)),
-        Outcome::Solved(found) => equation.refined(found).map(Outcome::Solved),
-    }
+    answer.try_map(|found| equation.refined(found))
 }
 
 struct Generalised<'a> {

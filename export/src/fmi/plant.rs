@@ -5,12 +5,8 @@ use minijinja::{Environment, context};
 
 use crate::fmi::{Unit, Variable};
 use crate::fmi::{learned, loads, machine};
+use crate::tolerance::{MOST_BRISTLES, MOST_DELAY_SAMPLES};
 use crate::{Error, File, Provenance, check_name};
-
-/// Most samples by which a signal of the unit may be late: it keeps them all.
-pub const MOST_DELAY_SAMPLES: f64 = 1e4;
-/// Most bristles of a joint of the unit.
-pub const MOST_BRISTLES: f64 = 1e5;
 
 /// A plant unit that was asked for.
 #[derive(Debug, Clone, Copy)]

@@ -6,6 +6,7 @@ use super::Project;
 use crate::assumption::Tolerance;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Visit, choose, list};
+use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 
 /// A robustness campaign.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,8 +89,6 @@ const OUTPUT_ERROR: Field = Field::new(
 )
 .limit(Limit::Between(0.0, 1.0))
 .or(GAIN_ERROR);
-/// Most mechanisms of a campaign.
-const MOST_SAMPLES: f64 = 1e7;
 
 /// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
 const TOLERANCES: [(&str, Varied); 27] = [
@@ -170,7 +169,7 @@ pub(crate) fn blank() -> Sweep {
 /// Reads or lists a campaign.
 pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
-        .limit(Limit::Between(1.0, MOST_SAMPLES));
+        .limit(Limit::Between(1.0, MOST_CAMPAIGN_SAMPLES));
     super::model::count(v, &samples.or(200.0).show_default(), &mut sweep.samples);
     super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);

@@ -7,6 +7,7 @@ use counterpoise_pipeline::recordings::held_out::HeldOutFit;
 use serde::Serialize;
 
 use super::recordings::describe_column_remark;
+use crate::tolerance::ABOVE_FLOOR;
 
 /// One held-out recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,9 +35,6 @@ pub struct HeldOutChannel {
     /// RMS of the residual of the improved model.
     pub after: f64,
 }
-
-/// Multiple of its noise floor from which on a channel has a residual that a model could remove.
-const ABOVE_FLOOR: f64 = 1.5;
 
 /// Describes held-out recordings.
 pub fn describe_held_out(recordings: &[HeldOutRecording]) -> Vec<HeldOutText> {

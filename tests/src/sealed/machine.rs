@@ -323,13 +323,20 @@ impl Machine {
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
         d[16] = self.hose(x[16], sliding);
         d[17..].copy_from_slice(&self.slip_slopes(&x[17..], sliding));
+        d[10..16].copy_from_slice(&self.sensor_slopes(x, platform));
+        d
+    }
+
+    /// Derivatives of the states of hub gyroscope, platform gyroscope and accelerometer: a reading and its rate each.
+    fn sensor_slopes(&self, x: &[f64; STATES], platform: Platform) -> [f64; 6] {
         let lever = platform.heave + self.lever_arm * platform.acceleration;
         let sensed =
-            [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];
+            [(&self.hub_gyro, x[5]), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];
+        let mut d = [0.0; 6];
         for (k, (gyro, truth)) in sensed.into_iter().enumerate() {
             let (y, speed) = (x[10 + 2 * k], x[11 + 2 * k]);
-            d[10 + 2 * k] = speed;
-            d[11 + 2 * k] =
+            d[2 * k] = speed;
+            d[2 * k + 1] =
                 gyro.natural * gyro.natural * (truth - y) - 2.0 * gyro.damping * gyro.natural * speed;
         }
         d

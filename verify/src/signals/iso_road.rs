@@ -151,11 +151,13 @@ fn motion(
     Ok([series(0), series(1)])
 }
 
-fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
+/// Checks a vehicle and its speed, m/s, without realising its motion.
+///
+/// # Errors
+/// [`Error::Range`] for a speed, mass, inertia or stiffness that is not positive, and those of the vehicle's state-space systems.
+pub fn check_vehicle(speed_m_s: f64, vehicle: Vehicle) -> Result<(), Error> {
     for (what, value) in [
-        ("speed in m/s", drive.speed_m_s),
-        ("duration in s", drive.duration_s),
-        ("sample period in s", drive.sample_period_s),
+        ("speed in m/s", speed_m_s),
         ("mass of the vehicle in kg", vehicle.body_mass_kg),
         ("pitch inertia of the vehicle in kg m^2", vehicle.pitch_inertia_kg_m2),
         ("mass of an axle in kg", vehicle.axle_mass_kg),
@@ -163,6 +165,18 @@ fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
         ("track in m", vehicle.sides.map_or(1.0, |sides| sides.track_m)),
         ("roll inertia in kg m^2", vehicle.sides.map_or(1.0, |sides| sides.roll_inertia_kg_m2)),
     ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(Error::Range { what, value, allowed: "positive" });
+        }
+    }
+    dynamics(vehicle)?;
+    vehicle.sides.map_or(Ok(()), |sides| roll_dynamics(vehicle, sides).map(drop))
+}
+
+fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
+    check_vehicle(drive.speed_m_s, vehicle)?;
+    for (what, value) in [("duration in s", drive.duration_s), ("sample period in s", drive.sample_period_s)]
+    {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Error::Range { what, value, allowed: "positive" });
         }
