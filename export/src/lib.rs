@@ -94,12 +94,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// Double precision under a name.
+    /// Returns double precision under a name.
     pub fn double(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Double }
     }
 
-    /// Single precision under a name.
+    /// Returns single precision under a name.
     pub fn single(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Single }
     }

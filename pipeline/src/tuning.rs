@@ -549,7 +549,7 @@ pub struct WeightsResult {
     pub loop_recovery: f64,
 }
 
-/// Tuned weights as plain data; `None` for a structure.
+/// Returns tuned weights as plain data; `None` for a structure.
 pub fn weights_result(tuned: &TunedFeedback) -> Option<WeightsResult> {
     let TunedFeedback::Weights(weights) = tuned else { return None };
     Some(WeightsResult {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_models::{AmplifierDynamics, SectionShape, StructuralDamping};
-use counterpoise_project::{Attachments, Document, MotionKind, PlatformSource, Project, Setting};
+use counterpoise_project::{Attachments, Document, PlatformSource, Project, Setting};
 
 const GOOD: &str = include_str!("data/rig.toml");
 

@@ -21,7 +21,7 @@ pub struct Weights<'a> {
     pub input: &'a StateSpace,
 }
 
-/// Frequency-weighted balanced reduction of the stable part of `g`; the rest is kept.
+/// Returns the frequency-weighted balanced reduction of the stable part of `g`; the rest is kept.
 ///
 /// The Gramians are the blocks that belong to g in those of `g input` and `output g`. There is no a priori bound: the
 /// weighted error is measured.

@@ -173,7 +173,7 @@ fn print(options: &DesignOptions, made: &Stages) {
     made.all_left_out().for_each(|code| say!("left out  {code}"));
 }
 
-/// The verdicts, one a line, and their sum.
+/// Prints the verdicts, one a line, and their sum.
 pub fn print_verdicts(found: &Verification) {
     for (requirement, verdict) in &found.verdicts {
         let name = requirement.figure.name(found.controlled_quantity());

@@ -109,7 +109,7 @@ pub enum Anomaly {
 }
 
 impl Anomaly {
-    /// Whether the channel cannot be used as it is.
+    /// Returns whether the channel cannot be used as it is.
     pub fn is_disqualifying(&self) -> bool {
         match self {
             Self::Missing { missing, samples } => missing == samples,

@@ -134,7 +134,7 @@ enum Which {
 }
 
 impl Fixed {
-    /// Fraction bits of the control.
+    /// Returns the fraction bits of the control.
     pub fn control_bits(&self) -> i32 {
         match self.controller.programs().step.output {
             Some(Slot::Local(i)) => self.step.locals[i],

@@ -30,17 +30,17 @@ pub(crate) struct Basis {
 }
 
 impl Basis {
-    /// The whole basis.
+    /// Returns the whole basis.
     pub fn whole(ground: &Ground) -> Result<Self, Error> {
         Self::new(ground, DELAYS, POLES)
     }
 
-    /// Half of it.
+    /// Returns half of the basis.
     pub fn half(ground: &Ground) -> Result<Self, Error> {
         Self::new(ground, DELAYS / 2, POLES / 2)
     }
 
-    /// Number of functions.
+    /// Returns the number of functions.
     pub fn size(&self) -> usize {
         self.columns.len()
     }

@@ -174,7 +174,7 @@ impl<'a> Scan<'a> {
         self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
     }
 
-    /// The highest aim that is looked at, rad/s.
+    /// Returns the highest aim that is looked at, rad/s.
     pub fn highest_aim(&self) -> f64 {
         let sampling = &self.circumstances.sampling;
         let samples_s = sampling.delay_samples as f64 * sampling.period_s;
@@ -314,7 +314,7 @@ impl<'a> Scan<'a> {
         found.bandwidth_rad_s <= self.ceiling() && KINDS.into_iter().all(|kind| self.keeps(kind, found))
     }
 
-    /// The limits that a loop does not keep.
+    /// Returns the limits that a loop does not keep.
     pub fn missed_limits(&self, found: &LoopJudgement) -> Vec<LimitKind> {
         let kinds = KINDS.into_iter().chain([LimitKind::Asked]);
         kinds.filter(|kind| !self.keeps(*kind, found)).collect()
@@ -336,7 +336,7 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// The answer; `None` if nothing keeps everything.
+    /// Returns the answer; `None` if nothing keeps everything.
     pub fn best_design(&self) -> Option<Tried> {
         self.best.clone()
     }
@@ -384,7 +384,7 @@ impl<'a> Scan<'a> {
         self.judge.nominal_loop(&self.controller(&tried.weights, tried.position_gain)?)
     }
 
-    /// Every limit, the lowest first.
+    /// Returns every limit, the lowest first.
     pub fn summary(&self) -> Vec<Limit> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
         let limit = |kind| Limit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };

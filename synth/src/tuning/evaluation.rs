@@ -23,12 +23,12 @@ pub(crate) struct Evaluation {
 }
 
 impl Evaluation {
-    /// The objective on the worst plant.
+    /// Returns the objective on the worst plant.
     pub fn objective(&self) -> f64 {
         self.objectives.iter().map(|row| row.value).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What the worst limit is exceeded by; 0 where all are kept.
+    /// Returns what the worst limit is exceeded by; 0 where all are kept.
     pub fn worst_exceedance(&self) -> f64 {
         self.limits.iter().map(|row| row.value).fold(0.0, f64::max)
     }

@@ -273,7 +273,7 @@ impl Machine {
         })
     }
 
-    /// Derivatives of the states.
+    /// Returns the derivatives of the states.
     pub fn slopes(&self, t: f64, x: &[f64; STATES], control: f64, platform: Platform) -> [f64; STATES] {
         let [volts, amps, shaft, spin, hub, hub_rate, beam, beam_rate, motor_dry, pivot_dry, ..] = *x;
         let mut d = [0.0; STATES];
@@ -342,7 +342,7 @@ impl Machine {
         d
     }
 
-    /// One classical Runge-Kutta step of length `h`, the platform given at its start, middle and end.
+    /// Takes one classical Runge-Kutta step of length `h`, the platform given at its start, middle and end.
     pub fn step(
         &self,
         t: f64,
@@ -359,7 +359,7 @@ impl Machine {
         std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// At rest with the motor holding the imbalance, everything level.
+    /// Returns the states at rest with the motor holding the imbalance, everything level.
     pub fn at_rest(&self) -> [f64; STATES] {
         let weight = self.gravity * self.moment - self.spring * self.spring_centre;
         let wound = weight / self.gear_stiffness + 0.5 * self.backlash * weight.signum();

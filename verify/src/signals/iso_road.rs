@@ -57,7 +57,7 @@ const SINES: usize = 400;
 const DIFFERENCE_STREAM: u64 = 48;
 
 impl RoadClass {
-    /// Geometric mean of the class's G(n0), m^3.
+    /// Returns the geometric mean of the class's G(n0), m^3.
     pub fn roughness_m3(self) -> f64 {
         let step = match self {
             RoadClass::A => 0,
@@ -69,7 +69,7 @@ impl RoadClass {
         16e-6 * 4f64.powi(step)
     }
 
-    /// The class with a letter A to E.
+    /// Returns the class with a letter A to E.
     pub fn from_letter(letter: &str) -> Option<Self> {
         let all = [("A", Self::A), ("B", Self::B), ("C", Self::C), ("D", Self::D), ("E", Self::E)];
         all.into_iter().find(|row| row.0.eq_ignore_ascii_case(letter)).map(|row| row.1)
@@ -84,8 +84,8 @@ struct Tone {
     phase_rad: f64,
 }
 
-/// The motion of the mechanism's pivot during a drive: heave (m/s^2) and pitch rate (rad/s, nose-up), from rest to rest. A vehicle with two sides
-/// also rolls, and the elevation axis feels gravity's share of that.
+/// Returns the motion of the mechanism's pivot during a drive: heave (m/s^2) and pitch rate (rad/s, nose-up), from rest to rest. A vehicle with
+/// two sides also rolls, and the elevation axis feels gravity's share of that.
 ///
 /// # Errors
 /// [`Error::Range`] for a speed, duration or period that is not positive, and a vehicle without mass.

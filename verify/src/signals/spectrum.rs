@@ -43,8 +43,8 @@ const HIGHEST_HZ: f64 = 50.0;
 /// The pitch's phases are drawn from a sequence of their own.
 const PITCH_STREAM: u64 = 1;
 
-/// Independent heave and pitch with given spectra, from rest to rest; heave in points [Hz, (m/s^2)^2/Hz], pitch rate in points
-/// [Hz, (rad/s)^2/Hz]. No points: no motion.
+/// Returns independent heave and pitch with given spectra, from rest to rest; heave in points [Hz, (m/s^2)^2/Hz], pitch rate in
+/// points [Hz, (rad/s)^2/Hz]. No points: no motion.
 ///
 /// # Errors
 /// As [`tones`], and for a duration or fade out of range.
@@ -67,7 +67,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
     })
 }
 
-/// A platform motion simulator that only pitches, the mechanism's pivot standing `offset_m` in front of its axis:
+/// Returns the motion of a platform motion simulator that only pitches, the mechanism's pivot standing `offset_m` in front of its axis:
 ///
 /// ```text
 ///     theta(t) = fade(t) sum a_k sin(w_k t + phase_k),   pitch rate = theta',   heave = offset theta''
@@ -138,7 +138,7 @@ pub fn check_density(points: &[[f64; 2]]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The sines of a realisation, each with the variance of its band; seeds and streams have phases of their own.
+/// Returns the sines of a realisation, each with the variance of its band; seeds and streams have phases of their own.
 ///
 /// # Errors
 /// As [`check_density`].
@@ -160,7 +160,7 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, E
     Ok((0..SINES).map(tone).collect())
 }
 
-/// Tones of the angle whose rate the given tones are.
+/// Returns the tones of the angle whose rate the given tones are.
 #[must_use]
 pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
     let turned = |tone: &Tone| Tone {
@@ -171,7 +171,7 @@ pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
     rate.iter().map(turned).collect()
 }
 
-/// Integral of the density over a band, exactly: between two points it is c f^p.
+/// Returns the integral of the density over a band, exactly: between two points it is c f^p.
 pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
     let piece = |two: &[[f64; 2]]| {
         let (from, to) = (two[0][0].max(low_hz), two[1][0].min(high_hz));

@@ -78,8 +78,8 @@ pub fn close_perturbed_loop(
     })
 }
 
-/// The closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of presliding,
-/// poles of constants that nothing changes are left out.
+/// Returns the closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of
+/// presliding, poles of constants that nothing changes are left out.
 ///
 /// # Errors
 /// Parameters that make no mechanism, and those of the sampling and of the connection.

@@ -170,13 +170,13 @@ impl UncertainLoop {
         }
     }
 
-    /// The sample period, s.
+    /// Returns the sample period, s.
     pub fn sample_period_s(&self) -> f64 {
         self.plant.sample_period_s
     }
 
-    /// The parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole is in the
-    /// middle of the interval, or if the loop is algebraically singular.
+    /// Returns the parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole
+    /// is in the middle of the interval, or if the loop is algebraically singular.
     pub fn pieces_over(&self, interval: Interval) -> Option<Pieces> {
         let m = self.channels;
         let G = self.systems.extended.evaluate_over(interval)?;
@@ -198,7 +198,7 @@ impl UncertainLoop {
         })
     }
 
-    /// M at each rate in rad/s.
+    /// Returns M at each rate in rad/s.
     ///
     /// # Errors
     /// A response that does not exist because of a pole.
