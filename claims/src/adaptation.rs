@@ -10,7 +10,7 @@ use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, panel, time_axis};
-use super::identified::with_amplifier;
+use super::identification::with_amplifier;
 use super::{Bench, Claim, Criterion};
 use crate::tolerance::RETURNED;
 use counterpoise_pipeline::PipelineError;

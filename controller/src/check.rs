@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::required::{Required, at_least_0, count, finite, positive, require};
+use crate::range_checks::{Required, at_least_0, count, finite, positive, require};
 use crate::signal::{HUB_POSITION, HUB_RATE};
 use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;

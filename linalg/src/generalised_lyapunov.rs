@@ -6,7 +6,7 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::error::{Error, check_range, check_shape, check_square};
-use crate::extended::{Extended, exact_product};
+use crate::extended_precision::{Extended, exact_product};
 use crate::lyapunov::{dlyap, lyap};
 use crate::mat::Mat;
 use crate::riccati::{Outcome, Riccati, care, dare};

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::cause::Cause;
 use crate::certificate::Equation;
 use crate::finding::{Finding, Part};
-use crate::generalised::{Blocks, Generalised, absorb_direct_path};
+use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
 use crate::origin::{Of, require_solution};
 
 /// An H2 controller with its certificates.

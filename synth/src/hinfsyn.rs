@@ -7,7 +7,7 @@ use crate::Error;
 use crate::cause::Cause;
 use crate::error::attempt;
 use crate::finding::{Finding, Part};
-use crate::generalised::Generalised;
+use crate::generalised_plant::Generalised;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, Normal};
 use crate::tolerance::{

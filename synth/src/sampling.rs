@@ -101,7 +101,7 @@ pub struct Sampled {
 
 impl Sampled {
     /// Returns the largest relative difference between predicted and achieved cost over the parts designed in sampled time;
-    /// `None` where there are none, or none of them has both.
+    /// `None` if there are none, or none of them has both.
     pub fn worst_cost_difference(&self) -> Option<f64> {
         self.certified.iter().filter_map(|part| part.cost.relative_difference()).max_by(f64::total_cmp)
     }

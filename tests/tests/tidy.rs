@@ -394,6 +394,62 @@ fn functions_are_not_named_by_participles_or_prepositions() {
     }
 }
 
+/// A module whose name is a participle and that may be called so.
+struct AllowedModule {
+    folder: &'static str,
+    name: &'static str,
+    why: ModuleReason,
+}
+
+/// Why a module may be called so.
+#[derive(Debug, Clone, Copy)]
+enum ModuleReason {
+    /// The term of the textbooks begins with it: the structured singular value.
+    Term,
+    /// It presents a section of the project file that has this name.
+    Section,
+    /// The evidence speaks of what it has by this name alone.
+    Evidence,
+}
+
+/// Every module whose name is a participle and that may be called so, with the reason.
+const ALLOWED_MODULES: [AllowedModule; 3] = [
+    AllowedModule { folder: "report", name: "learned", why: ModuleReason::Section },
+    AllowedModule { folder: "tests", name: "sealed", why: ModuleReason::Evidence },
+    AllowedModule { folder: "verify", name: "structured", why: ModuleReason::Term },
+];
+
+/// Returns the names of the modules that a source declares, with their lines.
+fn declared_modules(code: &str) -> impl Iterator<Item = (usize, &str)> {
+    code.lines().enumerate().filter_map(|(number, line)| {
+        let (before, name) = line.strip_suffix(';')?.split_once("mod ")?;
+        (before.is_empty() || before.starts_with("pub")).then_some((number + 1, name))
+    })
+}
+
+#[test]
+fn modules_are_called_by_nouns() {
+    let (mut wrong, mut needed) = (Vec::new(), Vec::new());
+    for folder in members() {
+        for (file, code) in sources(&folder) {
+            for (line, name) in declared_modules(&code).filter(|(_, name)| is_participle(name)) {
+                let is_this = |one: &AllowedModule| (one.folder, one.name) == (folder.as_str(), name);
+                match ALLOWED_MODULES.iter().position(is_this) {
+                    Some(at) => needed.push(at),
+                    None => wrong.push(format!("{}:{line}: {name}", file.display())),
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "name what the module has, by a noun:\n{}", wrong.join("\n"));
+    for (at, AllowedModule { folder, name, why }) in ALLOWED_MODULES.iter().enumerate() {
+        assert!(
+            needed.contains(&at),
+            "no module of {folder} is called {name} ({why:?}): leave it out of the list"
+        );
+    }
+}
+
 #[test]
 fn participles_and_prepositions_are_told_from_verbs_and_nouns() {
     let wrong = ["held", "measured", "over", "by_name", "in_si", "still"];

@@ -132,7 +132,7 @@ fn real_constants(code: &str) -> Vec<RealConstant<'_>> {
             .split_once("const ")
             .filter(|(before, after)| is_constant(before) && !after.starts_with("fn "));
         if let Some((name, rest)) = after.and_then(|(_, after)| after.split_once(": "))
-            && rest.split('=').next().is_some_and(|kind| kind.contains("f64"))
+            && rest.split_once(" =").is_some_and(|(kind, _)| kind.contains("f64"))
         {
             found.push(RealConstant { line: number + 1, name, comment: comment.clone() });
         }

@@ -10,7 +10,7 @@ use counterpoise_simulate::Simulator;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
-use crate::linear::closed::is_feedforward;
+use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
 use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
@@ -338,7 +338,7 @@ fn linear_loops(
     procedure: &Procedure,
     requirements: &[Requirement],
 ) -> Result<LinearLoops, Error> {
-    let resolver = linear::closed::resolver_use(controller);
+    let resolver = linear::closed_loop::resolver_use(controller);
     let sampled = SampledPlant::new(&linear_plant(plant, procedure)?, plant.parameters(), resolver)?;
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
 
-use crate::learning::visited::Visited;
+use crate::learning::visited_ranges::Visited;
 use crate::library::{Component, Effect, make_learned_effect};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;

@@ -9,7 +9,7 @@
 
 mod absent;
 mod controller;
-mod learned;
+mod free_functions;
 mod loads;
 mod machine;
 mod pack;

@@ -4,7 +4,7 @@ use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
 use crate::fmi::{Unit, Variable};
-use crate::fmi::{learned, loads, machine};
+use crate::fmi::{free_functions, loads, machine};
 use crate::tolerance::{MOST_BRISTLES, MOST_DELAY_SAMPLES};
 use crate::{Error, File, Provenance, check_name};
 
@@ -61,7 +61,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         period => format!("{period_s:?}"), parts => machine::shortest_parts(plant),
         bonds => bonds.max(1), past, states => machine::states(plant),
         kind => context! { cylinder => loads::cylinder(plant), ..machine::kind(plant) },
-        learned => learned::functions(plant),
+        learned => free_functions::functions(plant),
         loads => loads::loads(plant), limits => loads::limits(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),

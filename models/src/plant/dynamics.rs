@@ -1,7 +1,7 @@
 //! The plant's nonlinear right-hand side.
 
 use super::core::{input, state};
-use super::learned::{JointMotion, LearnedRegime};
+use super::free_functions::{JointMotion, LearnedRegime};
 use super::mesh_loss::MeshLoss;
 use super::{Core, CylinderPoint, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};

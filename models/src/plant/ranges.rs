@@ -11,7 +11,7 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
     finite("gravity_m_s2", parameters.gravity_m_s2)?;
     drive(parameters)?;
     sensors(parameters)?;
-    super::learned::check(parameters)?;
+    super::free_functions::check(parameters)?;
     parameters.cylinder.as_ref().map_or(Ok(()), |cylinder| cylinder.check(parameters))?;
     parameters.loads.check()?;
     drive_limits(parameters)?;

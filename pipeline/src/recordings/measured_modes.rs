@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
 use crate::{PipelineError, finite_elements};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::measured::MeasuredModes;
+use counterpoise_project::resolve::measured_modes::MeasuredModes;
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// How many times finer the mesh of the hypothesis "too few elements" is.

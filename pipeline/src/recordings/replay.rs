@@ -1,7 +1,7 @@
 //! Recordings replayed on the project's model.
 
 use counterpoise_diagnose::fitting::fitted_start::fit_start;
-use counterpoise_diagnose::learning::visited::Visited;
+use counterpoise_diagnose::learning::visited_ranges::Visited;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};

@@ -6,8 +6,8 @@ use counterpoise_models::{
 };
 
 use super::axis_words::Words;
+use super::free_functions::learned_functions;
 use super::friction::{friction, ripple};
-use super::learned::learned_functions;
 use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped_inertias};
 use super::{cylinder, drive, loads, loop_sensor, transmission};

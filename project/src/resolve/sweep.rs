@@ -1,6 +1,6 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Family, Points, Variation, Varied, varied};
+use counterpoise_verify::robust::{Distribution, Family, Points, Variation, Varied, varied_parameters};
 
 use super::Project;
 use crate::assumption::Tolerance;
@@ -32,11 +32,11 @@ impl Choice for Varied {
 }
 
 /// The parameters' keys, the other way round.
-const NAMES: [(&str, Varied); varied::ALL.len()] = {
-    let mut names = [("", Varied::Inertia); varied::ALL.len()];
+const NAMES: [(&str, Varied); varied_parameters::ALL.len()] = {
+    let mut names = [("", Varied::Inertia); varied_parameters::ALL.len()];
     let mut at = 0;
     while at < names.len() {
-        names[at] = (varied::ALL[at].1, varied::ALL[at].0);
+        names[at] = (varied_parameters::ALL[at].1, varied_parameters::ALL[at].0);
         at += 1;
     }
     names

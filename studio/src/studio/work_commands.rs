@@ -16,7 +16,7 @@ use crate::jobs::plot_copy::{CopyFormat, CopyRequest, CopyTarget};
 use crate::jobs::recording_views::ReplayRequest;
 use crate::jobs::report_job::ReportRequest;
 use crate::jobs::verification::VerificationRequest;
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 use counterpoise_host::recent_files::RecentList;
 
 /// A design with its verification, both of the project as it stands.

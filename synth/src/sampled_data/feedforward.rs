@@ -4,7 +4,7 @@ use counterpoise_linalg::{Mat, dsylvester};
 use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
-use super::held::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
+use super::held_plant::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
 use super::rows::Rows;
 use crate::certificate::{Certified, Cost, Equation};
 use crate::feedforward::with_derivatives;

@@ -8,7 +8,7 @@ pub mod oracle;
 pub mod row;
 pub mod table;
 pub mod truth;
-pub mod unnamed;
+pub mod unnamed_machines;
 
 pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record, record_under};
 pub use row::{Row, score};

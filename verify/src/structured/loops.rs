@@ -28,7 +28,7 @@ use super::factor::Factor;
 use super::places::{Dry, Place};
 use super::taylor::{Evaluated, Interval, Taylor};
 use crate::Error;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 use crate::linear::plant_response::hold;
 use crate::linear::{Closed, SampledPlant};
@@ -306,7 +306,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::linear::plant::Resolver;
-    use crate::robust::{Distribution, Varied, varied};
+    use crate::robust::{Distribution, Varied, varied_parameters};
     use crate::structured::places::places;
     use counterpoise_models::plant::{Angles, FrictionLinearisation};
 
@@ -346,7 +346,8 @@ mod tests {
         let rig = counterpoise_models::reference::rig();
         let factor = Factor::of(Distribution::Uniform { low: 0.6, high: 1.9 });
         let of_sliding_plant = |varied: &Varied| !varied.is_of_controller();
-        for (varied, key) in varied::ALL.into_iter().filter(|(varied, _)| of_sliding_plant(varied)) {
+        for (varied, key) in varied_parameters::ALL.into_iter().filter(|(varied, _)| of_sliding_plant(varied))
+        {
             for delta in [0.0, 0.8, -0.9] {
                 let mut parameters = rig.clone();
                 varied.scale(&mut parameters, factor.at(delta)).unwrap();

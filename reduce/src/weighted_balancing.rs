@@ -1,6 +1,6 @@
 //! Frequency-weighted balancing (Enns 1984), and the reduction of a controller that keeps its loop.
 
-use crate::balanced::Balanced;
+use crate::balanced_truncation::Balanced;
 use crate::reduction::choose;
 use crate::split::split;
 use crate::tolerance::EXACT_NORM;

@@ -4,8 +4,8 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{Operation, Program, Slot, Term};
 
 use crate::Ranges;
-use crate::fixed::format::{ALL, Span, bits_for, to_integer, unit};
-use crate::fixed::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
+use crate::fixed_point::format::{ALL, Span, bits_for, to_integer, unit};
+use crate::fixed_point::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
 
 /// One operation's rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
