@@ -60,16 +60,7 @@ pub fn run(options: &DesignOptions) -> Done {
     output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
-    let mut result = DesignResult::from(&designed);
-    let both = designed.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
-    result.verify = result.verify.with_two_axes(both);
-    if options.histories {
-        let (verified, plant) = (&designed.stages.verified, &designed.stages.modelled.plant);
-        result.verify.error_budget =
-            error_budget_result(verified.verification(), plant, verified.controller(), Kept::Histories)?;
-    } else {
-        result.leave_histories_out();
-    }
+    let mut result = results_of(options, &designed)?;
     let code = &designed.targets.code;
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
@@ -114,6 +105,24 @@ pub fn run(options: &DesignOptions) -> Done {
     let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
     let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
+}
+
+/// Returns the results of a design, with the histories if they are asked for.
+fn results_of(
+    options: &DesignOptions,
+    designed: &counterpoise_pipeline::Designed,
+) -> anyhow::Result<DesignResult> {
+    let mut result = DesignResult::from(designed);
+    let both = designed.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
+    result.verify = result.verify.with_two_axes(both);
+    if options.histories {
+        let (verified, plant) = (&designed.stages.verified, &designed.stages.modelled.plant);
+        result.verify.error_budget =
+            error_budget_result(verified.verification(), plant, verified.controller(), Kept::Histories)?;
+    } else {
+        result.leave_histories_out();
+    }
+    Ok(result)
 }
 
 fn print_two_axes(designed: &counterpoise_pipeline::Designed) {
