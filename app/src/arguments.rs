@@ -73,8 +73,8 @@ pub enum Command {
     Studio(StudioOptions),
 }
 
-/// `--json FILE` written as `--json=FILE`, unless what follows is a project, a recording or another option: the file
-/// is optional, and must not swallow the argument after it.
+/// Returns the arguments with `--json FILE` written as `--json=FILE`, unless what follows is a project, a recording or another
+/// option: the file is optional, and must not swallow the argument after it.
 pub fn with_json_file_joined(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut out: Vec<OsString> = Vec::new();
     for argument in arguments {

@@ -73,7 +73,7 @@ pub fn write_json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     Ok(false)
 }
 
-/// [`write_json`] of a list, which stands under a key so that the result can state its schema.
+/// Writes a list as [`write_json`] does; it stands under a key so that the result can state its schema.
 pub fn json_list<T: Serialize>(results: &Results, key: &'static str, list: &[T]) -> Result<bool> {
     write_json(results, &Listed { key, list })
 }

@@ -10,8 +10,9 @@ use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, panel, time_axis};
-use super::identified::with_amplifier;
+use super::identification::with_amplifier;
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::RETURNED;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Panel, Point};
 
@@ -21,8 +22,6 @@ const INTERVAL_S: f64 = 20.0;
 const WINDOW_S: f64 = 2.0;
 /// RMS over this last part of each interval.
 const JUDGED: f64 = 0.5;
-/// The hub rate has returned where it is within this times the default case's.
-const RETURNED: f64 = 1.5;
 
 /// What tells the controller its out-of-balance.
 #[derive(Clone, Copy, PartialEq)]

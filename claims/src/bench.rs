@@ -72,7 +72,7 @@ pub struct NamedLevel<'a> {
     pub text: &'a str,
 }
 
-/// Overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
+/// Returns the plot of overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
 pub fn plot_over_factor(
     what: &str,
     factors: &[f64],
@@ -160,7 +160,7 @@ impl<'a> Bench<'a> {
             .collect())
     }
 
-    /// Step and stabilisation of a controller on a mechanism.
+    /// Returns step and stabilisation of a controller on a mechanism.
     ///
     /// # Errors
     /// Those of the verification.

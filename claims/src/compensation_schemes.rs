@@ -9,6 +9,7 @@ use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, panel, time_axis};
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::STOPPED_RAD_S;
 use counterpoise_pipeline::PipelineError;
 
 /// What is added to the control of the design without observer.
@@ -26,8 +27,6 @@ enum Scheme {
 
 /// Frequency of the dither, Hz: well above the loop, well below half the sample rate.
 const DITHER_HZ: f64 = 60.0;
-/// Rate relative to the platform below which the hub counts as stopped, rad/s.
-const STOPPED_RAD_S: f64 = 2e-3;
 /// Rate error within which the switching term is proportional, rad/s.
 const LAYER_RAD_S: f64 = 0.02;
 /// How long the platform moves and from when the hub is judged, s.

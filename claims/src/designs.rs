@@ -11,6 +11,7 @@ use super::drawing::{
     Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, panel, time_axis,
 };
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::{ALIKE_DB, MARGIN_ALIKE_DB, OVERSHOOT_ALIKE, RESIDUAL_ALIKE};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
@@ -120,13 +121,6 @@ fn designs_on_two_models_figures(
         drawing("Heave and pitch on the nonlinear finite-element plant", time_axis(), vec![motion]),
     ])
 }
-
-/// Ranges within which two designs perform alike: controllers and gain margins in dB, overshoots in percentage points, residual rates
-/// relative.
-const ALIKE_DB: f64 = 2.0;
-const MARGIN_ALIKE_DB: f64 = 3.0;
-const OVERSHOOT_ALIKE: f64 = 2.0;
-const RESIDUAL_ALIKE: f64 = 0.1;
 
 fn designs_criteria(
     apart_db: &[f64],

@@ -131,7 +131,7 @@ pub fn hub_panel(curves: Vec<Curve>) -> Panel {
     panel(Axis::linear("hub rate", "mrad/s"), curves)
 }
 
-/// The gain in dB over Hz of the frequency response of a system's first output over one input.
+/// Returns the gain in dB over Hz of the frequency response of a system's first output over one input.
 ///
 /// # Errors
 /// A response that does not exist.
@@ -145,7 +145,7 @@ pub fn gain_db(system: &StateSpace, input: usize, rates_rad_s: &[f64]) -> Result
         .collect())
 }
 
-/// The phase in degrees over Hz of the same, without jumps of a whole turn.
+/// Returns the phase in degrees over Hz of the same, without jumps of a whole turn.
 ///
 /// # Errors
 /// A response that does not exist.

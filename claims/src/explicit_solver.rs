@@ -37,7 +37,7 @@ pub struct Sliding {
 }
 
 impl Sliding {
-    /// Moved at `hz` to and fro with a rate of about `amplitude_rad_s`, friction included.
+    /// Returns a machine that is moved at `hz` to and fro with a rate of about `amplitude_rad_s`, friction included.
     ///
     /// # Errors
     /// A law whose parameters are out of range.
@@ -72,7 +72,7 @@ impl Sliding {
         [torque / (self.inertia_kg_m2 * self.size[0]), slope[0] / self.size[1]]
     }
 
-    /// Evaluations of the equations that an explicit method of order 5 with its own steps takes.
+    /// Returns the evaluations of the equations that an explicit method of order 5 with its own steps takes.
     pub fn evaluations(&self, duration_s: f64) -> usize {
         let (mut time, mut x, mut step, mut count) = (0.0, [0.0; 2], 1e-4, 0);
         while time < duration_s {

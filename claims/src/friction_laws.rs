@@ -9,6 +9,7 @@ use counterpoise_simulate::{Scenario, Signal, Simulator};
 use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::explicit_solver::Sliding;
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::LAWS_AGREE_DB;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -18,8 +19,6 @@ const SHARES: [f64; 5] = [1.0, 0.667, 0.333, 0.167, 0.083];
 const FREQUENCIES_HZ: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// Damping of a bristle as a fraction of critical at the hub: what a user who knows nothing better writes.
 const BRISTLE_DAMPING: f64 = 0.3;
-/// Laws agree within this over the map's largest amplitude, dB.
-const AGREES_DB: f64 = 1.0;
 
 /// Complex responses at every frequency, amplitude after amplitude.
 type Map = Vec<Vec<C64>>;
@@ -199,10 +198,10 @@ fn friction_laws_over_amplitude_criteria(rows: &[LawDistances], large: f64) -> V
             "largest amplitude: farthest law from the machine, dB",
             "all agree",
             large,
-            AGREES_DB,
+            LAWS_AGREE_DB,
             "1 dB is the width of a line in the figures",
         )
-        .with_explained_range(AGREES_DB, 2.0),
+        .with_explained_range(LAWS_AGREE_DB, 2.0),
         Criterion::at_least(
             "smallest amplitude: nearest static law over farthest dynamic law",
             "the static ones differ",
@@ -250,7 +249,7 @@ fn friction_laws_over_amplitude_figures(rows: &[LawDistances], maps: &[LawMap]) 
     let over = |values: &[f64]| SHARES.iter().copied().zip(values.iter().copied()).map(Point::from).collect();
     let distance = rows.iter().map(|row| Curve::points(row.law, over(&row.db))).collect();
     let distances = panel(Axis::linear("distance from the rig's map", "dB"), distance)
-        .with_level(AGREES_DB, "agree below this");
+        .with_level(LAWS_AGREE_DB, "agree below this");
     let x = Axis::logarithmic("pitch rate over the largest", "");
     let mut all =
         vec![drawing("Distance of each friction law from the rig's, over amplitude", x, vec![distances])];

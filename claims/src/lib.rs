@@ -10,7 +10,7 @@
 //! Each row comes with the figures that show what decided it ([`drawing`] makes them from curves).
 //!
 //! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`bench`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
-//! [`friction_laws`] (with [`explicit_solver`]), [`literature_friction`], [`test_procedures`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`gyroscope_alignment`], [`extensions`], [`page`].
+//! [`friction_laws`] (with [`explicit_solver`]), [`literature_friction`], [`test_procedures`], [`identification`], [`adaptation`], [`exported_code`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`gyroscope_alignment`], [`extensions`], [`page`].
 
 pub mod adaptation;
 pub mod beam;
@@ -20,12 +20,12 @@ pub mod criterion;
 pub mod designs;
 pub mod drawing;
 pub mod explicit_solver;
-pub mod exported;
+pub mod exported_code;
 pub mod extensions;
 pub mod friction_identification;
 pub mod friction_laws;
 pub mod gyroscope_alignment;
-pub mod identified;
+pub mod identification;
 pub mod imbalance;
 pub mod linear;
 pub mod literature_friction;
@@ -139,13 +139,13 @@ const ROWS: [(&str, Row); 38] = [
     ("C16", friction_laws::cost_of_friction_laws),
     ("C17", test_procedures::place_of_friction),
     ("C18", test_procedures::plant_over_amplitude),
-    ("C19", identified::triangle_identification),
-    ("C20", identified::amplifier_curve),
+    ("C19", identification::triangle_identification),
+    ("C20", identification::amplifier_curve),
     ("C21", test_procedures::closed_loop_over_amplitude),
     ("C22", rejection::balanced_against_compensated),
     ("C23", rejection::small_amplitude_rejection),
     ("C24", adaptation::adapted_feedforward),
-    ("C25", exported::exported_controller),
+    ("C25", exported_code::exported_controller),
     ("C26", weights::integral_action),
     ("C27", weights::three_methods),
     ("C28", loop_charts::nyquist_and_nichols),

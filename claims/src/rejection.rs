@@ -3,7 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_verify::linear::closed::is_feedforward;
+use counterpoise_verify::linear::closed_loop::is_feedforward;
 use counterpoise_verify::robust::{Varied, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};

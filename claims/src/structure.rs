@@ -9,7 +9,7 @@ use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, m
 use super::bench::{largest_db, rate_grid};
 use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
 use super::{Bench, Claim, Criterion};
-use crate::tolerance::UNSEEN_STATE;
+use crate::tolerance::{KEPT_RESPONSE, UNSEEN_STATE};
 use counterpoise_pipeline::{PipelineError, model};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::resolve::model::StructureChoice;
@@ -25,8 +25,6 @@ const ORDER: usize = 11;
 const KEPT_MODES: usize = 3;
 /// The inputs in words.
 const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
-/// The largest error that keeps the response.
-const KEEPS: f64 = 0.05;
 
 /// Returns the plant by finite elements, the project's other choices kept.
 fn beam_plant(bench: &Bench, modes: usize) -> Result<LinearPlant, PipelineError> {
@@ -141,7 +139,7 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             "largest error of the best reduction, % of the largest response",
             "keeps the response",
             best,
-            100.0 * KEEPS,
+            100.0 * KEPT_RESPONSE,
             "5 % cannot be seen in the thesis' figure",
         )],
         why: String::new(),

@@ -11,6 +11,7 @@ use counterpoise_verify::signals::rms;
 use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
 use super::imbalance::apply_configuration;
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::BADLY_REPRODUCED;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -163,8 +164,6 @@ pub fn closed_loop_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineEr
 const SPACER: f64 = 5.0;
 /// Shares of the motor in all friction that are tried.
 const SPLITS: [f64; 5] = [0.0, 1.0, 0.5, 0.3, 0.1];
-/// A split reproduces the test badly where it is off by more than this part of what friction does to the control.
-const BADLY: f64 = 0.1;
 
 /// The splits beside a rig: the part of friction's own control by which each is off, and the loops.
 struct Compared {
@@ -226,17 +225,17 @@ fn place_criteria(right: f64, least: f64, most: f64) -> Vec<Criterion> {
             "one end alone, the worst of four: off, %",
             "badly",
             most,
-            100.0 * BADLY,
+            100.0 * BADLY_REPRODUCED,
             "a tenth of what friction does can be seen in the loop",
         ),
         Criterion::at_least(
             "one end alone, the best of four: off, %",
             "badly",
             least,
-            100.0 * BADLY,
+            100.0 * BADLY_REPRODUCED,
             "a tenth of what friction does can be seen in the loop",
         )
-        .with_explained_range(2.0, 100.0 * BADLY),
+        .with_explained_range(2.0, 100.0 * BADLY_REPRODUCED),
         Criterion::at_most("the rig's own split: off, %", "fits", right, 2.0, "the simulator repeats itself"),
         Criterion::at_least(
             "best wrong end over the right split",

@@ -10,6 +10,7 @@ use super::drawing::{
     Curve, drawing, frequency_axis, gain_db, hub_panel, hub_rates, panel, points_of, time_axis,
 };
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::SMALL_ERROR_PERCENT;
 use counterpoise_pipeline::{PipelineError, Stages};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -20,8 +21,6 @@ const CORNER_S: f64 = 1.0 / 1.8;
 /// Gains K7 that are tried, over the one that equals the integrating weight at high frequency. The thesis draws "the high gain controller
 /// without integrator" and says that gain reduces what it leaves.
 const GAINS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// The high gain: the first whose steady-state error is below this, %.
-const SMALL_ERROR_PERCENT: f64 = 2.0;
 
 /// Steady-state error %, overshoot %, Ms, phase margin deg.
 type Figures = [f64; 4];

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::required::{Required, at_least_0, count, finite, positive, require};
+use crate::range_checks::{Required, at_least_0, count, finite, positive, require};
 use crate::signal::{HUB_POSITION, HUB_RATE};
 use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
@@ -16,7 +16,7 @@ use crate::{
 /// Names that target code uses itself, beside the words of its languages.
 const RESERVED: [&str; 9] = ["real", "states", "readings", "guard", "core", "taken", "total", "c", "in_"];
 
-/// All checks.
+/// Runs all checks.
 pub fn check_parts(parts: &Parts) -> Result<(), Error> {
     numbers(parts)?;
     names(parts)?;
@@ -63,7 +63,7 @@ fn numbers(parts: &Parts) -> Result<(), Error> {
     )
 }
 
-/// Every state, input and local of a program has a name of its own.
+/// Checks that every state, input and local of a program has a name of its own.
 pub fn check_distinct(programs: &Programs) -> Result<(), Error> {
     for program in [&programs.step, &programs.set_out_of_balance] {
         let mut seen = HashSet::new();

@@ -34,7 +34,7 @@ impl Controller {
         &self.programs
     }
 
-    /// Sample period, s.
+    /// Returns the sample period, s.
     pub fn sample_period_s(&self) -> f64 {
         self.parts.sample_period_s
     }

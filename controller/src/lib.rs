@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
-//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], [`compiled`],
+//! Modules in reading order: [`sampled_controller`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], [`compiled_program`],
 //! [`number`], [`guard`], [`runner`], `linear`, [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
@@ -34,7 +34,7 @@
 //! ```
 #![allow(non_snake_case)]
 
-pub mod compiled;
+pub mod compiled_program;
 pub mod controller;
 pub mod error;
 pub mod estimator;
@@ -45,7 +45,7 @@ pub mod parts;
 pub mod program;
 pub mod realise;
 pub mod runner;
-pub mod sampled;
+pub mod sampled_controller;
 pub mod sensitivity;
 pub mod signal;
 pub mod tolerance;
@@ -54,7 +54,7 @@ pub mod words;
 mod check;
 mod linear;
 mod lower;
-mod required;
+mod range_checks;
 
 pub use controller::Controller;
 pub use error::Error;
@@ -65,7 +65,7 @@ pub use number::Number;
 pub use parts::{Correction, DemandLimit, Parts, Path, Projection, Scaling};
 pub use program::Programs;
 pub use runner::Runner;
-pub use sampled::{
+pub use sampled_controller::{
     PositionController, PositionSource, ProportionalIntegral, RateSource, Readings, SampledController,
 };
 pub use signal::{COMMON_READINGS, READING_NAMES, READINGS, Signal};

@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::compiled::Compiled;
+use crate::compiled_program::Compiled;
 use crate::number::Dual;
 use crate::signal::COMMON_READINGS;
 use crate::tolerance::LEARNT_AT_REST_S;

@@ -141,7 +141,7 @@ impl Parts {
         from[0] + self.limit_v - from[1]
     }
 
-    /// No paths and no observers yet: control 0 within +/- `limit_v`, out-of-balance 0 within +/- 1e6 kg m.
+    /// Returns parts without paths and observers: control 0 within +/- `limit_v`, out-of-balance 0 within +/- 1e6 kg m.
     pub fn new(sample_period_s: f64, limit_v: f64) -> Self {
         Self {
             sample_period_s,

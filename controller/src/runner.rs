@@ -1,6 +1,6 @@
 //! Runs a controller.
 
-use crate::compiled::Compiled;
+use crate::compiled_program::Compiled;
 use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
 use crate::program::OnRestart;
 use crate::{Controller, Number, Programs, Readings, SampledController, Sensors, Status};

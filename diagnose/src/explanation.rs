@@ -6,7 +6,7 @@ use crate::findings::answer::{Answer, Name, Verdict};
 use crate::findings::verdict::Evidence;
 use crate::learning::LearningTask;
 use crate::learning::comparison::{Comparison, is_flexible};
-use crate::learning::visited::Visited;
+use crate::learning::visited_ranges::Visited;
 use crate::library::{Component, EffectName};
 use crate::localisation::error_map::rank_components;
 use crate::recording::measured_signals::MeasuredSignals;

@@ -6,7 +6,7 @@ use crate::common;
 use common::controller;
 use counterpoise_diagnose::fitting::score::assess;
 use counterpoise_diagnose::learning::reading::Form;
-use counterpoise_diagnose::learning::visited::Visited;
+use counterpoise_diagnose::learning::visited_ranges::Visited;
 use counterpoise_diagnose::learning::{LearnedModel, LearningTask, learn};
 use counterpoise_diagnose::library::Component;
 use counterpoise_diagnose::selection::searcher::Searcher;

@@ -58,7 +58,7 @@ pub const LINK: [&str; 8] = [
     CODE_FOLDER,
 ];
 
-/// Arguments of [`EMULATOR`] for a core, up to the firmware's path.
+/// Returns the arguments of [`EMULATOR`] for a core, up to the firmware's path.
 pub fn emulator_command(core: &Core) -> [&'static str; 13] {
     [
         "-M",

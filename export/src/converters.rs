@@ -5,8 +5,8 @@ use counterpoise_models::{Parameters, Sensor};
 use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
 use minijinja::{Value, context};
 
-use crate::fixed::unit;
-use crate::{fixed::Fixed, reading_fields};
+use crate::fixed_point::unit;
+use crate::{fixed_point::Fixed, reading_fields};
 
 /// What the converters of a board make of the readings and of the control. Input converters and the output converter take
 /// +/- 10 V, their counts are signed.
@@ -120,7 +120,7 @@ pub(crate) fn factor(value: f64) -> (i64, i32) {
     ((value * f64::from(shift).exp2()).round().clamp(-FULL_FACTOR, FULL_FACTOR) as i64, shift)
 }
 
-const FULL_FACTOR: f64 = crate::fixed::FULL as f64;
+const FULL_FACTOR: f64 = crate::fixed_point::FULL as f64;
 
 /// Returns the name of a reading in capitals, without its unit.
 fn macro_name(field: &str) -> String {

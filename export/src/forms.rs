@@ -25,7 +25,7 @@ impl PathForm {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::InUse, Self::Modal, Self::Balanced, Self::Companion];
 
-    /// In words.
+    /// Returns the name in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::InUse => "as exported",

@@ -6,7 +6,7 @@
 
 use counterpoise_controller::{READING_NAMES, READINGS};
 
-use crate::fixed::{Fixed, to_integer, unit};
+use crate::fixed_point::{Fixed, to_integer, unit};
 use crate::targets::Record;
 use crate::{File, Numbers};
 

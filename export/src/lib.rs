@@ -7,7 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`forms`], [`fixed`], [`targets`], [`signal_names`], [`board`], [`host`],
+//! [`rounding`], [`forms`], [`fixed_point`], [`targets`], [`signal_names`], [`board`], [`host`],
 //! [`fmi`], [`vectors`], [`check`], [`error`].
 //!
 //! ```
@@ -29,7 +29,7 @@ pub mod c99;
 pub mod check;
 pub mod converters;
 pub mod error;
-pub mod fixed;
+pub mod fixed_point;
 pub mod fmi;
 pub mod forms;
 pub mod host;
@@ -51,7 +51,7 @@ pub use c99::c99;
 pub use check::{Checked, check_file};
 pub use converters::Converters;
 pub use error::Error;
-pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
+pub use fixed_point::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
 pub use forms::{FormFigures, PathForm, figures_by_form};
 pub use provenance::Provenance;
 pub use ranges::{Adjustable, Measured, Ranges};
@@ -94,12 +94,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// Double precision under a name.
+    /// Returns double precision under a name.
     pub fn double(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Double }
     }
 
-    /// Single precision under a name.
+    /// Returns single precision under a name.
     pub fn single(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Single }
     }

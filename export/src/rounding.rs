@@ -44,7 +44,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// No deviation at all: the reference itself.
+    /// Returns no deviation at all: the reference itself.
     pub fn none(samples: usize) -> Self {
         Self { worst_v: 0.0, likely_v: 0.0, rms_v: 0.0, samples }
     }

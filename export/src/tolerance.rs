@@ -15,3 +15,12 @@ pub(crate) const UNSTABLE_MODULUS: f64 = 1.0 + 1e-9;
 
 /// Allowance for products of errors, which a first-order bound leaves out.
 pub(crate) const SECOND_ORDER: f64 = 1.01;
+
+/// Most samples by which a signal of the plant's unit may be late: it keeps them all, 80 kB a signal.
+pub const MOST_DELAY_SAMPLES: f64 = 1e4;
+
+/// Most bristles of a joint of the plant's unit: each is computed in every step.
+pub const MOST_BRISTLES: f64 = 1e5;
+
+/// How many times smaller than a sum a summand must be, to be rounded to the sum's grid.
+pub const SMALL_SUMMAND: f64 = 8.0;

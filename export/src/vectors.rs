@@ -21,7 +21,7 @@ pub struct Vector {
 /// Largest readings of the generated vectors, in the order of the controller's readings.
 pub const LARGEST: [f64; READINGS] = [0.8, 0.8, 0.5, 8.0, 100.0, 0.4, 6.0];
 
-/// Vectors for a controller in the numbers N: irregular readings that fill [`LARGEST`], a stretch of large demand that
+/// Returns vectors for a controller in the numbers N: irregular readings that fill [`LARGEST`], a stretch of large demand that
 /// reaches the limiter, and two changes of the out-of-balance. The same for every call.
 pub fn self_test_vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector> {
     let mut runner = controller.runner_in::<N>();

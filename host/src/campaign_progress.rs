@@ -28,7 +28,7 @@ struct State {
 }
 
 impl Pace {
-    /// Of a campaign of `count` samples, shown as a bar on a terminal and as a line now and then elsewhere.
+    /// Returns the progress of a campaign of `count` samples, shown as a bar on a terminal and as a line now and then elsewhere.
     pub fn with_bar(count: usize) -> Result<Self> {
         let terminal = std::io::stderr().is_terminal();
         let bar = if terminal { ProgressBar::new(count as u64) } else { ProgressBar::hidden() };
@@ -37,7 +37,7 @@ impl Pace {
         Ok(Self { lines: !terminal, ..Self::over(bar, count) })
     }
 
-    /// Of a campaign of `count` samples, shown nowhere.
+    /// Returns the progress of a campaign of `count` samples, shown nowhere.
     pub fn silent(count: usize) -> Self {
         Self::over(ProgressBar::hidden(), count)
     }
@@ -47,7 +47,7 @@ impl Pace {
         Self { bar, lines: false, count, state: Mutex::new(State { begun: now, told: now, kept: 0, ran: 0 }) }
     }
 
-    /// Samples were found done by an earlier run.
+    /// Counts samples that were found done by an earlier run.
     pub fn count_kept(&self, samples: usize) {
         self.bar.inc(samples as u64);
         if let Ok(mut state) = self.state.lock() {
@@ -55,7 +55,7 @@ impl Pace {
         }
     }
 
-    /// A sample was run.
+    /// Counts a sample that was run.
     pub fn count_run(&self) {
         self.bar.inc(1);
         let Ok(mut state) = self.state.lock() else { return };

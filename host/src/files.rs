@@ -216,7 +216,7 @@ pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
     write_on(&Native, path, content)
 }
 
-/// [`write()`] on a disk.
+/// Writes on a disk as [`write()`] does.
 ///
 /// # Errors
 /// Those of the file system; the old file is then as it was.

@@ -12,8 +12,8 @@ pub const INTERRUPTED: u8 = 130;
 #[error("{0}")]
 pub struct Interrupted(pub String);
 
-/// From here on Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch). Where no handler can be set, the
-/// system ends the program, as it would have.
+/// Installs a handler: from here on, Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch). Where no
+/// handler can be set, the system ends the program, as it would have.
 pub fn install_handler() {
     let handler = || {
         if !WATCHED.load(Ordering::SeqCst) || ASKED.swap(true, Ordering::SeqCst) {

@@ -26,7 +26,7 @@ impl Stages {
         Self { progress, state: Mutex::new((Instant::now(), Vec::new())) }
     }
 
-    /// A stage begins.
+    /// Notes that a stage begins.
     pub fn begins(&self, name: &str) {
         if let Ok(mut state) = self.state.lock() {
             state.0 = Instant::now();
@@ -34,7 +34,7 @@ impl Stages {
         }
     }
 
-    /// The stage that began last has ended.
+    /// Notes that the stage that began last has ended.
     pub fn ends(&self) {
         let Ok(mut state) = self.state.lock() else { return };
         let milliseconds = 1e3 * state.0.elapsed().as_secs_f64();

@@ -54,7 +54,7 @@ fn cut(line: &str) -> String {
     }
 }
 
-/// From here on, a panic of a decoder of other people's making, which is caught and becomes an error of the file, prints nothing.
+/// Silences decoders of other people's making: from here on, a panic of one, which is caught and becomes an error of the file, prints nothing.
 pub fn quiet_decoders() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

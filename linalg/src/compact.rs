@@ -4,6 +4,7 @@
 
 use crate::kernel::vectorised;
 use crate::mat::Mat;
+use crate::tolerance::ZERO_COLUMN;
 
 /// Systems with up to this many unknowns are solved here; from twenty on faer is as fast, from forty on faster.
 pub(crate) const SYSTEMS: usize = 18;
@@ -103,12 +104,6 @@ fn take_out(v: &[f64], at: usize, from: usize, columns: &mut [f64], ld: usize) {
     }
 }
 
-/// Matrices whose entries lie outside are left to the careful kernel: squares could overflow or vanish.
-pub(crate) const SAFE_ENTRIES: (f64, f64) = (1e-100, 1e140);
-
-/// A column below this is zero beside [`SAFE_ENTRIES`].
-const NOTHING: f64 = 1e-280;
-
 vectorised! {
     /// Overwrites a square matrix by its Hessenberg form `H`, `A = Q H Q'`, and returns `Q`.
     pub(crate) fn hessenberg<'a>(A: &'a mut Mat) -> Mat {
@@ -158,7 +153,7 @@ impl Reflector {
         let mut v = x.to_vec();
         let (alpha, tail) = (x[0], dot(&x[1..], &x[1..]));
         x[1..].fill(0.0);
-        if tail < NOTHING {
+        if tail < ZERO_COLUMN {
             return Self { v, tau: 0.0 };
         }
         let beta = -(alpha * alpha + tail).sqrt().copysign(alpha);

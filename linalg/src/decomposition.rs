@@ -19,7 +19,7 @@ pub struct Svd {
     pub V: Mat,
 }
 
-/// The thin singular value decomposition.
+/// Returns the thin singular value decomposition.
 ///
 /// # Errors
 /// Entries that are not finite, or no convergence.
@@ -30,7 +30,7 @@ pub fn svd(A: &Mat) -> Result<Svd, Error> {
     Ok(Svd { U: copy(parts.U()), s, V: copy(parts.V()) })
 }
 
-/// The singular values, the largest first.
+/// Returns the singular values, the largest first.
 ///
 /// # Errors
 /// As for [`svd`].
@@ -39,7 +39,7 @@ pub fn singular_values(A: &Mat) -> Result<Vec<f64>, Error> {
     view(A).singular_values().map_err(|_| no_convergence("the singular value decomposition"))
 }
 
-/// The singular values of a complex matrix, the largest first.
+/// Returns the singular values of a complex matrix, the largest first.
 ///
 /// # Errors
 /// As for [`svd`].
@@ -51,7 +51,7 @@ pub fn csingular_values(A: &CMat) -> Result<Vec<f64>, Error> {
     view(A).singular_values().map_err(|_| no_convergence("the singular value decomposition"))
 }
 
-/// The largest singular value of a complex matrix, zero for one without entries.
+/// Returns the largest singular value of a complex matrix, zero for one without entries.
 ///
 /// Of two rows or columns it is the root of the larger eigenvalue of their Gram matrix, a sum of terms that are not negative, so that it is
 /// as accurate as by the decomposition.
@@ -89,7 +89,7 @@ pub struct CSvd {
     pub V: CMat,
 }
 
-/// The thin singular value decomposition of a complex matrix.
+/// Returns the thin singular value decomposition of a complex matrix.
 ///
 /// # Errors
 /// As for [`svd`].
@@ -100,7 +100,7 @@ pub fn csvd(A: &CMat) -> Result<CSvd, Error> {
     Ok(CSvd { U: copy(parts.U()), s, V: copy(parts.V()) })
 }
 
-/// Eigenvalues, the smallest first, and orthonormal eigenvectors of a symmetric matrix: `A V = V diag(values)`.
+/// Returns the eigenvalues, the smallest first, and orthonormal eigenvectors of a symmetric matrix: `A V = V diag(values)`.
 ///
 /// # Errors
 /// Not square, not finite, not symmetric, or no convergence.
@@ -122,7 +122,7 @@ pub fn sym_eigen(A: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     Ok(((0..n).map(|i| values[i]).collect(), copy(vectors.as_ref())))
 }
 
-/// Eigenvalues of a symmetric matrix, the smallest first.
+/// Returns the eigenvalues of a symmetric matrix, the smallest first.
 ///
 /// # Errors
 /// As for [`sym_eigen`].
@@ -133,7 +133,7 @@ pub fn sym_eigenvalues(A: &Mat) -> Result<Vec<f64>, Error> {
         .map_err(|_| no_convergence("the symmetric eigenproblem"))
 }
 
-/// The symmetric-definite problem `K v = lambda M v`, the smallest eigenvalue first, with `V' M V = I`.
+/// Solves the symmetric-definite problem `K v = lambda M v`, the smallest eigenvalue first, with `V' M V = I`.
 ///
 /// `K` symmetric, `M` symmetric positive definite. Method: Cholesky `M = L L'`, then the eigenvalues of `L^-1 K L^-T`,
 /// after a diagonal power-of-two scaling that gives `M` a unit diagonal (masses and inertias differ by many decades).
@@ -176,7 +176,7 @@ fn lower_transpose_solve(L: &Mat, B: &Mat) -> Mat {
     X
 }
 
-/// The Hessenberg form `A = U H U'`: `H` zero below the first subdiagonal, `U` orthogonal.
+/// Returns the Hessenberg form `A = U H U'`: `H` zero below the first subdiagonal, `U` orthogonal.
 ///
 /// Method: Householder reflections (faer).
 ///
@@ -188,7 +188,7 @@ pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
     if n < 3 {
         return Ok((A.clone(), Mat::eye(n)));
     }
-    let (least, most) = compact::SAFE_ENTRIES;
+    let (least, most) = crate::tolerance::SAFE_ENTRIES;
     if n <= compact::SIMILARITIES && (least..most).contains(&A.norm_max()) {
         let mut H = A.clone();
         let Q = compact::hessenberg(&mut H);
@@ -202,7 +202,7 @@ pub(crate) fn hessenberg_values(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
     let n = A.nrows();
     let mut H = A.clone();
-    let (least, most) = compact::SAFE_ENTRIES;
+    let (least, most) = crate::tolerance::SAFE_ENTRIES;
     if n < 3 {
         return Ok(H);
     }
@@ -260,7 +260,7 @@ fn blocked_reduction(A: &Mat) -> (faer::Mat<f64>, faer::Mat<f64>) {
     (work, coefficients)
 }
 
-/// The generalised eigenvalues of the pencil `A - lambda E` as pairs (alpha, beta), `lambda = alpha / beta`; an infinite
+/// Returns the generalised eigenvalues of the pencil `A - lambda E` as pairs (alpha, beta), `lambda = alpha / beta`; an infinite
 /// eigenvalue has `beta = 0`, an undetermined one (a singular pencil) both zero. By QZ; the order is not specified.
 ///
 /// # Errors
@@ -303,7 +303,7 @@ pub fn gen_eigenvalues(A: &Mat, E: &Mat) -> Result<Vec<(C64, f64)>, Error> {
     Ok((0..n).map(|i| (C64::new(re[i], im[i]), beta[i])).collect())
 }
 
-/// The numerical rank: how many singular values exceed `relative` times the largest.
+/// Returns the numerical rank: how many singular values exceed `relative` times the largest.
 ///
 /// # Errors
 /// Entries that are not finite.
@@ -313,12 +313,12 @@ pub fn rank(A: &Mat, relative: f64) -> Result<usize, Error> {
     Ok(s.iter().filter(|&&value| value > floor).count())
 }
 
-/// The default relative tolerance of a rank: `max(m, n) eps`.
+/// Returns the default relative tolerance of a rank: `max(m, n) eps`.
 pub fn rank_tolerance(A: &Mat) -> f64 {
     A.nrows().max(A.ncols()) as f64 * EPS
 }
 
-/// The condition number in the 2-norm, infinite for a singular matrix.
+/// Returns the condition number in the 2-norm, infinite for a singular matrix.
 ///
 /// # Errors
 /// Entries that are not finite.
@@ -331,7 +331,7 @@ pub fn cond(A: &Mat) -> Result<f64, Error> {
     })
 }
 
-/// The reciprocal condition number in the 1-norm, computed from the inverse; 0 for a singular matrix.
+/// Returns the reciprocal condition number in the 1-norm, computed from the inverse; 0 for a singular matrix.
 pub fn rcond_one(A: &Mat) -> f64 {
     let n = A.nrows();
     match solve(A, &Mat::eye(n)) {
@@ -340,8 +340,8 @@ pub fn rcond_one(A: &Mat) -> f64 {
     }
 }
 
-/// The least-squares solution of `A X = B` with the smallest norm, by singular values; those below
-/// `max(m, n) eps s_max` count as zero.
+/// Returns the least-squares solution of `A X = B` with the smallest norm, by singular values; those below `max(m, n) eps s_max`
+/// count as zero.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite.
@@ -350,7 +350,7 @@ pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     check_range("the solution by least squares", pinv(A)? * B)
 }
 
-/// The Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
+/// Returns the Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
 ///
 /// # Errors
 /// Entries that are not finite.

@@ -105,7 +105,7 @@ pub fn csolve(A: &CMat, B: &CMat) -> Result<CMat, Error> {
     lu_solve(A, B)
 }
 
-/// The inverse of a square matrix, by LU with partial pivoting.
+/// Returns the inverse of a square matrix, by LU with partial pivoting.
 ///
 /// # Errors
 /// As for [`solve`].
@@ -167,7 +167,7 @@ fn check_pivots<T: Scalar>(U: MatRef<'_, T>) -> Result<(), Error> {
     Ok(())
 }
 
-/// The Cholesky factor: lower triangular `L` with `A = L L'`, `A` symmetric positive definite (its lower half is read).
+/// Returns the Cholesky factor: lower triangular `L` with `A = L L'`, `A` symmetric positive definite (its lower half is read).
 ///
 /// # Errors
 /// Not square, not finite, or [`Error::NotPositiveDefinite`].
@@ -188,7 +188,7 @@ pub struct Qr {
     pub R: Mat,
 }
 
-/// The thin QR factorisation of any real matrix.
+/// Returns the thin QR factorisation of any real matrix.
 ///
 /// # Errors
 /// Entries that are not finite.
@@ -198,7 +198,7 @@ pub fn qr(A: &Mat) -> Result<Qr, Error> {
     Ok(Qr { Q: copy(factors.compute_thin_Q().as_ref()), R: copy(factors.thin_R()) })
 }
 
-/// The triangle of a thin QR factorisation alone: `R` with `A'A = R'R`.
+/// Returns the triangle of a thin QR factorisation alone: `R` with `A'A = R'R`.
 ///
 /// # Errors
 /// Entries that are not finite.
@@ -207,7 +207,7 @@ pub fn qr_r(A: &Mat) -> Result<Mat, Error> {
     Ok(copy(view(A).qr().thin_R()))
 }
 
-/// An orthonormal basis of the range and of its complement: the full m x m `Q` of `A = Q [R; 0]`.
+/// Returns an orthonormal basis of the range and of its complement: the full m x m `Q` of `A = Q [R; 0]`.
 ///
 /// # Errors
 /// Entries that are not finite.
@@ -216,12 +216,12 @@ pub fn qr_full_q(A: &Mat) -> Result<Mat, Error> {
     Ok(copy(view(A).qr().compute_Q().as_ref()))
 }
 
-/// `u' v` without conjugation.
+/// Returns `u' v` without conjugation.
 pub fn dot(u: &[f64], v: &[f64]) -> f64 {
     u.iter().zip(v).map(|(a, b)| a * b).sum()
 }
 
-/// The determinant of a square complex matrix, by LU.
+/// Returns the determinant of a square complex matrix, by LU.
 ///
 /// # Errors
 /// Not square, or entries that are not finite.

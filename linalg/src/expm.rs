@@ -7,7 +7,7 @@ use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::tolerance::EXPM_BALANCE_GAIN;
 
-/// The exponential of a square matrix.
+/// Returns the exponential of a square matrix.
 ///
 /// Method: balancing by powers of two (kept only where it lowers the 1-norm), scaling and squaring with the diagonal Pade
 /// approximant of degree 3 to 13 (Higham, SIAM J. Matrix Anal. 26, 2005). Cost up to about (14 + 2 s) n^3.
@@ -136,7 +136,7 @@ vectorised! {
     }
 }
 
-/// The zero-order hold: `Phi = exp(A h)` and `Gamma = integral of exp(A s) B ds from 0 to h`; `A` n x n, `B` n x m,
+/// Returns the zero-order hold: `Phi = exp(A h)` and `Gamma = integral of exp(A s) B ds from 0 to h`; `A` n x n, `B` n x m,
 /// `h > 0` in seconds (or any unit that agrees with `A`).
 ///
 /// Method: the exponential of `[A B; 0 0] h` (Van Loan) by its Pade approximant, of which the first n rows are computed
@@ -176,7 +176,7 @@ fn held(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     Ok((checked(Phi)?, checked(Gamma)?))
 }
 
-/// The sampled cost: `Phi = exp(A h)` and `W = integral of exp(A' s) Q exp(A s) ds from 0 to h`, `Q` symmetric.
+/// Returns the sampled cost: `Phi = exp(A h)` and `W = integral of exp(A' s) Q exp(A s) ds from 0 to h`, `Q` symmetric.
 ///
 /// Source: Van Loan, IEEE Trans. Automat. Control 23 (1978). With `A = [A0 B0; 0 0]` this gives the exact sampled
 /// weights of a zero-order-hold design, cross terms included.
@@ -206,7 +206,7 @@ pub fn van_loan_cost(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     Ok((checked(Phi)?, checked(W)?))
 }
 
-/// The sampled noise: `Phi = exp(A h)` and `W = integral of exp(A s) Q exp(A' s) ds from 0 to h`, `Q` symmetric: the
+/// Returns the sampled noise: `Phi = exp(A h)` and `W = integral of exp(A s) Q exp(A' s) ds from 0 to h`, `Q` symmetric: the
 /// covariance that white noise of intensity `Q` leaves after one period.
 ///
 /// # Errors
@@ -216,7 +216,7 @@ pub fn van_loan_noise(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     Ok((Phi.t(), W))
 }
 
-/// The accumulated cost: `P = integral of W(t) dt from 0 to h` with the `W(t)` of [`van_loan_cost`], `Q` symmetric. White
+/// Returns the accumulated cost: `P = integral of W(t) dt from 0 to h` with the `W(t)` of [`van_loan_cost`], `Q` symmetric. White
 /// noise of intensity `V` that enters during a period costs `tr(V P)` before the next sample can answer it.
 ///
 /// Source: Van Loan 1978, the next block of the same exponential; halved and doubled as there, by

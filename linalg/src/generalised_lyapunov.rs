@@ -6,7 +6,7 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::error::{Error, check_range, check_shape, check_square};
-use crate::extended::{Extended, exact_product};
+use crate::extended_precision::{Extended, exact_product};
 use crate::lyapunov::{dlyap, lyap};
 use crate::mat::Mat;
 use crate::riccati::{Outcome, Riccati, care, dare};
@@ -131,10 +131,7 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &Weights, kind: Kind) -> Result<O
         Kind::Discrete => dare(&reduced, B, &Q, weights.R, S.as_ref())?,
     };
     let equation = Generalised { A, E, B, weights, kind };
-    match answer {
-        Outcome::Infeasible(reason) => Ok(Outcome::Infeasible(reason)),
-        Outcome::Solved(found) => equation.refined(found).map(Outcome::Solved),
-    }
+    answer.try_map(|found| equation.refined(found))
 }
 
 struct Generalised<'a> {

@@ -14,7 +14,7 @@ use crate::spectrum::Spectrum;
 use crate::stability::Boundary;
 use crate::sylvester::Kind;
 
-/// The lower triangular factor `L`, `P = L L'`, of the solution of `A P + P A' + B B' = 0`; `A` n x n stable, `B` n x m.
+/// Returns the lower triangular factor `L`, `P = L L'`, of the solution of `A P + P A' + B B' = 0`; `A` n x n stable, `B` n x m.
 ///
 /// Method: balancing, real Schur form, Hammarling's recursion; the small Hankel values of a balanced truncation need
 /// this factor rather than `P`.
@@ -25,7 +25,7 @@ pub fn lyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     factor(A, B, Kind::Continuous)
 }
 
-/// The lower triangular factor `L`, `P = L L'`, of the solution of `A P A' - P + B B' = 0`; every eigenvalue of `A` must
+/// Returns the lower triangular factor `L`, `P = L L'`, of the solution of `A P A' - P + B B' = 0`; every eigenvalue of `A` must
 /// be inside the unit circle. Method and errors as for [`lyap_factor`].
 ///
 /// # Errors
@@ -34,7 +34,7 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     factor(A, B, Kind::Discrete)
 }
 
-/// Factors of both Gramians from one Schur form, `P = R R'` and `Q = L L'`: `A P + P A' + B B' = 0` and
+/// Returns the factors of both Gramians from one Schur form, `P = R R'` and `Q = L L'`: `A P + P A' + B B' = 0` and
 /// `A' Q + Q A + C' C = 0`. They are square, not triangular. Method and errors as for [`lyap_factor`].
 ///
 /// # Errors
@@ -44,7 +44,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     Ok((form.reached(B)?, form.seen(C)?))
 }
 
-/// Factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
+/// Returns the factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
 /// [`lyap_factors`].
 ///
 /// # Errors
@@ -54,7 +54,7 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     Ok((form.reached(B)?, form.seen(C)?))
 }
 
-/// A square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
+/// Returns a square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
 ///
 /// # Errors
 /// As for [`lyap_factor`].
@@ -62,7 +62,7 @@ pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     Prepared::of(A, Kind::Continuous)?.reached(B)
 }
 
-/// A square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
+/// Returns a square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
 ///
 /// # Errors
 /// As for [`dlyap_factor`].

@@ -16,7 +16,7 @@ pub struct Subspace {
 }
 
 impl Schur {
-    /// How well the leading `count` eigenvalues and their invariant subspace are determined: see [`Subspace`]. `count`
+    /// Returns how well the leading `count` eigenvalues and their invariant subspace are determined: see [`Subspace`]. `count`
     /// must not cut a complex pair.
     ///
     /// # Errors

@@ -5,10 +5,10 @@
 //! *Invariant*: nothing here knows a system, a unit, a file, a thread or a clock.
 //!
 //! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
-//! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`invariant_subspace`] (how well one is determined), [`generalised`],
+//! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`invariant_subspace`] (how well one is determined), [`generalised_sylvester`],
 //! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`refined`] (a transfer matrix to the last digits).
+//! [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`transfer_matrix`] (a transfer matrix to the last digits).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};
@@ -30,9 +30,9 @@ pub mod decomposition;
 pub mod dense;
 mod error;
 pub mod expm;
-mod extended;
-pub mod generalised;
+mod extended_precision;
 pub mod generalised_lyapunov;
+pub mod generalised_sylvester;
 pub mod hammarling;
 mod hammarling_leaf;
 mod heap;
@@ -45,7 +45,6 @@ pub mod mat;
 pub mod pencil_roots;
 mod precise;
 pub mod range_basis;
-pub mod refined;
 pub mod riccati;
 mod scalar;
 pub mod schur;
@@ -59,6 +58,7 @@ pub mod staircase;
 mod stein_leaf;
 pub mod sylvester;
 pub mod tolerance;
+pub mod transfer_matrix;
 
 pub use balance::{Balanced, balance};
 pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
@@ -69,8 +69,8 @@ pub use decomposition::{
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
-pub use generalised::gsylvester;
 pub use generalised_lyapunov::{Weights, gcare, gdare, gdlyap, glyap};
+pub use generalised_sylvester::gsylvester;
 pub use hammarling::{
     dlyap_factor, dlyap_factors, dlyap_square_factor, lyap_factor, lyap_factors, lyap_square_factor,
 };
@@ -79,10 +79,10 @@ pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
 pub use range_basis::RangeBasis;
-pub use refined::{Realisation, refined_transfer};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
 pub use schur::{Schur, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};
 pub use stability::{Boundary, boundary_eigenvalues, is_clear_of_boundary};
 pub use staircase::{MinimalPart, minimal_part};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};
+pub use transfer_matrix::{Realisation, refined_transfer};

@@ -37,7 +37,7 @@ pub fn dlyap(A: &Mat, Q: &Mat) -> Result<Mat, Error> {
     solve(A, Q, Kind::Discrete)
 }
 
-/// An estimate of the separation of the equation of [`lyap`]: the smallest `norm(A X + X A') / norm(X)` (Frobenius).
+/// Returns an estimate of the separation of the equation of [`lyap`]: the smallest `norm(A X + X A') / norm(X)` (Frobenius).
 ///
 /// Rounding `A` by a share e changes the solution by about `2 e norm(A) / separation`, relatively. Method: power iteration on
 /// the inverse of the operator and of its adjoint, so that the estimate is never too small and seldom too large by much.
@@ -48,7 +48,7 @@ pub fn lyap_separation(A: &Mat) -> Result<f64, Error> {
     separation(A, Kind::Continuous)
 }
 
-/// The same estimate for the equation of [`dlyap`]: the smallest `norm(A X A' - X) / norm(X)`.
+/// Returns the same estimate for the equation of [`dlyap`]: the smallest `norm(A X A' - X) / norm(X)`.
 ///
 /// # Errors
 /// As for [`lyap_separation`].

@@ -7,6 +7,7 @@ use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::schur::{DiagonalBlock, blocks};
 use crate::small::solve_complete;
+use crate::tolerance::ROUND;
 
 vectorised! {
     /// `T X + X S' = C` in place of `C`; `T` and `S` quasi-triangular in standard form.
@@ -113,9 +114,6 @@ impl Block {
         (1.0 / ROUND..ROUND).contains(&self.scale)
     }
 }
-
-/// Largest scale of a coordinate in which a block is a rotation; it bounds the digits lost.
-const ROUND: f64 = 8.0;
 
 pub(crate) fn diagonal(T: &Mat) -> Vec<Block> {
     let block = |DiagonalBlock { start: k, size }| {

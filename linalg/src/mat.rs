@@ -28,19 +28,19 @@ pub struct Dense<T> {
 }
 
 impl<T: Scalar> Dense<T> {
-    /// The `rows` x `cols` matrix of zeros.
+    /// Returns the `rows` x `cols` matrix of zeros.
     pub fn zeros(rows: usize, cols: usize) -> Self {
         Self { rows, cols, data: vec![T::ZERO; rows * cols] }
     }
 
-    /// The identity of size `n`.
+    /// Returns the identity of size `n`.
     pub fn eye(n: usize) -> Self {
         let mut out = Self::zeros(n, n);
         out.data.iter_mut().step_by(n + 1).for_each(|e| *e = T::ONE);
         out
     }
 
-    /// The matrix whose entry (i, j) is `entry(i, j)`.
+    /// Returns the matrix whose entry (i, j) is `entry(i, j)`.
     pub fn from_fn(rows: usize, cols: usize, mut entry: impl FnMut(usize, usize) -> T) -> Self {
         let mut data = Vec::with_capacity(rows * cols);
         for j in 0..cols {
@@ -49,36 +49,36 @@ impl<T: Scalar> Dense<T> {
         Self { rows, cols, data }
     }
 
-    /// The matrix with the given rows, all of one length.
+    /// Returns the matrix with the given rows, all of one length.
     pub fn from_rows<R: AsRef<[T]>>(rows: &[R]) -> Self {
         let cols = rows.first().map_or(0, |row| row.as_ref().len());
         assert!(rows.iter().all(|row| row.as_ref().len() == cols), "rows of different lengths");
         Self::from_fn(rows.len(), cols, |i, j| rows[i].as_ref()[j])
     }
 
-    /// The matrix with the given column-major data.
+    /// Returns the matrix with the given column-major data.
     pub fn from_column_major(rows: usize, cols: usize, data: Vec<T>) -> Self {
         assert_eq!(data.len(), rows * cols, "data does not fill {rows} x {cols}");
         Self { rows, cols, data }
     }
 
-    /// A column vector.
+    /// Returns a column vector.
     pub fn col(entries: &[T]) -> Self {
         Self::from_column_major(entries.len(), 1, entries.to_vec())
     }
 
-    /// A row vector.
+    /// Returns a row vector.
     pub fn row(entries: &[T]) -> Self {
         Self::from_column_major(1, entries.len(), entries.to_vec())
     }
 
-    /// The square matrix with the given diagonal.
+    /// Returns the square matrix with the given diagonal.
     pub fn diag(entries: &[T]) -> Self {
         let n = entries.len();
         Self::from_fn(n, n, |i, j| if i == j { entries[i] } else { T::ZERO })
     }
 
-    /// The matrix put together from blocks, row of blocks by row of blocks.
+    /// Returns the matrix put together from blocks, row of blocks by row of blocks.
     pub fn from_blocks(blocks: &[&[&Self]]) -> Self {
         let rows: usize = blocks.iter().map(|line| line[0].rows).sum();
         let cols: usize = blocks.first().map_or(0, |line| line.iter().map(|b| b.cols).sum());
@@ -96,17 +96,17 @@ impl<T: Scalar> Dense<T> {
         out
     }
 
-    /// `[a b]`.
+    /// Returns `[a b]`.
     pub fn hstack(&self, right: &Self) -> Self {
         Self::from_blocks(&[&[self, right]])
     }
 
-    /// `[a; b]`.
+    /// Returns `[a; b]`.
     pub fn vstack(&self, below: &Self) -> Self {
         Self::from_blocks(&[&[self], &[below]])
     }
 
-    /// The block-diagonal matrix of `self` and `other`.
+    /// Returns the block-diagonal matrix of `self` and `other`.
     pub fn block_diag(&self, other: &Self) -> Self {
         let mut out = Self::zeros(self.rows + other.rows, self.cols + other.cols);
         out.set_block(0, 0, self);
@@ -114,57 +114,57 @@ impl<T: Scalar> Dense<T> {
         out
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         self.rows
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.cols
     }
 
-    /// (rows, columns).
+    /// Returns (rows, columns).
     pub fn shape(&self) -> (usize, usize) {
         (self.rows, self.cols)
     }
 
-    /// Whether there are as many rows as columns.
+    /// Returns whether there are as many rows as columns.
     pub fn is_square(&self) -> bool {
         self.rows == self.cols
     }
 
-    /// The entries, column by column.
+    /// Returns the entries, column by column.
     pub fn as_slice(&self) -> &[T] {
         &self.data
     }
 
-    /// The entries, column by column, to write.
+    /// Returns the entries, column by column, to write.
     pub fn as_mut_slice(&mut self) -> &mut [T] {
         &mut self.data
     }
 
-    /// Column `j`.
+    /// Returns column `j`.
     pub fn column(&self, j: usize) -> &[T] {
         &self.data[j * self.rows..(j + 1) * self.rows]
     }
 
-    /// Column `j`, to write.
+    /// Returns column `j`, to write.
     pub fn column_mut(&mut self, j: usize) -> &mut [T] {
         &mut self.data[j * self.rows..(j + 1) * self.rows]
     }
 
-    /// Row `i`, copied.
+    /// Returns row `i`, copied.
     pub fn row_vec(&self, i: usize) -> Vec<T> {
         (0..self.cols).map(|j| self[(i, j)]).collect()
     }
 
-    /// The diagonal.
+    /// Returns the diagonal.
     pub fn diagonal(&self) -> Vec<T> {
         (0..self.rows.min(self.cols)).map(|i| self[(i, i)]).collect()
     }
 
-    /// The transpose.
+    /// Returns the transpose.
     pub fn t(&self) -> Self {
         let mut out = Self::zeros(self.cols, self.rows);
         for top in (0..self.rows).step_by(TILE) {
@@ -186,12 +186,12 @@ impl<T: Scalar> Dense<T> {
         }
     }
 
-    /// The conjugate transpose.
+    /// Returns the conjugate transpose.
     pub fn h(&self) -> Self {
         Self::from_fn(self.cols, self.rows, |i, j| self[(j, i)].conjugate())
     }
 
-    /// The block of `rows` x `cols` entries whose first one is at (top, left).
+    /// Returns the block of `rows` x `cols` entries whose first one is at (top, left).
     pub fn block(&self, top: usize, left: usize, rows: usize, cols: usize) -> Self {
         assert!(top + rows <= self.rows, "the block reaches below the matrix");
         let mut data = Vec::with_capacity(rows * cols);
@@ -208,27 +208,27 @@ impl<T: Scalar> Dense<T> {
         }
     }
 
-    /// The rows and columns with the given indices, in that order.
+    /// Returns the rows and columns with the given indices, in that order.
     pub fn select(&self, rows: &[usize], cols: &[usize]) -> Self {
         Self::from_fn(rows.len(), cols.len(), |i, j| self[(rows[i], cols[j])])
     }
 
-    /// `self` times a number.
+    /// Returns `self` times a number.
     pub fn scale(&self, factor: T) -> Self {
         self.map(|entry| entry * factor)
     }
 
-    /// The matrix with `change` applied to every entry.
+    /// Returns the matrix with `change` applied to every entry.
     pub fn map<U: Scalar>(&self, mut change: impl FnMut(T) -> U) -> Dense<U> {
         Dense { rows: self.rows, cols: self.cols, data: self.data.iter().map(|&e| change(e)).collect() }
     }
 
-    /// The sum of the diagonal.
+    /// Returns the sum of the diagonal.
     pub fn trace(&self) -> T {
         self.diagonal().into_iter().fold(T::ZERO, |sum, entry| sum + entry)
     }
 
-    /// The square root of the sum of the squares, scaled against overflow.
+    /// Returns the square root of the sum of the squares, scaled against overflow.
     pub fn norm_fro(&self) -> f64 {
         let plain = T::sum_of_squares(&self.data);
         if plain > SAFE_SQUARES.0 && plain < SAFE_SQUARES.1 {
@@ -242,17 +242,17 @@ impl<T: Scalar> Dense<T> {
         largest * sum.sqrt()
     }
 
-    /// The largest modulus of an entry; NaN where an entry is NaN.
+    /// Returns the largest modulus of an entry; NaN where an entry is NaN.
     pub fn norm_max(&self) -> f64 {
         self.data.iter().map(|e| e.modulus()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
     }
 
-    /// The largest column sum of moduli.
+    /// Returns the largest column sum of moduli.
     pub fn norm_one(&self) -> f64 {
         (0..self.cols).map(|j| self.column(j).iter().map(|e| e.modulus()).sum()).fold(0.0, f64::max)
     }
 
-    /// Whether every entry is finite.
+    /// Returns whether every entry is finite.
     pub fn is_finite(&self) -> bool {
         T::all_finite(&self.data)
     }
@@ -265,14 +265,14 @@ impl Mat {
         f64::gemm(A.rows, A.cols, B.cols, &A.data, &B.data, &mut self.data);
     }
 
-    /// `(A + A') / 2`.
+    /// Returns `(A + A') / 2`.
     pub fn symmetric_part(&self) -> Self {
         let mut out = self.t();
         out.data.iter_mut().zip(&self.data).for_each(|(a, &b)| *a = 0.5 * (b + *a));
         out
     }
 
-    /// The same numbers as complex ones.
+    /// Returns the same numbers as complex ones.
     pub fn to_complex(&self) -> CMat {
         self.map(|entry| C64::new(entry, 0.0))
     }

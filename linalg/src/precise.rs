@@ -1,13 +1,13 @@
 //! Matrices of numbers with 32 digits, each the unevaluated sum of two doubles, correct entry by entry.
 //!
-//! [`crate::extended`] is faster, but its error is small beside the norms only. The hard problems whose entries spread over
+//! [`crate::extended_precision`] is faster, but its error is small beside the norms only. The hard problems whose entries spread over
 //! many decades are solved with these matrices from the first step to the last.
 //! Sources: Dekker, Numer. Math. 18 (1971); Hida, Li and Bailey, Algorithms for quad-double precision floating point
 //! arithmetic, ARITH-15 (2001).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::extended::Extended;
+use crate::extended_precision::Extended;
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 

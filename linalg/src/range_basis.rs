@@ -20,7 +20,7 @@ pub struct RangeBasis {
 }
 
 impl RangeBasis {
-    /// The basis of `M`, m x n, whose singular values above `tolerance` count.
+    /// Returns the basis of `M`, m x n, whose singular values above `tolerance` count.
     ///
     /// # Errors
     /// Entries that are not finite, or no convergence.
@@ -39,12 +39,12 @@ impl RangeBasis {
         Ok(Self { rows, reflectors, top: parts.U, rank })
     }
 
-    /// How many singular values exceed the tolerance.
+    /// Returns how many singular values exceed the tolerance.
     pub fn rank(&self) -> usize {
         self.rank
     }
 
-    /// `U' A` for `A` with m rows.
+    /// Returns `U' A` for `A` with m rows.
     ///
     /// # Errors
     /// Another number of rows.
@@ -59,7 +59,7 @@ impl RangeBasis {
         Ok(out)
     }
 
-    /// `A U` for `A` with m columns.
+    /// Returns `A U` for `A` with m columns.
     ///
     /// # Errors
     /// Another number of columns.

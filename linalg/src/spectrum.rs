@@ -6,7 +6,7 @@ use crate::dense::dot;
 use crate::error::Error;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
-use crate::tolerance::{BOUNDARY_SUSPECT, EIGENVALUE_ERROR, EPS, VECTOR_NOISE};
+use crate::tolerance::{BOUNDARY_SUSPECT, EIGENVALUE_ERROR, EPS, GROWN_ENTRIES, VECTOR_NOISE};
 
 /// A matrix `A = D B D^-1`, its balanced form `B` and the Schur form of that.
 pub(crate) struct Spectrum {
@@ -188,9 +188,9 @@ impl Triangle {
             let known: C64 = y.iter().zip(column).map(|(a, b)| a * b).sum();
             let entry = (right * scale - known) / column[y.len()];
             y.push(entry);
-            if entry.norm() > GROWN {
-                y.iter_mut().for_each(|e| *e /= GROWN);
-                scale /= GROWN;
+            if entry.norm() > GROWN_ENTRIES {
+                y.iter_mut().for_each(|e| *e /= GROWN_ENTRIES);
+                scale /= GROWN_ENTRIES;
             }
         }
         normalise(&mut y);
@@ -201,8 +201,8 @@ impl Triangle {
     fn solve_right(&self, mut b: Vec<C64>) -> Vec<C64> {
         for k in (0..b.len()).rev() {
             b[k] /= self.columns[k][k];
-            if b[k].norm() > GROWN {
-                b.iter_mut().for_each(|e| *e /= GROWN);
+            if b[k].norm() > GROWN_ENTRIES {
+                b.iter_mut().for_each(|e| *e /= GROWN_ENTRIES);
             }
             let x = b[k];
             b[..k].iter_mut().zip(&self.columns[k]).for_each(|(b, &entry)| *b -= entry * x);
@@ -233,9 +233,6 @@ impl Triangle {
         b
     }
 }
-
-/// Entries beyond this are scaled down on the way, since those of a nilpotent matrix grow without bound.
-const GROWN: f64 = 1e100;
 
 fn normalise(v: &mut [C64]) {
     let largest = v.iter().map(|e| e.norm()).fold(f64::MIN_POSITIVE, f64::max);

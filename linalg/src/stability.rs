@@ -14,7 +14,7 @@ pub enum Boundary {
 }
 
 impl Boundary {
-    /// How far an eigenvalue lies beyond the boundary; negative for a stable one.
+    /// Returns how far an eigenvalue lies beyond the boundary; negative for a stable one.
     pub fn excess(self, eigenvalue: C64) -> f64 {
         match self {
             Self::ImaginaryAxis => eigenvalue.re,
@@ -23,8 +23,8 @@ impl Boundary {
     }
 }
 
-/// The eigenvalues of `A`, one of each conjugate pair, that lie on the boundary of stability as far as the entries of `A`, each
-/// rounded to a double, can tell.
+/// Returns the eigenvalues of `A`, one of each conjugate pair, that lie on the boundary of stability as far as the entries of
+/// `A`, each rounded to a double, can tell.
 ///
 /// The rule does not depend on the units of the states: an eigenvalue counts as on the boundary if its distance is below
 /// the first-order effect of rounding each entry of `A`, from its left and right eigenvectors. A slow mode beside a fast one
@@ -37,8 +37,8 @@ pub fn boundary_eigenvalues(A: &Mat, boundary: Boundary) -> Result<Vec<C64>, Err
     Ok(Spectrum::of(A)?.eigenvalues_on_boundary(|l| boundary.excess(l)))
 }
 
-/// Whether every eigenvalue of `A` is farther from the boundary of stability than rounding the entries of `A` may move it, to
-/// first order.
+/// Returns whether every eigenvalue of `A` is farther from the boundary of stability than rounding the entries of `A` may move
+/// it, to first order.
 ///
 /// # Errors
 /// As for [`boundary_eigenvalues`].

@@ -240,7 +240,7 @@ fn eliminate(A: &Mat, B: &Mat, C: &mut Mat, left: DiagonalBlock, right: Diagonal
     }
 }
 
-/// A lower bound of the separation of two spectra: `min |a + b|` (continuous) or `min |a b - 1|` (discrete) over the
+/// Returns a lower bound of the separation of two spectra: `min |a + b|` (continuous) or `min |a b - 1|` (discrete) over the
 /// eigenvalues. The true separation, the smallest singular value of the equation, is at most this.
 pub fn eigenvalue_separation(first: &[C64], second: &[C64]) -> f64 {
     first.iter().flat_map(|a| second.iter().map(move |b| (a + b).norm())).fold(f64::INFINITY, f64::min)

@@ -300,3 +300,21 @@ pub const TRANSFER_SETTLED: f64 = 1e-20;
 
 /// Between these a sum of squares has neither overflowed nor lost small entries.
 pub(crate) const SAFE_SQUARES: (f64, f64) = (1e-200, 1e300);
+
+/// A subdiagonal of a Hessenberg matrix below this is zero whatever its neighbours: its rounding is below the smallest normal number.
+pub const NEGLIGIBLE_SUBDIAGONAL: f64 = f64::MIN_POSITIVE / EPS;
+
+/// Entries of an eigenvector beyond this are scaled down on the way, since those of a nilpotent matrix grow without bound.
+pub const GROWN_ENTRIES: f64 = 1e100;
+
+/// Share of the unknowns that neither part of a dissection may exceed: lopsided parts make deep trees.
+pub const LARGEST_PART: f64 = 0.65;
+
+/// Largest scale of a coordinate in which a block of two is a rotation: it bounds the digits lost by one, and other blocks are eliminated.
+pub const ROUND: f64 = 8.0;
+
+/// Matrices whose entries lie outside are left to the careful kernel: squares could overflow or vanish.
+pub const SAFE_ENTRIES: (f64, f64) = (1e-100, 1e140);
+
+/// A column below this is zero beside [`SAFE_ENTRIES`]: the square of the smallest of them is far above.
+pub const ZERO_COLUMN: f64 = 1e-280;

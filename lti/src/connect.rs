@@ -7,7 +7,7 @@ use crate::tolerance::LOOP_RCOND;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// `y = h (g u)`: h after g, with the states [g; h].
+/// Returns `y = h (g u)`: h after g, with the states [g; h].
 ///
 /// # Errors
 /// [`Error::Timebase`] for different timebases, [`Error::Shape`] where g has not as many outputs as h has inputs.
@@ -22,7 +22,7 @@ pub fn series(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     StateSpace::new(A, B, C, &h.D * &g.D, timebase)
 }
 
-/// `y = g u + h u`, with the states [g; h].
+/// Returns `y = g u + h u`, with the states [g; h].
 ///
 /// # Errors
 /// [`Error::Timebase`] for different timebases, [`Error::Shape`] where inputs or outputs differ in number.
@@ -33,7 +33,7 @@ pub fn parallel(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     StateSpace::new(g.A.block_diag(&h.A), g.B.vstack(&h.B), g.C.hstack(&h.C), &g.D + &h.D, timebase)
 }
 
-/// `[y1; y2] = diag(g, h) [u1; u2]`: both side by side.
+/// Returns `[y1; y2] = diag(g, h) [u1; u2]`: both side by side.
 ///
 /// # Errors
 /// [`Error::Timebase`] for different timebases.
@@ -48,7 +48,7 @@ pub fn append(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     )
 }
 
-/// Negative feedback
+/// Closes a loop of negative feedback
 ///
 /// ```text
 ///   r --->o---> l ---+---> y         y = l (r - h y)
@@ -153,12 +153,12 @@ pub fn inverse(g: &StateSpace) -> Result<StateSpace, Error> {
 }
 
 impl StateSpace {
-    /// `y = -g u`.
+    /// Returns `y = -g u`.
     pub fn negate(&self) -> Self {
         Self { C: -&self.C, D: -&self.D, ..self.clone() }
     }
 
-    /// `y = diag(outputs) g diag(inputs) u`: a change of the signals' units.
+    /// Returns `y = diag(outputs) g diag(inputs) u`: a change of the signals' units.
     ///
     /// # Errors
     /// [`Error::Shape`] where the factors are not one a signal, [`Error::NotFinite`].

@@ -52,7 +52,7 @@ fn ladder(order: usize) -> Mat {
     })
 }
 
-/// z^-samples for one signal: a shift register.
+/// Returns z^-samples for one signal: a shift register.
 ///
 /// # Errors
 /// [`Error::Period`] where the period is not positive, [`Error::Range`] for more than [`MOST_DELAY_STATES`] samples.

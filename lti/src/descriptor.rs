@@ -2,7 +2,7 @@
 
 use crate::error::During;
 use crate::tolerance::{DESCRIPTOR_SWEEPS, IMPROPER};
-use crate::tracked::{Pivot, Tracked, eliminate, solve_pivots};
+use crate::tracked_matrix::{Pivot, Tracked, eliminate, solve_pivots};
 use crate::{Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
 

@@ -7,7 +7,7 @@ use crate::components::components;
 use crate::error::During;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;
-use crate::tracked::{Pivot, Tracked, eliminate, solve_pivots};
+use crate::tracked_matrix::{Pivot, Tracked, eliminate, solve_pivots};
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
 

@@ -22,7 +22,7 @@ pub fn obsv_gramian(g: &StateSpace) -> Result<Mat, Error> {
     ctrb_gramian(&g.dual())
 }
 
-/// L with P = L L', by Hammarling's method: small Hankel values keep their digits, which a Gramian itself loses.
+/// Returns L with P = L L', by Hammarling's method: small Hankel values keep their digits, which a Gramian itself loses.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -37,7 +37,7 @@ pub fn ctrb_factor(g: &StateSpace) -> Result<Mat, Error> {
     }
 }
 
-/// L with Q = L L'; as [`ctrb_factor`].
+/// Returns L with Q = L L'; as [`ctrb_factor`].
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.

@@ -8,8 +8,8 @@
 //! *Invariant*: nothing here knows a machine, a weight, a file, a thread or a clock. There is no default timebase, no
 //! polynomial is expanded, `feedback` is negative and `lft` positive.
 //!
-//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
-//! [`discretise`], [`delayed_hold`], [`sampled`],
+//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named_blocks`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
+//! [`discretise`], [`delayed_hold`], [`sampled_h2_problem`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
 //! [`delayed_margins`], [`multiloop`], [`placement`],
 //! [`tolerance`] (the numbers that decide), [`error`].
@@ -45,21 +45,21 @@ mod hidden_modes;
 mod level;
 pub mod margins;
 pub mod multiloop;
-pub mod named;
+pub mod named_blocks;
 pub mod norms;
 mod peak;
 pub mod placement;
 pub mod response;
 mod root_order;
 pub mod roots;
-pub mod sampled;
+pub mod sampled_h2_problem;
 pub mod scaling;
 mod scan;
 mod structure;
 pub mod system;
 pub mod time;
 pub mod tolerance;
-mod tracked;
+mod tracked_matrix;
 pub mod transfer;
 pub mod zpk;
 
@@ -79,13 +79,13 @@ pub use margins::{
     candidate_sensitivity, margins,
 };
 pub use multiloop::{MultiloopMargins, multiloop_margins};
-pub use named::{Named, SignalTerm, connect};
+pub use named_blocks::{Named, SignalTerm, connect};
 pub use norms::{NormBounds, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use peak::Peak;
 pub use placement::{Placement, place};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
 pub use roots::{is_stable, is_stable_pole, poles, poles_on_boundary, zeros};
-pub use sampled::{Noise, SampledProblem, sampled_problem};
+pub use sampled_h2_problem::{Noise, SampledProblem, sampled_problem};
 pub use system::{StateSpace, Timebase};
 pub use time::{TimeResponse, impulse, lsim, step};
 pub use transfer::TransferFunction;

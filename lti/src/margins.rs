@@ -186,7 +186,7 @@ pub fn candidate_margins(loop_gain: &StateSpace) -> Result<CandidateMargins, Err
     Ok(CandidateMargins { ms: sensitivity_peak(&scan), gain, phase })
 }
 
-/// The largest sensitivity of one of many loops that are compared: that of [`candidate_margins`], without its crossings.
+/// Returns the largest sensitivity of one of many loops that are compared: that of [`candidate_margins`], without its crossings.
 ///
 /// # Errors
 /// [`Error::NotSiso`].

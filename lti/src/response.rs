@@ -35,7 +35,7 @@ pub fn response_at(g: &StateSpace, rate_rad_s: f64) -> Result<CMat, Error> {
     Response::of(g)?.at(rate_rad_s)
 }
 
-/// Singular values of the response, largest first, for each frequency in rad/s.
+/// Returns the singular values of the response, largest first, for each frequency in rad/s.
 ///
 /// # Errors
 /// As [`frequency_response`].

@@ -13,7 +13,7 @@ pub struct TimeResponse {
     pub y: Mat,
 }
 
-/// Outputs for a unit step in each input, `n` points from 0 to `t_end_s` (a sampled system: its own samples up to there).
+/// Returns the outputs for a unit step in each input, `n` points from 0 to `t_end_s` (a sampled system: its own samples up to there).
 ///
 /// # Errors
 /// [`Error::Range`] for an end that is not positive, fewer than two points or more than ten million; as [`c2d`].
@@ -23,8 +23,8 @@ pub fn step(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, Erro
     each_input(&sampled, time_s, |one| lsim(one, &ones, None))
 }
 
-/// Outputs for a unit impulse in each input: of area one in continuous time (a direct path's own impulse is left out),
-/// one sample of height one in sampled time. Points as [`step`].
+/// Returns the outputs for a unit impulse in each input: of area one in continuous time (a direct path's own impulse is left
+/// out), one sample of height one in sampled time. Points as [`step`].
 ///
 /// # Errors
 /// As [`step`].
@@ -44,7 +44,7 @@ pub fn impulse(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, E
     each_input(&sampled, time_s, |one| lsim(one, &pulse, None))
 }
 
-/// Outputs of a **sampled** system for the inputs `u` (one row a sample, one column an input), from the state `x0` or
+/// Returns the outputs of a **sampled** system for the inputs `u` (one row a sample, one column an input), from the state `x0` or
 /// rest; one row a sample. A continuous system goes through [`c2d`] first, with the hold that fits the input.
 ///
 /// # Errors

@@ -102,3 +102,6 @@ pub(crate) const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];
 
 /// Relative rounding of moments of inertia that a file states with ten digits.
 pub(crate) const SAME_INERTIA: f64 = 1e-9;
+
+/// Most bits of a converter: beyond, double precision has no smaller step over its range.
+pub const MOST_CONVERTER_BITS: f64 = 52.0;

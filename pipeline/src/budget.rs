@@ -1,12 +1,11 @@
 //! What a run takes, estimated before anything is allocated.
 
 use crate::PipelineError;
+use crate::tolerance::MOST_BYTES;
 
 /// Bytes that a run keeps of every sample: readings, true motion and control, once for the linear and once for the nonlinear model,
 /// with room for what a verification computes from them.
 const BYTES_A_SAMPLE: f64 = 400.0;
-/// Most memory that one run may take, bytes.
-const MOST_BYTES: f64 = 2e9;
 /// Samples that the simulator runs in a second on a usual processor, about: for the estimate that an error names.
 const SAMPLES_A_SECOND: f64 = 1e5;
 

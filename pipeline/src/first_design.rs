@@ -23,6 +23,7 @@ use serde::Serialize;
 use crate::exchange::SystemResult;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
+use crate::tolerance::MARGINS_TO_SPARE;
 use crate::{Modelled, PipelineError, Reduced, model, reduce};
 
 /// A project whose weights were chosen.
@@ -147,29 +148,27 @@ fn converter_step(sensor: &Sensor, bits: u32) -> f64 {
     2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / sensor.scale_v_unit.abs()
 }
 
-/// Returns the usual margins, or those that the project requires if they are larger, with [`SPARE`] to spare.
+/// Returns the usual margins, or those that the project requires if they are larger, with [`MARGINS_TO_SPARE`] to spare.
 fn margins(project: &Project) -> RequiredMargins {
     let mut margins = RequiredMargins::default();
     let requirements = project.verify.iter().flat_map(|asked| &asked.requirements);
     for requirement in requirements {
         match (requirement.figure, requirement.limit) {
             (Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(db)) => {
-                margins.gain_db = margins.gain_db.max(db + SPARE * db.abs());
+                margins.gain_db = margins.gain_db.max(db + MARGINS_TO_SPARE * db.abs());
             }
             (Figure::Loop(LoopFigure::PhaseMargin), Limit::AtLeast(deg)) => {
-                margins.phase_deg = margins.phase_deg.max(deg + SPARE * deg.abs());
+                margins.phase_deg = margins.phase_deg.max(deg + MARGINS_TO_SPARE * deg.abs());
             }
             (Figure::Loop(LoopFigure::MaxSensitivity), Limit::AtMost(ms)) => {
-                margins.max_sensitivity = margins.max_sensitivity.min(1.0 + (ms - 1.0) * (1.0 - SPARE));
+                margins.max_sensitivity =
+                    margins.max_sensitivity.min(1.0 + (ms - 1.0) * (1.0 - MARGINS_TO_SPARE));
             }
             _ => {}
         }
     }
     margins
 }
-
-/// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
-const SPARE: f64 = 0.02;
 
 /// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor
 /// reads it or it does not move.

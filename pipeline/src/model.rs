@@ -76,8 +76,8 @@ pub(crate) fn of_rate(
     Ok(Some(moving.linearise(equilibrium, friction, Angles::Drop)?))
 }
 
-/// Why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the control's
-/// limit allows. Friction is left out.
+/// Returns why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the
+/// control's limit allows. Friction is left out.
 pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
     if let Some(beyond) = cannot_carry(modelled) {
         return Some(beyond);

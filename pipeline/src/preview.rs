@@ -9,7 +9,7 @@ use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::Synthesis;
-use counterpoise_verify::linear::closed::resolver_use;
+use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange};

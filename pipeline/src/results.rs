@@ -19,7 +19,7 @@ use serde::Serialize;
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
 use crate::exchange::systems::{StoredController, controllers_of_design, stored_frequencies_hz};
-use crate::exchange::verified::{history_results, response_results, verified_loop};
+use crate::exchange::verification_data::{history_results, response_results, verified_loop};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,

@@ -1,11 +1,18 @@
-//! The recorded motion of a platform, prepared to drive the platform of a verification.
+//! The motion of the platform of a verification: prepared from a recording, or realised from numbers.
 
 use counterpoise_recordings::clock::to_uniform_clock;
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
+use counterpoise_verify::signals::spectrum::{
+    angle_tones, pitch_simulator, random_motion, sine_tones, tones,
+};
+use counterpoise_verify::signals::{Drive, iso_road};
 use counterpoise_verify::{FurtherRoad, Road};
 
-use counterpoise_project::resolve::platform::RoadSource;
+use counterpoise_project::resolve::platform::{Motion, MotionKind, RoadSource};
+
+/// Period of the samples of a drive over a road, s: a vehicle has little above 20 Hz.
+const ROAD_PERIOD_S: f64 = 0.005;
 
 /// Returns heave, pitch rate and, where its column is named, surge from a recording: the stretch that is asked for, low-passed, scaled, without their means (which
 /// takes gravity away), and faded in and out.
@@ -32,6 +39,35 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
         pitch_rate_rad_s: shape(1, source.pitch_scale)?,
         further: (!source.surge.is_empty()).then(|| shape(2, source.surge_scale)).transpose()?.map(surging),
     })
+}
+
+/// Realises a motion from its numbers: where the base rolls or traverses, the axis feels gravity's share of it, `gravity_m_s2` in m/s^2.
+///
+/// # Errors
+/// Those of the generators.
+pub fn realise_motion(motion: &Motion, gravity_m_s2: f64) -> Result<Road, counterpoise_verify::Error> {
+    let how = motion.realisation;
+    match &motion.kind {
+        MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),
+        MotionKind::Simulator { offset_m, sines, pitch_psd } => {
+            let mut angle = sine_tones(sines);
+            angle.extend(angle_tones(&tones(pitch_psd, how.seed, 0)?));
+            pitch_simulator(&angle, *offset_m, how)
+        }
+        MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
+            let drive = Drive {
+                class: *class,
+                speed_m_s: *speed_m_s,
+                duration_s: how.duration_s,
+                sample_period_s: ROAD_PERIOD_S,
+                fade_s: how.fade_s,
+                seed: how.seed,
+            };
+            iso_road(drive, *vehicle, gravity_m_s2)
+        }
+        MotionKind::Sea(sea) => sea.road(how, gravity_m_s2),
+        MotionKind::SixAxes(motion) => motion.road(how, gravity_m_s2),
+    }
 }
 
 /// Returns a motion that surges without roll and yaw.

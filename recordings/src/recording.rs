@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use ndarray::Array1;
 
+use crate::tolerance::FEWEST_PERIODS;
 use crate::{Channel, Error, Remark};
 
 /// Channels of one experiment on one uniform clock, in SI units; NaN where a sample is missing.
@@ -24,9 +25,6 @@ pub struct Recording {
     /// The samples of each channel, contiguous in memory.
     signals: BTreeMap<Channel, Array1<f64>>,
 }
-
-/// A window has at least this many sample periods: fewer have no second difference.
-const FEWEST_PERIODS: f64 = 2.0;
 
 impl Recording {
     /// Returns a recording without channels, whose first sample is at 0 s.

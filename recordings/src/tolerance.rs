@@ -34,3 +34,13 @@ pub(crate) const LONGEST_GAP: f64 = 10.0;
 
 /// A recording has at least this many rows: a sample period and its scatter need two steps.
 pub(crate) const FEWEST_ROWS: usize = 3;
+
+/// A time column without a unit is refused if its steps differ from the sample period by more than this factor: no experiment is
+/// recorded so much slower or faster than its controller runs, but a file in milliseconds is off by a thousand.
+pub(crate) const FAR_FROM_PERIOD: f64 = 20.0;
+
+/// In its own unit, the steps of a time column match the sample period within this factor: units differ by 60 at least, so that one alone fits.
+pub(crate) const MATCHES_PERIOD: f64 = 3.0;
+
+/// A window has at least this many sample periods: fewer have no second difference.
+pub(crate) const FEWEST_PERIODS: f64 = 2.0;

@@ -51,7 +51,7 @@ pub struct LargeReduction {
     pub warnings: Vec<Warning>,
 }
 
-/// Balanced truncation of a large structure.
+/// Returns the balanced truncation of a large structure.
 ///
 /// `watch` is told how far the iteration is, and may stop it.
 ///

@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows a weight's purpose, a machine, a file, a thread or a clock. Poles on or beyond the
 //! border of stability are never reduced: they are split off first and put back unchanged.
 //!
-//! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced`], [`weighted`], [`modal`], [`second_order`],
+//! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced_truncation`], [`weighted_balancing`], [`modal`], [`second_order`],
 //! [`large`] (structures with sparse matrices), [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide),
 //! [`error`].
 //!
@@ -25,7 +25,7 @@
 //! ```
 #![allow(non_snake_case)]
 
-pub mod balanced;
+pub mod balanced_truncation;
 pub mod error;
 pub mod large;
 pub mod measure;
@@ -35,9 +35,9 @@ pub mod reduction;
 pub mod second_order;
 pub mod split;
 pub mod tolerance;
-pub mod weighted;
+pub mod weighted_balancing;
 
-pub use balanced::{Balanced, balred};
+pub use balanced_truncation::{Balanced, balred};
 pub use error::Error;
 pub use large::{LargeReduction, LargeStructure, balred_large, error_at};
 pub use measure::error_norm;
@@ -46,4 +46,4 @@ pub use modal::{Residual, modal_truncation};
 pub use reduction::{Method, Order, Reduction, Warning};
 pub use second_order::{SecondOrder, SecondOrderReduction, guyan, modal_basis};
 pub use split::{Split, split, split_by};
-pub use weighted::{ControllerReduction, Weights, reduce_controller, weighted_balred};
+pub use weighted_balancing::{ControllerReduction, Weights, reduce_controller, weighted_balred};

@@ -102,7 +102,7 @@ impl SecondOrder {
     }
 }
 
-/// Guyan's static condensation on the master degrees of freedom (AIAA J. 3 (1965) 380): the slaves follow as the
+/// Returns Guyan's static condensation on the master degrees of freedom (AIAA J. 3 (1965) 380): the slaves follow as the
 /// stiffness alone would have them, x = \[1; -inv(Kss) Ksm\] q.
 ///
 /// # Errors

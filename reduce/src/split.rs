@@ -28,7 +28,7 @@ impl Split {
     }
 }
 
-/// Stable part (with the direct path) and the rest: integrators, poles on the border, unstable poles.
+/// Returns the stable part (with the direct path) and the rest: integrators, poles on the border, unstable poles.
 ///
 /// A pole is on the border if rounding the entries of A may have moved it from there, so that a rigid body in physical
 /// coordinates, whose double pole at zero splits, is kept whole.

@@ -27,7 +27,7 @@ const SOURCES: [(Source, &str); 4] = [
 /// Heading of the section with the plant.
 pub const PLANT: &str = "Plant";
 
-/// Sections in the order in which a reader asks.
+/// Returns the sections in the order in which a reader asks.
 pub fn evidence_sections(found: &Verification) -> Vec<Section> {
     let first = [loop_section(found), step_section(found)];
     let rest = [

@@ -8,11 +8,9 @@ use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResul
 use counterpoise_pipeline::recordings::tracks::Track;
 
 use crate::diagnosis::{comparison, worst_track};
+use crate::tolerance::FITS_FLOORS;
 use crate::wording::recordings::describe_replay_mode;
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
-
-/// Error over floor up to which a model fits.
-const FITS: f64 = 1.5;
 
 /// Returns the report of replayed recordings and their result.
 pub fn replay_report(
@@ -60,8 +58,8 @@ fn name(file: &str) -> &str {
 fn headline(result: &ReplayResult) -> Headline {
     let (tone, text) = match worst(result) {
         None => (Tone::Neutral, "No recorded channel can be compared with the model".to_owned()),
-        Some((ratio, ..)) if ratio <= FITS => {
-            (Tone::Good, format!("The model fits every channel to within {FITS} times its floor"))
+        Some((ratio, ..)) if ratio <= FITS_FLOORS => {
+            (Tone::Good, format!("The model fits every channel to within {FITS_FLOORS} times its floor"))
         }
         Some((ratio, channel, recording)) => {
             let channel = channel.replace('_', " ");

@@ -56,7 +56,7 @@ fn sign_of(limit: Limit) -> String {
     }
 }
 
-/// `at least 12`.
+/// Returns the words of a limit, such as `at least 12`.
 pub fn words_of(limit: Limit) -> String {
     match limit {
         Limit::AtLeast(value) => format!("at least {}", short_number(value)),

@@ -150,7 +150,7 @@ fn worst_of(found: &CampaignResult, requirement: usize, worst: &Worst) -> WorstC
     }
 }
 
-/// The options of `counterpoise sweep` that run a worst case again.
+/// Returns the options of `counterpoise sweep` that run a worst case again.
 pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
     let both = found.variations.iter().zip(&worst.factors);
     let words: Vec<String> =

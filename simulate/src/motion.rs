@@ -91,7 +91,7 @@ pub(crate) struct Track<'a> {
 }
 
 impl<'a> Track<'a> {
-    /// From a time on.
+    /// Returns the track from a time on.
     pub fn new(platform: &'a PlatformMotion, period_s: f64, first_s: f64) -> Self {
         let follow = |signal: &'a Signal| Followed::new(signal, period_s);
         Self {

@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
-//! Modules in reading order: [`command`], [`editing`], [`versioned`], [`jobs`], [`results`], [`units`], [`theme`],
+//! Modules in reading order: [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
 //! [`number_format`], [`charts`], [`browser`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
 //! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
@@ -50,5 +50,5 @@ pub mod text_difference;
 pub mod theme;
 pub mod toolbar;
 pub mod units;
-pub mod versioned;
+pub mod versioned_results;
 pub mod view;

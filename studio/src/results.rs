@@ -11,7 +11,7 @@ use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::jobs::measurements::Measurements;
 use crate::jobs::plant_pictures::{BeamModes, ReductionPicture};
-use crate::versioned::{Freshness, Versioned};
+use crate::versioned_results::{Freshness, Versioned};
 
 /// Everything that was computed.
 #[derive(Debug, Clone, Default)]

@@ -5,7 +5,7 @@ use egui::{Color32, RichText, Ui};
 use crate::command::Command;
 use crate::studio::Studio;
 use crate::theme::Theme;
-use crate::versioned::Freshness;
+use crate::versioned_results::Freshness;
 use crate::view::Severity;
 
 /// The state of the studio in words, with the colour of its dot.

@@ -39,7 +39,7 @@ pub struct Alternative {
     pub on_generalised: Option<StateSpace>,
 }
 
-/// The feedback designed by one method. Weights and plant are the same for all.
+/// Returns the feedback designed by one method. Weights and plant are the same for all.
 ///
 /// # Errors
 /// [`Error`] for weights without realisation; without solution [`Error::Refused`].
@@ -76,7 +76,7 @@ pub fn alternative(
     }
 }
 
-/// The textbook's plant for the feedback
+/// Returns the textbook's plant for the feedback
 ///
 /// ```text
 ///     w = (white disturbances, noise)   u = v, the weighted control     z = (H_q e, v)     y = e = -(rate + noise)

@@ -27,7 +27,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// |achieved - predicted| / predicted, where both are known.
+    /// Returns |achieved - predicted| / predicted, where both are known.
     pub fn relative_difference(&self) -> Option<f64> {
         let (predicted, achieved) = (self.predicted?, self.achieved?);
         let scale = predicted.abs().max(f64::MIN_POSITIVE);

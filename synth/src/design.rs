@@ -34,7 +34,7 @@ pub struct Design {
     pub substitute: Option<StateSpace>,
 }
 
-/// The three-part H2 design.
+/// Returns the three-part H2 design.
 ///
 /// The weights are those of the rate loop if the plant has one ([`DesignPlant::rate_loop`]); the position loop is then put around its
 /// feedback.
@@ -122,7 +122,7 @@ fn with_feedback(plant: &DesignPlant, feedback: &Feedback) -> Result<DesignPlant
 }
 
 impl Design {
-    /// The feedforward of a channel.
+    /// Returns the feedforward of a channel.
     pub fn part(&self, channel: Channel) -> Option<&Feedforward> {
         match channel {
             Channel::Heave => self.heave.as_ref(),
@@ -130,7 +130,7 @@ impl Design {
         }
     }
 
-    /// The feedback controller C0 from (demand, measured rate) to the control.
+    /// Returns the feedback controller C0 from (demand, measured rate) to the control.
     pub fn feedback_controller(&self) -> StateSpace {
         let own = || match &self.joint {
             Some(joint) => joint.controller.select(&[0], &[0, 1]),
@@ -139,14 +139,14 @@ impl Design {
         self.substitute.clone().unwrap_or_else(own)
     }
 
-    /// The feedforward module of a channel from the measured disturbance to the control.
+    /// Returns the feedforward module of a channel from the measured disturbance to the control.
     pub fn feedforward_controller(&self, channel: Channel) -> Option<StateSpace> {
         let module = &self.part(channel)?.module;
         let inputs: Vec<usize> = (0..module.inputs()).collect();
         Some(module.select(&[0], &inputs))
     }
 
-    /// The whole controller from (demand, measured rate, heave signals, pitch signals) to the control, in the assembly
+    /// Returns the whole controller from (demand, measured rate, heave signals, pitch signals) to the control, in the assembly
     /// that the specification asks for.
     ///
     /// # Errors
@@ -209,8 +209,8 @@ impl Design {
         D
     }
 
-    /// The largest relative difference between predicted and achieved cost over the three parts; `None` if none of
-    /// them has both.
+    /// Returns the largest relative difference between predicted and achieved cost over the three parts; `None` if none of them
+    /// has both.
     pub fn worst_cost_difference(&self) -> Option<f64> {
         let parts = [self.heave.as_ref(), self.pitch.as_ref()];
         let costs = parts.into_iter().flatten().map(|part| part.cost).chain([self.feedback.cost]);

@@ -11,7 +11,7 @@ use crate::sampled_data::{self, Drafted};
 use crate::sampling::{Sampled, Sampling, SamplingMethod, check, sampled_plant};
 use crate::{Assembly, Channel, Design, Error, Reference};
 
-/// The design as a sampled controller.
+/// Returns the design as a sampled controller.
 ///
 /// Each path is discretised or designed anew ([`SamplingMethod`]), brought to the form asked for ([`Form`]: by default the one whose coefficients may be rounded) and
 /// given an anti-windup gain. What comes out is checked: the loop of the *discrete* controller around the plant with its

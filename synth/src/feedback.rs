@@ -15,7 +15,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat, Riccati, care, eigenvalues};
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::augmented::Augmented;
+use crate::augmented_plant::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{DesignPlant, Error, FeedbackWeights, Reference};

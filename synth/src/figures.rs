@@ -60,7 +60,7 @@ pub const STEP_S: f64 = 1.5;
 /// Frequencies in the band.
 pub(crate) const BAND_POINTS: usize = 24;
 
-/// The figures of a sampled feedback loop; rejection over the band [low, high], rad/s.
+/// Returns the figures of a sampled feedback loop; rejection over the band [low, high], rad/s.
 ///
 /// # Errors
 /// [`Error`] where the plant is not one, or a decomposition fails.

@@ -54,32 +54,32 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A refusal.
+    /// Returns a refusal.
     pub fn refusal(part: Part, cause: Cause) -> Self {
         Self { severity: Severity::Refusal, part, weight: None, rate_rad_s: None, cause }
     }
 
-    /// A warning.
+    /// Returns a warning.
     pub fn warning(part: Part, cause: Cause) -> Self {
         Self { severity: Severity::Warning, ..Self::refusal(part, cause) }
     }
 
-    /// With the weight named.
+    /// Returns the finding with the weight named.
     pub fn with_weight(self, role: &str, weight: &impl fmt::Display) -> Self {
         Self { weight: Some(format!("{role} {weight}")), ..self }
     }
 
-    /// With the frequency named.
+    /// Returns the finding with the frequency named.
     pub fn at(self, rate_rad_s: f64) -> Self {
         Self { rate_rad_s: Some(rate_rad_s), ..self }
     }
 
-    /// Whether the design cannot go on.
+    /// Returns whether the design cannot go on.
     pub fn is_refusal(&self) -> bool {
         self.severity == Severity::Refusal
     }
 
-    /// What the designer can do about it.
+    /// Returns what the designer can do about it.
     pub fn suggestion(&self) -> &'static str {
         self.cause.suggestion()
     }

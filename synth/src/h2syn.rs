@@ -7,7 +7,7 @@ use crate::Error;
 use crate::cause::Cause;
 use crate::certificate::Equation;
 use crate::finding::{Finding, Part};
-use crate::generalised::{Blocks, Generalised, absorb_direct_path};
+use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
 use crate::origin::{Of, require_solution};
 
 /// An H2 controller with its certificates.
@@ -31,7 +31,7 @@ pub struct H2 {
     pub filter: Equation,
 }
 
-/// The controller that makes the H2 norm from w to z smallest
+/// Returns the controller that makes the H2 norm from w to z smallest
 ///
 /// ```text
 ///     A'X + XA - (XB2 + C1'D12) R^-1 (B2'X + D12'C1) + C1'C1 = 0,  R = D12'D12,  F = R^-1 (B2'X + D12'C1)

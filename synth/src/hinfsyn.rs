@@ -7,7 +7,7 @@ use crate::Error;
 use crate::cause::Cause;
 use crate::error::attempt;
 use crate::finding::{Finding, Part};
-use crate::generalised::Generalised;
+use crate::generalised_plant::Generalised;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, Normal};
 use crate::tolerance::{
@@ -33,7 +33,7 @@ pub struct HInfinity {
     pub trials: usize,
 }
 
-/// The controller whose H-infinity norm from w to z is within a factor (1 + tolerance) of the smallest
+/// Returns the controller whose H-infinity norm from w to z is within a factor (1 + tolerance) of the smallest
 ///
 /// ```text
 ///     X, Y from H-infinity Riccati equations at the bound g;  X >= 0, Y >= 0, rho(XY) < g^2

@@ -15,7 +15,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat, care, eigenvalues, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::augmented::Augmented;
+use crate::augmented_plant::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;

@@ -18,7 +18,7 @@
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
 //! - feedback of fixed structure: [`fixed_structure`], and its [`tuning`] under limits of the loop; [`best_loop`](mod@best_loop), what
 //!   any linear feedback could do;
-//! - other methods: [`generalised`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`];
+//! - other methods: [`generalised_plant`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`];
 //! - [`tolerance`]: every number that decides.
 //!
 //! A servo of one inertia with viscous drag, held without steady error:
@@ -48,7 +48,7 @@
 pub mod adaptation;
 pub mod alternatives;
 mod anti_windup;
-mod augmented;
+mod augmented_plant;
 pub mod bandwidth;
 pub mod best_loop;
 pub mod cascade;
@@ -65,7 +65,7 @@ pub mod figures;
 pub mod finding;
 pub mod first_design;
 pub mod fixed_structure;
-pub mod generalised;
+pub mod generalised_plant;
 pub mod h2syn;
 pub mod hinfsyn;
 pub mod joint;
@@ -114,7 +114,7 @@ pub use first_design::{
     first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
-pub use generalised::{Generalised, NamedBlock, Ports, StateOrigin};
+pub use generalised_plant::{Generalised, NamedBlock, Ports, StateOrigin};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};

@@ -18,7 +18,7 @@ pub struct Gain {
     pub equation: Equation,
 }
 
-/// The state feedback that makes the integral (sum) of x'Q x + u'R u + 2 x'N u smallest
+/// Returns the state feedback that makes the integral (sum) of x'Q x + u'R u + 2 x'N u smallest
 ///
 /// ```text
 ///     continuous:  A'X + XA - (XB + N) R^-1 (B'X + N') + Q = 0,               K = R^-1 (B'X + N')
@@ -36,7 +36,7 @@ pub fn lqr(g: &StateSpace, Q: &Mat, R: &Mat, N: Option<&Mat>) -> Result<Gain, Er
     named("the regulator's equation", solved, |F| F)
 }
 
-/// The observer of x' = A x + w, y = C x + v with covariances W of w and V of v; in discrete time the gain of the
+/// Returns the observer of x' = A x + w, y = C x + v with covariances W of w and V of v; in discrete time the gain of the
 /// prediction x\[k+1\] = A x + L (y - C x).
 ///
 /// # Errors
@@ -59,8 +59,8 @@ fn named(
     Ok(Gain { gain: shape(solution.F.clone()), X: solution.X.clone(), equation: solution.into() })
 }
 
-/// The observer-based controller from y to u = -K x, for a plant without direct path:
-/// x' = (A - BK - LC) x + L y, or x\[k+1\] likewise.
+/// Returns the observer-based controller from y to u = -K x, for a plant without direct path: x' = (A - BK - LC) x + L y, or
+/// x\[k+1\] likewise.
 ///
 /// # Errors
 /// [`Error::System`] for a plant with a direct path, [`Error::Lti`] where the gains do not fit.
@@ -96,7 +96,7 @@ pub struct Recovered {
     pub closed_loop: Vec<C64>,
 }
 
-/// LQG with loop transfer recovery at the plant's input (Doyle and Stein, IEEE TAC 26 (1981) 4).
+/// Designs LQG with loop transfer recovery at the plant's input (Doyle and Stein, IEEE TAC 26 (1981) 4).
 ///
 /// `shape` goes before the plant: Ga = g shape, an integrator for instance. The state feedback of Ga with Q = C'C and
 /// R = `control_weight` is the target; the observer takes white noise of density `recovery` on the input of Ga and of

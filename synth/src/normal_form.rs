@@ -6,7 +6,7 @@ use counterpoise_linalg::{
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::Error;
-use crate::generalised::{Blocks, Generalised, absorb_direct_path};
+use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
 use crate::tolerance::HINF_INDEFINITE;
 
 /// What a bound turned out to be.

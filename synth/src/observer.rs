@@ -50,7 +50,7 @@ pub enum Drives {
     Demand,
 }
 
-/// One observer for each friction, in torque at the hub: a motor's level counts `ratio` times, its stiffness ratio^2
+/// Returns one observer for each friction, in torque at the hub: a motor's level counts `ratio` times, its stiffness ratio^2
 /// times (the gear taken as rigid: its wind-up is small against presliding at the motor).
 ///
 /// `share` is the part that is cancelled, 0 to 1: what is cancelled beyond what is there makes the loop hunt.

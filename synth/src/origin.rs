@@ -6,7 +6,7 @@ use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 use crate::Error;
 use crate::cause::{Cause, Hidden};
 use crate::finding::{Finding, Part};
-use crate::generalised::Blocks;
+use crate::generalised_plant::Blocks;
 
 /// Which of the two equations of an output-feedback design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -51,7 +51,7 @@ pub struct RateLoop {
 }
 
 impl DesignPlant {
-    /// The plant with perfect sensors and no delay.
+    /// Returns the plant with perfect sensors and no delay.
     pub fn ideal(system: StateSpace, control: usize, rate: usize) -> Self {
         Self {
             system,
@@ -68,7 +68,7 @@ impl DesignPlant {
         }
     }
 
-    /// The plant that the weights are for: that of the inner loop if there is one.
+    /// Returns the plant that the weights are for: that of the inner loop if there is one.
     pub fn weighted_plant(&self) -> &Self {
         self.rate_loop.as_ref().map_or(self, |inner| &inner.plant)
     }
@@ -106,7 +106,7 @@ impl DesignPlant {
         index("rate output", self.rate, self.system.outputs())
     }
 
-    /// The inputs of a disturbance channel.
+    /// Returns the inputs of a disturbance channel.
     pub fn columns(&self, channel: Channel) -> &[usize] {
         match channel {
             Channel::Heave => &self.heave,
@@ -114,7 +114,7 @@ impl DesignPlant {
         }
     }
 
-    /// The sensor of a disturbance channel.
+    /// Returns the sensor of a disturbance channel.
     pub fn sensor(&self, channel: Channel) -> Option<&StateSpace> {
         match channel {
             Channel::Heave => self.heave_sensor.as_ref(),
@@ -122,7 +122,7 @@ impl DesignPlant {
         }
     }
 
-    /// The plant behind the delay: the control is delayed, the other inputs are not. Inputs and outputs keep their
+    /// Returns the plant behind the delay: the control is delayed, the other inputs are not. Inputs and outputs keep their
     /// numbers; the states are \[delay; plant\].
     ///
     /// # Errors
@@ -143,7 +143,7 @@ impl DesignPlant {
         Ok(delayed.select(&outputs, &back))
     }
 
-    /// What the feedback sees: outputs \[measured rate; every true output\], inputs as the plant's; the states are
+    /// Returns what the feedback sees: outputs \[measured rate; every true output\], inputs as the plant's; the states are
     /// \[delay; plant; sensor\].
     ///
     /// # Errors

@@ -18,18 +18,18 @@ pub struct Rational {
 }
 
 impl Rational {
-    /// The function with the given roots.
+    /// Returns the function with the given roots.
     pub fn new(zeros: &[C64], poles: &[C64], gain: f64) -> Self {
         Self { zeros: zeros.to_vec(), poles: poles.to_vec(), gain }
     }
 
-    /// Its value at s.
+    /// Returns its value at s.
     pub fn at(&self, s: C64) -> C64 {
         let product = |roots: &[C64]| roots.iter().fold(C64::ONE, |all, root| all * (s - root));
         product(&self.zeros) * self.gain / product(&self.poles)
     }
 
-    /// The product with `other`.
+    /// Returns the product with `other`.
     pub fn times(&self, other: &Self) -> Self {
         let join = |a: &[C64], b: &[C64]| [a, b].concat();
         Self {
@@ -39,35 +39,35 @@ impl Rational {
         }
     }
 
-    /// One over it.
+    /// Returns the reciprocal.
     pub fn inverse(&self) -> Self {
         Self { zeros: self.poles.clone(), poles: self.zeros.clone(), gain: 1.0 / self.gain }
     }
 
-    /// Zeros and poles of the right half plane moved to the left, the gain made positive: the modulus on the axis stays.
+    /// Moves zeros and poles of the right half plane to the left, and makes the gain positive: the modulus on the axis stays.
     pub fn mirror_to_left(&self) -> Self {
         let left = |roots: &[C64]| roots.iter().map(|root| C64::new(-root.re.abs(), root.im)).collect();
         Self { zeros: left(&self.zeros), poles: left(&self.poles), gain: self.gain.abs() }
     }
 
-    /// Poles minus zeros: negative where it rises without bound.
+    /// Returns poles minus zeros: negative where it rises without bound.
     pub fn relative_degree(&self) -> i32 {
         self.poles.len() as i32 - self.zeros.len() as i32
     }
 
-    /// Zeros minus poles at s = 0: negative where it is infinite there.
+    /// Returns zeros minus poles at s = 0: negative where it is infinite there.
     pub fn order_at_zero(&self) -> i32 {
         let count = |roots: &[C64]| roots.iter().filter(|root| root.norm() == 0.0).count() as i32;
         count(&self.zeros) - count(&self.poles)
     }
 
-    /// Whether every number is finite and the gain is not zero.
+    /// Returns whether every number is finite and the gain is not zero.
     pub fn is_finite(&self) -> bool {
         let roots = self.zeros.iter().chain(&self.poles);
         self.gain.is_finite() && self.gain != 0.0 && roots.into_iter().all(|root| root.is_finite())
     }
 
-    /// A minimal realisation as a cascade of sections of order one and two (a longer one only where roots do not pair).
+    /// Returns a minimal realisation as a cascade of sections of order one and two (a longer one only where roots do not pair).
     ///
     /// # Errors
     /// [`Error::Lti`] where it is improper, or complex roots lack their conjugates.

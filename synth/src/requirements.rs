@@ -42,7 +42,7 @@ pub enum Spectrum {
 }
 
 impl Requirements {
-    /// The margins and the overshoot of the source thesis: 12 dB, 60 degrees, 13 %; rejection from 0.2 to 2 Hz.
+    /// Returns the margins and the overshoot of the source thesis: 12 dB, 60 degrees, 13 %; rejection from 0.2 to 2 Hz.
     pub fn thesis() -> Self {
         Self {
             gain_margin_db: 12.0,
@@ -57,7 +57,7 @@ impl Requirements {
         }
     }
 
-    /// RMS of |S| over the band, averaged as the requirements say.
+    /// Returns the RMS of |S| over the band, averaged as the requirements say.
     ///
     /// # Errors
     /// [`Error::System`] where the average is by the expected motion and the specification expects none.
@@ -82,7 +82,7 @@ impl Requirements {
         }
     }
 
-    /// The sum of what is missed, each relative to its limit; 0 where everything holds.
+    /// Returns the sum of what is missed, each relative to its limit; 0 where everything holds.
     pub fn total_shortfall(&self, found: &Figures) -> f64 {
         let below =
             |value: f64, limit: f64| if limit > 0.0 { ((limit - value) / limit).max(0.0) } else { 0.0 };

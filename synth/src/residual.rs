@@ -6,8 +6,8 @@ use counterpoise_lti::{StateSpace, Timebase, append, h2norm, lft, series};
 use crate::feedforward::with_derivatives;
 use crate::{Assembly, Channel, Design, DesignPlant, Error};
 
-/// RMS of the true rate under a channel's generator, feedback and feedforward in action, the feedforward's output times
-/// `gain`; infinite for a loop that is not stable.
+/// Returns the RMS of the true rate under a channel's generator, feedback and feedforward in action, the feedforward's output
+/// times `gain`; infinite for a loop that is not stable.
 ///
 /// # Errors
 /// [`Error::System`] where the design has no feedforward for the channel.
@@ -29,7 +29,7 @@ pub struct Weighed {
     pub output: usize,
 }
 
-/// As [`stabilisation_error`], at any output of the plant: the tip's rate, for instance.
+/// Returns the same as [`stabilisation_error`] at any output of the plant: the tip's rate, for instance.
 ///
 /// # Errors
 /// As [`stabilisation_error`], and [`Error::Index`] for an output that is none.

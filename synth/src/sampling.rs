@@ -25,7 +25,7 @@ impl SamplingMethod {
     /// The bilinear map, without prewarping.
     pub const TUSTIN: Self = Self::Emulation(Discretisation::Tustin { prewarp_rad_s: None });
 
-    /// How a continuous path that has no sampled problem of its own is converted.
+    /// Returns how a continuous path that has no sampled problem of its own is converted.
     pub fn conversion(self) -> Discretisation {
         match self {
             Self::Emulation(method) => method,
@@ -58,7 +58,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Tustin's method, no further delay, no out-of-balance.
+    /// Returns Tustin's method, no further delay, no out-of-balance.
     pub fn new(period_s: f64, limit_v: f64) -> Self {
         Self {
             period_s,
@@ -100,14 +100,14 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// The largest relative difference between predicted and achieved cost over the parts designed in sampled time; `None`
-    /// where there are none, or none of them has both.
+    /// Returns the largest relative difference between predicted and achieved cost over the parts designed in sampled time;
+    /// `None` if there are none, or none of them has both.
     pub fn worst_cost_difference(&self) -> Option<f64> {
         self.certified.iter().filter_map(|part| part.cost.relative_difference()).max_by(f64::total_cmp)
     }
 }
 
-/// A controller with the sampled loop it makes around a plant, refused where that is not stable.
+/// Returns a controller with the sampled loop it makes around a plant, refused where that is not stable.
 ///
 /// # Errors
 /// [`Error`] for a plant that is not one.
@@ -126,7 +126,7 @@ pub fn check(plant: &DesignPlant, controller: Controller, sampling: &Sampling) -
     }
 }
 
-/// The sampled loop cut at the control: plant and hub sensor under a zero-order hold, delayed by whole samples, then the
+/// Returns the sampled loop cut at the control: plant and hub sensor under a zero-order hold, delayed by whole samples, then the
 /// controller from the hub rate; the sign is that of negative feedback.
 ///
 /// # Errors
@@ -142,7 +142,7 @@ pub fn sampled_loop(
     Ok(series(&seen, &linear.select(&[0], &[hub]).negate())?)
 }
 
-/// The plant with its sensor and delay under a zero-order hold: from the held control to the reading.
+/// Returns the plant with its sensor and delay under a zero-order hold: from the held control to the reading.
 ///
 /// # Errors
 /// [`Error`] of the plant and of the conversion.

@@ -42,12 +42,12 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Whether theory says that the feedback need not change.
+    /// Returns whether theory says that the feedback need not change.
     pub fn feedback_stays(&self) -> bool {
         self.path_deviation.max(self.noise_deviation) <= EQUAL
     }
 
-    /// Whether theory says that the gain law is exact.
+    /// Returns whether theory says that the gain law is exact.
     pub fn hold(&self) -> bool {
         self.path_deviation.max(self.pitch_deviation).max(self.proportion_deviation) <= EQUAL
     }

@@ -7,7 +7,7 @@ use crate::discretise::heave_module;
 use crate::finding::Part;
 use crate::{Design, Entry, Error, Sampled, Sampling, check, discretise};
 
-/// One controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
+/// Returns one controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
 /// feedforwards interpolated over the out-of-balance.
 ///
 /// # Errors

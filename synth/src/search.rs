@@ -108,9 +108,9 @@ pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> R
     Ok(Found { best, trials, ended })
 }
 
-/// The trade-off between rejection and the largest sensitivity: for each limit of Ms the better of two searches, one
-/// started from the given specification and one from the answer before. Limits that cannot be had come with what their
-/// best trial misses. `go_on` is asked before each trial; once it says no, every search ends with its first.
+/// Returns the trade-off between rejection and the largest sensitivity: for each limit of Ms the better of two searches, one
+/// started from the given specification and one from the answer before. Limits that cannot be had come with what their best trial
+/// misses. `go_on` is asked before each trial; once it says no, every search ends with its first.
 ///
 /// # Errors
 /// As [`search`].

@@ -106,7 +106,7 @@ pub enum Knowledge {
 }
 
 impl Specification {
-    /// The feedforward of a channel.
+    /// Returns the feedforward of a channel.
     pub fn feedforward(&self, channel: Channel) -> Option<&FeedforwardWeights> {
         match channel {
             Channel::Heave => self.heave.as_ref(),

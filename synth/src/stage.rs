@@ -60,12 +60,12 @@ pub(crate) struct Estimate {
 }
 
 impl Stage {
-    /// n.
+    /// Returns n.
     pub fn order(&self) -> usize {
         self.A.nrows()
     }
 
-    /// The stage with further states: \[x; s\], input v.
+    /// Returns the stage with further states: \[x; s\], input v.
     pub fn extend(&self, more: &Extension) -> Self {
         let (n, k, m) = (self.order(), more.own.nrows(), more.by_input.ncols());
         let closed = &self.A + &(&self.B * &more.by_state);
@@ -79,7 +79,7 @@ impl Stage {
         Self { A, B, weight }
     }
 
-    /// The stage behind a filter of its one input.
+    /// Returns the stage behind a filter of its one input.
     pub fn filter_input(&self, filter: &StateSpace) -> Self {
         let (n, k) = (self.order(), filter.order());
         self.extend(&Extension {
@@ -92,7 +92,7 @@ impl Stage {
         })
     }
 
-    /// The stage with a controller around it: q = v + K (row x).
+    /// Returns the stage with a controller around it: q = v + K (row x).
     pub fn close_loop(&self, K: &StateSpace, row: &Mat) -> Self {
         self.extend(&Extension {
             from_state: &K.B * row,
@@ -104,14 +104,14 @@ impl Stage {
         })
     }
 
-    /// The stage whose one input costs `price` times its square besides.
+    /// Returns the stage whose one input costs `price` times its square besides.
     pub fn with_price(mut self, price: f64) -> Self {
         let last = self.order();
         self.weight[(last, last)] += price;
         self
     }
 
-    /// The part of the stage on some of its states, which the others do not act on or are left out with.
+    /// Returns the part of the stage on some of its states, which the others do not act on or are left out with.
     pub fn select_states(&self, states: &[usize]) -> Self {
         let inputs: Vec<usize> = (0..self.B.ncols()).collect();
         let all: Vec<usize> = states.iter().copied().chain(inputs.iter().map(|i| self.order() + i)).collect();
@@ -122,21 +122,21 @@ impl Stage {
         }
     }
 
-    /// Q, R and S of the cost x'Qx + q'Rq + 2 x'Sq.
+    /// Returns Q, R and S of the cost x'Qx + q'Rq + 2 x'Sq.
     pub fn costs(&self) -> (Mat, Mat, Mat) {
         let (n, m) = self.B.shape();
         (self.weight.block(0, 0, n, n), self.weight.block(n, n, m, m), self.weight.block(0, n, n, m))
     }
 
-    /// The state feedback q = -F x that makes the mean cost smallest.
+    /// Returns the state feedback q = -F x that makes the mean cost smallest.
     pub fn regulator(&self, part: Part) -> Result<Riccati, Error> {
         let (Q, R, S) = self.costs();
         let solved = dare(&self.A, &self.B, &Q, &R, Some(&S))?;
         riccati("the regulator's equation in sampled time", part, solved)
     }
 
-    /// Mean cost of a period that the equations predict: under q = -F x of what is known, which innovations drive through
-    /// `gain`, and of what is not known; `None` if that has no bound.
+    /// Returns the mean cost of a period that the equations predict: under q = -F x of what is known, which innovations drive
+    /// through `gain`, and of what is not known; `None` if that has no bound.
     pub fn predict_cost(
         &self,
         F: &Mat,
@@ -154,8 +154,8 @@ impl Stage {
         Ok(Some(of_known + of_unknown + noise.unavoidable))
     }
 
-    /// Mean cost of a period of the assembled loop: a controller from the reading to (q, v), v costing `price` times its
-    /// square; `None` if the loop is not stable.
+    /// Returns the mean cost of a period of the assembled loop: a controller from the reading to (q, v), v costing `price` times
+    /// its square; `None` if the loop is not stable.
     pub fn closed_loop_cost(
         &self,
         controller: &StateSpace,

@@ -3,7 +3,7 @@
 use crate::cause::{Cause, Hidden};
 
 impl Cause {
-    /// What the designer can do about it.
+    /// Returns what the designer can do about it.
     pub fn suggestion(&self) -> &'static str {
         match self {
             Cause::WeightVoid => "give it a gain and time constants that are not zero",

@@ -6,7 +6,7 @@ use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION, TABLE_LEAST_DB, TABLE
 use crate::{Error, Weight};
 
 impl Weight {
-    /// A table of (frequency in rad/s, modulus), fitted by a function of the given order ([`fit_table`]).
+    /// Returns a table of (frequency in rad/s, modulus), fitted by a function of the given order ([`fit_table`]).
     ///
     /// # Errors
     /// As [`fit_table`].

@@ -181,3 +181,18 @@ pub(crate) const BEST_LOOP_LIMIT_KEPT: f64 = 2e-3;
 
 /// Rounds in which the frequencies that the last answer violates join the program.
 pub(crate) const BEST_LOOP_ROUNDS: usize = 6;
+
+/// A zero of the sampled plant beyond this radius makes a function that outlasts every other one.
+pub const LARGEST_ZERO: f64 = 0.99995;
+
+/// A bandwidth is higher if it is by this share: the answer itself is known to 0.7 %.
+pub const HIGHER_BANDWIDTH: f64 = 0.015;
+
+/// Above this many times the ceiling of the bandwidth only the usual shape is tried: such aims serve to tell the other limits.
+pub const FAR_ABOVE_CEILING: f64 = 1.5;
+
+/// A loop that reaches less than this share of what the clock allows is not limited by the clock; the more so at any quicker one.
+pub const CLOCK_SHARE: f64 = 0.5;
+
+/// Peaks lower than this below their limit, as a natural logarithm, have no row in the program of a tuning step: no step of the trust region reaches them.
+pub const FAR_BELOW_LIMIT: f64 = -0.7;

@@ -52,7 +52,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Whether the runs stay quiet: below two noise floors at rest, and without growth in motion.
+    /// Returns whether the runs stay quiet: below two noise floors at rest, and without growth in motion.
     pub fn is_quiet(&self) -> bool {
         self.rest.rms <= 2.0 * self.certificate.noise_floor_rad_s && self.motion.growth <= 1.5
     }
@@ -65,13 +65,13 @@ impl Row {
         self.is_stable() && !self.is_quiet()
     }
 
-    /// Whether a certified limit cycle stays in the independent simulator; `None` if none is certified.
+    /// Returns whether a certified limit cycle stays in the independent simulator; `None` if none is certified.
     pub fn is_confirmed(&self) -> Option<bool> {
         self.kicked.map(|kicked| kicked.rms > self.certificate.noise_floor_rad_s)
     }
 
-    /// Relative errors of the certified limit cycle's amplitude and frequency; `None` if the certificate or the run has none. A mechanism with
-    /// a limit cycle can have a second motion beside it, so both start from the same one.
+    /// Returns the relative errors of the certified limit cycle's amplitude and frequency; `None` if the certificate or the run has none. A
+    /// mechanism with a limit cycle can have a second motion beside it, so both start from the same one.
     pub fn cycle_errors(&self) -> Option<[f64; 2]> {
         let Stability::LimitCycle { amplitude_rad_s, frequency_hz } = self.certificate.stability else {
             return None;
@@ -81,7 +81,7 @@ impl Row {
     }
 }
 
-/// The trial of a seed; `None` if no controller exists for its weights.
+/// Returns the trial of a seed; `None` if no controller exists for its weights.
 pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let mut dice = Dice::new(seed);
     let (project, blocks) = drawn(base, &mut dice);
@@ -353,7 +353,7 @@ fn seen(rates: &[f64], period: f64) -> Seen {
     Seen { rms: rms(rates), growth: rms(late) / rms(early), amplitude: 0.5 * (high - low), hz }
 }
 
-/// Whether the friction of a base project is what the independent simulator has.
+/// Returns whether the friction of a base project is what the independent simulator has.
 pub fn is_dahl(project: &Project) -> bool {
     let dahl = |law: &FrictionLaw| matches!(law, FrictionLaw::Dahl { exponent: 1.0, .. });
     dahl(&project.plant.motor_friction.law) && dahl(&project.plant.pivot_friction.law)

@@ -41,7 +41,7 @@ const CHOSEN: [&str; 8] = [
     "appendix-5_chapter-6",
 ];
 
-/// Whether everything is tried on every example, as `.ci/evidence` does: `EVERY_EXAMPLE` is set.
+/// Returns whether everything is tried on every example, as `.ci/evidence` does: `EVERY_EXAMPLE` is set.
 pub fn every_one_is_asked_for() -> bool {
     std::env::var_os("EVERY_EXAMPLE").is_some()
 }

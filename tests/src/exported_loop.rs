@@ -48,7 +48,7 @@ pub struct Diagnosed {
     pub is_right: bool,
 }
 
-/// The reference rig's project text with an out-of-balance.
+/// Returns the reference rig's project text with an out-of-balance.
 pub fn document(out_of_balance_kg_m: Option<f64>) -> Document {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
     let document = Document::from_bytes(&fs::read(file).unwrap(), "project.toml").unwrap();
@@ -58,19 +58,19 @@ pub fn document(out_of_balance_kg_m: Option<f64>) -> Document {
     }
 }
 
-/// The controller that a project exports.
+/// Returns the controller that a project exports.
 pub fn export_controller(project: &Project) -> Controller {
     let modelled = model(project).unwrap();
     synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller
 }
 
-/// The text of the `controller.json` of a controller.
+/// Returns the text of the `controller.json` of a controller.
 pub fn controller_file(project: &Project, controller: &Controller) -> String {
     let identity = ProjectIdentity { name: project.plant.name.clone(), hash: "0123".to_owned() };
     serde_json::to_string(&ControllerResult::new(&identity, controller)).unwrap()
 }
 
-/// The controller of the recordings, read from its file by a project that names it.
+/// Returns the controller of the recordings, read from its file by a project that names it.
 pub fn from_file(document: &Document, text: &str) -> RecordedController {
     let named = document
         .set("recording_controller.kind", &Setting::Text("exported".to_owned()))

@@ -6,6 +6,7 @@ mod adaptation_trials;
 mod bench;
 mod certificates;
 mod choices;
+mod comments;
 mod contributing;
 mod data_sheets;
 #[cfg(feature = "evidence")]
@@ -33,3 +34,4 @@ mod sealed;
 mod supply;
 mod thesis_examples;
 mod tidy;
+mod tolerances;

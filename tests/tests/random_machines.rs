@@ -156,7 +156,7 @@ fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> 
 }
 
 /// What became of a machine.
-enum Outcome {
+enum TriedMachine {
     /// A design that is limited by a kind of limit, and what is wrong with it.
     Designed { limited_by: String, wrong: Vec<String> },
     /// No bandwidth keeps the margins, or the drive cannot hold the machine.
@@ -165,15 +165,15 @@ enum Outcome {
     Failed(String),
 }
 
-fn tried(seed: u64) -> Outcome {
+fn tried(seed: u64) -> TriedMachine {
     let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
     let chosen = match with_chosen_weights(&project) {
         Ok(chosen) => chosen.unwrap(),
-        Err(PipelineError::NoController(reasons)) => return Outcome::Refused(reasons[0].to_string()),
+        Err(PipelineError::NoController(reasons)) => return TriedMachine::Refused(reasons[0].to_string()),
         Err(error @ (PipelineError::CannotHold { .. } | PipelineError::CannotCarry { .. })) => {
-            return Outcome::Refused(error.to_string());
+            return TriedMachine::Refused(error.to_string());
         }
-        Err(other) => return Outcome::Failed(other.to_string()),
+        Err(other) => return TriedMachine::Failed(other.to_string()),
     };
     let first = FirstDesignResult::from(&chosen.first);
     let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
@@ -187,9 +187,9 @@ fn tried(seed: u64) -> Outcome {
             if !wrong.is_empty() {
                 wrong.push(format!("{first:?}"));
             }
-            Outcome::Designed { limited_by: first.limited_by.clone(), wrong }
+            TriedMachine::Designed { limited_by: first.limited_by.clone(), wrong }
         }
-        Err(other) => Outcome::Failed(other.to_string()),
+        Err(other) => TriedMachine::Failed(other.to_string()),
     }
 }
 
@@ -205,17 +205,17 @@ fn a_first_design_holds_machines_of_every_kind_in_the_nonlinear_simulator() {
     let (mut failures, mut refused, mut limits) = (Vec::new(), 0, BTreeMap::new());
     for (seed, outcome) in outcomes.into_inner().unwrap() {
         match outcome {
-            Outcome::Designed { limited_by, wrong } => {
+            TriedMachine::Designed { limited_by, wrong } => {
                 *limits.entry(limited_by).or_insert(0) += 1;
                 if !wrong.is_empty() {
                     failures.push(format!("{seed}: {wrong:?}"));
                 }
             }
-            Outcome::Refused(why) => {
+            TriedMachine::Refused(why) => {
                 refused += 1;
                 println!("{seed}: {why}");
             }
-            Outcome::Failed(why) => failures.push(format!("{seed}: {why}")),
+            TriedMachine::Failed(why) => failures.push(format!("{seed}: {why}")),
         }
     }
     println!("{all} machines, {refused} refused, limited by {limits:?}");

@@ -11,7 +11,7 @@ use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_export::Ranges;
-use counterpoise_export::fixed::{Fixed, FixedError, FixedRunner, plan_fixed_point};
+use counterpoise_export::fixed_point::{Fixed, FixedError, FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use counterpoise_claims::identified::AMPLIFIER;
+use counterpoise_claims::identification::AMPLIFIER;
 use counterpoise_diagnose::identification::{Amplifier, apply_identified, identify};
 use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, diagnose_structure};
 use counterpoise_project::Project;

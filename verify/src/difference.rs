@@ -32,19 +32,19 @@ impl Change {
         self.figure.unit(self.controlled)
     }
 
-    /// (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
+    /// Returns (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
     pub fn relative(&self) -> Option<f64> {
         let (before, after) = (self.before?, self.after?);
         Some(if before == after { 0.0 } else { (after - before) / before.abs() })
     }
 
-    /// Whether a requirement is met that was not, or the other way.
+    /// Returns whether a requirement is met that was not, or the other way.
     pub fn has_changed_verdict(&self) -> bool {
         matches!((self.held, self.holds), (Some(a), Some(b)) if a != b)
     }
 }
 
-/// Every figure of either verification, in the order of the second, those of the first alone at the end.
+/// Returns every figure of either verification, in the order of the second, those of the first alone at the end.
 pub fn changes(before: &Verification, after: &Verification) -> Vec<Change> {
     let mut figures: Vec<Figure> = after.figures.iter().map(|measured| measured.figure).collect();
     let gone = before.figures.iter().map(|measured| measured.figure);

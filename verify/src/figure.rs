@@ -333,7 +333,7 @@ fn words<K: PartialEq>(table: &[Row<K>], of: &K) -> Words {
 }
 
 impl Figure {
-    /// The figure's name in a project file, for example `nonlinear_road_feedback_hub_rms_rad_s` or
+    /// Returns the figure's name in a project file, for example `nonlinear_road_feedback_hub_rms_rad_s` or
     /// `pitch_compensated_drr_db at 1.5 Hz`. [`Figure::from_key`] is its inverse.
     pub fn key(&self) -> String {
         match self {
@@ -363,13 +363,13 @@ impl Figure {
         }
     }
 
-    /// The figure's name in the project file and in the results of a loop: [`Figure::key`] with the quantity that the loop controls and its unit,
-    /// for example `nonlinear_road_feedback_torque_rms_nm`.
+    /// Returns the figure's name in the project file and in the results of a loop: [`Figure::key`] with the quantity that the loop controls and
+    /// its unit, for example `nonlinear_road_feedback_torque_rms_nm`.
     pub fn key_in(&self, controlled: ControlledQuantity) -> String {
         controlled.named_figure(&self.key())
     }
 
-    /// The figure with the given key in a loop: its own, or that of a loop of rate, which older files have.
+    /// Returns the figure with the given key in a loop: its own, or that of a loop of rate, which older files have.
     ///
     /// # Errors
     /// As [`Figure::from_key`].
@@ -378,7 +378,7 @@ impl Figure {
         own.map_or_else(|| Self::from_key(key), Ok)
     }
 
-    /// The figure with the given key.
+    /// Returns the figure with the given key.
     ///
     /// # Errors
     /// [`Error::UnknownFigure`] with the nearest keys where there is none, [`Error::Range`] for a frequency that is not
@@ -407,7 +407,7 @@ impl Figure {
             .ok_or_else(|| unknown_figure(key))
     }
 
-    /// Every figure; the DRR at 1 Hz stands for the DRR at any frequency.
+    /// Returns every figure; the DRR at 1 Hz stands for the DRR at any frequency.
     pub fn all() -> Vec<Self> {
         let mut out: Vec<Self> = LOOP.iter().map(|row| Figure::Loop(row.of)).collect();
         for Row { of: model, .. } in MODELS {
@@ -429,7 +429,7 @@ impl Figure {
         out
     }
 
-    /// The figure in words a person reads, for example `peak hub rate, pitch, feedback, linear plant`.
+    /// Returns the figure in words a person reads, for example `peak hub rate, pitch, feedback, linear plant`.
     pub fn name(&self, controlled: ControlledQuantity) -> String {
         match self {
             Figure::Loop(figure) => words(&LOOP, figure).name.to_owned(),
@@ -459,7 +459,7 @@ impl Figure {
         }
     }
 
-    /// The unit in a loop; empty for a pure number.
+    /// Returns the unit in a loop; empty for a pure number.
     pub fn unit(&self, controlled: ControlledQuantity) -> &'static str {
         match self {
             Figure::Loop(figure) => words(&LOOP, figure).unit,

@@ -46,7 +46,7 @@ pub struct History {
 }
 
 impl History {
-    /// The first sample at or after a time; the number of samples where there is none.
+    /// Returns the first sample at or after a time; the number of samples where there is none.
     pub fn index_at(&self, time_s: f64) -> usize {
         self.time_s.partition_point(|t| *t < time_s)
     }
@@ -59,7 +59,7 @@ impl History {
         Some(crate::signals::peak(column)).filter(|amplitude| *amplitude > 0.0)
     }
 
-    /// The history from a time on, its clock and its travel starting there.
+    /// Returns the history from a time on, its clock and its travel starting there.
     pub fn from_time(mut self, time_s: f64) -> Self {
         let first = self.index_at(time_s - SAME_INSTANT_S);
         let (start_s, start_rad) = (self.time_s.get(first).copied(), self.travel_rad.get(first).copied());

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`unmeasured`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`two_axes`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`nonlinear`], [`missing_figures`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`two_axes`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -28,6 +28,7 @@ pub mod image_motion;
 pub mod line_of_sight;
 pub mod linear;
 pub mod measure;
+pub mod missing_figures;
 pub mod nonlinear;
 pub mod procedure;
 pub mod requirement;
@@ -40,7 +41,6 @@ mod spelling;
 pub mod structured;
 pub mod tolerance;
 pub mod two_axes;
-pub mod unmeasured;
 pub mod verification;
 
 pub use coincidence::Coincidence;
@@ -56,6 +56,7 @@ pub use history::{Experiment, History};
 pub use image_motion::Optics;
 pub use line_of_sight::{SightAngles, SightError};
 pub use measure::{Measured, Value};
+pub use missing_figures::Unmeasured;
 pub use procedure::{FurtherRoad, HeaveAndPitch, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use sight_options::LineOfSight;
@@ -63,7 +64,6 @@ pub use two_axes::{
     AxisPair, JointExperiment, JointFigure, JointMachine, JointProcedure, JointQuantity, JointRequirement,
     JointRun, JointValue, JointVerification, verify_two_axes,
 };
-pub use unmeasured::Unmeasured;
 pub use verification::{
     Evidence, FrequencyFigures, Verification, VerifiedController, frequency_figures, linear_plant, verify,
     verify_linear, verify_watched,

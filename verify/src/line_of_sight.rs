@@ -42,7 +42,7 @@ impl SightError {
     }
 }
 
-/// The run on which the line of sight is judged: the road, or heave and pitch together, with the whole controller.
+/// Returns the run on which the line of sight is judged: the road, or heave and pitch together, with the whole controller.
 pub fn experiment(procedure: &Procedure) -> Experiment {
     let source = if procedure.road.is_some() { Source::Road } else { Source::Both };
     Experiment::Disturbance(source, Arrangement::Compensated)

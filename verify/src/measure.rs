@@ -36,8 +36,8 @@ impl Value {
     }
 }
 
-/// Margins of the loop broken at the plant's input, and the pole radius of the closed loop. An unstable loop has no margins: each is
-/// 0, and the sensitivities are infinite.
+/// Returns the margins of the loop broken at the plant's input, and the pole radius of the closed loop. An unstable loop has no
+/// margins: each is 0, and the sensitivities are infinite.
 pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<Measured> {
     let stable = pole_radius < 1.0;
     let margin = |value: f64| if stable { value } else { 0.0 };
@@ -65,7 +65,7 @@ pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<Measured> {
         .collect()
 }
 
-/// Figures of a time history. Statistics of a disturbance start at `settle_s`; those of a rest at half time.
+/// Returns the figures of a time history. Statistics of a disturbance start at `settle_s`; those of a rest at half time.
 pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
     match history.experiment {
         Experiment::Step => step_of(history),
@@ -75,7 +75,7 @@ pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
     }
 }
 
-/// The same figures of a history that does not exist because the loop diverges: all infinite.
+/// Returns the same figures of a history that does not exist because the loop diverges: all infinite.
 pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<Measured> {
     let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
         (Figure::Step(m, _), Experiment::Step) | (Figure::Triangle(m, _), Experiment::Triangle) => {

@@ -33,7 +33,7 @@ impl SampledController for Acting {
     }
 }
 
-/// Every experiment of a procedure: step, rest and triangle with the whole controller, the disturbances in every arrangement.
+/// Returns every experiment of a procedure: step, rest and triangle with the whole controller, the disturbances in every arrangement.
 pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
     let mut all = vec![Experiment::Step, Experiment::Rest];
     all.extend(procedure.triangle.map(|_| Experiment::Triangle));

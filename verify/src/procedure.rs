@@ -112,14 +112,14 @@ impl Default for Procedure {
 }
 
 impl Triangle {
-    /// The demand as a signal.
+    /// Returns the demand as a signal.
     pub fn signal(&self) -> Signal {
         Signal::Triangle { amplitude: self.rate_rad_s, period_s: self.period_s }
     }
 }
 
 impl Sine {
-    /// The value at a time.
+    /// Returns the value at a time.
     pub fn at(&self, time_s: f64) -> f64 {
         self.amplitude * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
     }
@@ -135,12 +135,12 @@ pub struct HeaveAndPitch {
 }
 
 impl Road {
-    /// Duration, s.
+    /// Returns the duration, s.
     pub fn duration_s(&self) -> f64 {
         self.heave_m_s2.len().saturating_sub(1) as f64 * self.sample_period_s
     }
 
-    /// Surge at a time, m/s^2; 0 outside the record and if there is none.
+    /// Returns the surge at a time, m/s^2; 0 outside the record and if there is none.
     pub fn surge_at(&self, time_s: f64) -> f64 {
         let surge = self.further.as_ref().map(|further| &further.surge_m_s2);
         surge.map_or(0.0, |surge| between(surge, time_s / self.sample_period_s))
@@ -151,7 +151,7 @@ impl Road {
         between(column, time_s / self.sample_period_s)
     }
 
-    /// Heave and pitch rate at a time; 0 outside the record.
+    /// Returns the heave and pitch rate at a time; 0 outside the record.
     pub fn at(&self, time_s: f64) -> HeaveAndPitch {
         HeaveAndPitch {
             heave_m_s2: between(&self.heave_m_s2, time_s / self.sample_period_s),

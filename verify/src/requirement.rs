@@ -53,14 +53,14 @@ pub enum Verdict {
 }
 
 impl Limit {
-    /// The bare number.
+    /// Returns the bare number.
     pub fn value(self) -> f64 {
         match self {
             Limit::AtLeast(value) | Limit::AtMost(value) => value,
         }
     }
 
-    /// On which side of it a value holds: `at least` or `at most`.
+    /// Returns on which side of it a value holds: `at least` or `at most`.
     pub fn side(self) -> &'static str {
         match self {
             Limit::AtLeast(_) => "at least",
@@ -68,7 +68,7 @@ impl Limit {
         }
     }
 
-    /// Room left between `value` and the limit: negative where the limit is broken, NaN for a NaN.
+    /// Returns the room left between `value` and the limit: negative where the limit is broken, NaN for a NaN.
     pub fn distance_to_limit(self, value: f64) -> f64 {
         match self {
             Limit::AtLeast(limit) => value - limit,
@@ -96,7 +96,7 @@ impl fmt::Display for Limit {
 }
 
 impl Requirement {
-    /// A requirement with a finite limit.
+    /// Returns a requirement with a finite limit.
     ///
     /// # Errors
     /// [`Error::Range`] where the limit is NaN or infinite.

@@ -19,8 +19,8 @@ pub struct Spectral {
 /// Probability of the confidence intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// The ratios of every arrangement that was run on the road; none without a road, or where the record is too short. Heave and pitch of
-/// a vehicle go together, so each ratio carries a part of the other: where they are coherent, it tells of both.
+/// Returns the ratios of every arrangement that was run on the road; none without a road, or where the record is too short. Heave and
+/// pitch of a vehicle go together, so each ratio carries a part of the other: where they are coherent, it tells of both.
 pub fn spectral(found: &Verification) -> Vec<Spectral> {
     let mut all = Vec::new();
     for source in [Source::Pitch, Source::Heave] {

@@ -362,3 +362,20 @@ pub const SIGHT_BANDS_A_DECADE: f64 = 16.0;
 pub const SIGHT_POINTS_A_BAND: f64 = 8.0;
 /// Relative distance of two frequencies of a path below which no point is added between them: a jump of the response is then an edge.
 pub const SAME_FREQUENCY: f64 = 1e-6;
+
+/// The response is settled once it stays within this fraction of the demand: one of the two usual bands, two and five per cent
+/// (K. Ogata, *Modern Control Engineering*, 5th ed. 2010, section 5-3).
+pub const SETTLING_BAND: f64 = 0.05;
+
+/// The steady state is the mean over this last fraction of the record: long enough to average noise, and late enough that a step which settles
+/// within the record has settled.
+pub const STEADY_FRACTION: f64 = 0.1;
+
+/// Rise is counted between these fractions of the demand, the usual ones of a response with noise (K. Ogata, as above).
+pub const RISE_FROM_TO: (f64, f64) = (0.1, 0.9);
+
+/// Correlation from which a motion is said to repeat itself.
+pub const REPEATS: f64 = 0.6;
+
+/// The shortest lag counts whose correlation reaches this share of the largest: whole multiples of a period correlate as well.
+pub const SHORTEST_LAG_SHARE: f64 = 0.9;

@@ -10,7 +10,7 @@ use counterpoise_simulate::Simulator;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
-use crate::linear::closed::is_feedforward;
+use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
 use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
@@ -64,34 +64,34 @@ pub struct VerifiedController {
 }
 
 impl VerifiedController {
-    /// The controller.
+    /// Returns the controller.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// What its verification found.
+    /// Returns what its verification found.
     pub fn verification(&self) -> &Verification {
         &self.verification
     }
 
-    /// The controller with what its verification found.
+    /// Returns the controller with what its verification found.
     pub fn into_parts(self) -> (Controller, Verification) {
         (self.controller, self.verification)
     }
 }
 
 impl Verification {
-    /// What the loop controls.
+    /// Returns what the loop controls.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         self.evidence.controlled
     }
 
-    /// The value of a figure, where it was measured.
+    /// Returns the value of a figure, where it was measured.
     pub fn value(&self, figure: Figure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
 
-    /// How many requirements hold, fail, and could not be judged.
+    /// Returns how many requirements hold, fail, and could not be judged.
     pub fn counts(&self) -> (usize, usize, usize) {
         let count =
             |which: fn(&Verdict) -> bool| self.verdicts.iter().filter(|(_, verdict)| which(verdict)).count();
@@ -102,12 +102,12 @@ impl Verification {
         )
     }
 
-    /// Whether no requirement fails and the closed loop is stable.
+    /// Returns whether no requirement fails and the closed loop is stable.
     pub fn passes(&self) -> bool {
         self.counts().1 == 0 && self.evidence.margins.closed_loop_stable
     }
 
-    /// A time history, where it was run.
+    /// Returns a time history, where it was run.
     pub fn history(&self, model: Model, experiment: Experiment) -> Option<&History> {
         self.evidence
             .histories
@@ -262,8 +262,8 @@ fn same_run(controller: &Controller, experiment: Experiment, histories: &[Histor
     Some(History { experiment, ..known.clone() })
 }
 
-/// The plant linearised where the procedure has it stand. In a loop of rate its angles are left out, so that gravity's gradient and a
-/// position spring appear in the nonlinear figures alone; in a loop of position they are part of it.
+/// Returns the plant linearised where the procedure has it stand. In a loop of rate its angles are left out, so that gravity's
+/// gradient and a position spring appear in the nonlinear figures alone; in a loop of position they are part of it.
 ///
 /// # Errors
 /// Those of the linearisation.
@@ -271,7 +271,7 @@ pub fn linear_plant(plant: &Plant, procedure: &Procedure) -> Result<LinearPlant,
     Ok(plant.linearise(&plant.equilibrium(&procedure.operating_point), procedure.friction, plant.angles())?)
 }
 
-/// The linear figures and evidence alone, judged against `requirements`: what needs no simulator.
+/// Returns the linear figures and evidence alone, judged against `requirements`: what needs no simulator.
 ///
 /// # Errors
 /// As [`verify`].
@@ -310,7 +310,7 @@ pub struct FrequencyFigures {
 }
 
 impl FrequencyFigures {
-    /// The value of a figure, where it was measured.
+    /// Returns the value of a figure, where it was measured.
     pub fn value(&self, figure: Figure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
@@ -338,7 +338,7 @@ fn linear_loops(
     procedure: &Procedure,
     requirements: &[Requirement],
 ) -> Result<LinearLoops, Error> {
-    let resolver = linear::closed::resolver_use(controller);
+    let resolver = linear::closed_loop::resolver_use(controller);
     let sampled = SampledPlant::new(&linear_plant(plant, procedure)?, plant.parameters(), resolver)?;
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
@@ -471,13 +471,13 @@ fn experiments(procedure: &Procedure, arrangement: Arrangement) -> Vec<Experimen
 }
 
 impl Procedure {
-    /// The disturbances that are run.
+    /// Returns the disturbances that are run.
     pub fn sources(&self) -> Vec<Source> {
         let road = self.road.as_ref().map(|_| Source::Road);
         [Source::Heave, Source::Pitch, Source::Both].into_iter().chain(road).collect()
     }
 
-    /// How long a disturbance lasts, s.
+    /// Returns how long a disturbance lasts, s.
     pub fn duration_of(&self, source: Source) -> f64 {
         match (source, &self.road) {
             (Source::Road, Some(road)) => road.duration_s(),
@@ -485,7 +485,7 @@ impl Procedure {
         }
     }
 
-    /// The platform's motion of a disturbance at a time.
+    /// Returns the platform's motion of a disturbance at a time.
     pub fn motion(&self, source: Source, time_s: f64) -> HeaveAndPitch {
         let (heave, pitch) = (|| self.heave.at(time_s), || self.pitch.at(time_s));
         match source {

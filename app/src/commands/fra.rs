@@ -17,10 +17,10 @@ use counterpoise_simulate::fra::Measurement;
 use crate::exit::{Done, Exit};
 use crate::options::Outputs;
 use crate::output::{self, say};
-use counterpoise_host::projects::{self, Loaded};
-use counterpoise_host::stages::Progress;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::clock::Moment;
+use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::stages::Progress;
 use counterpoise_host::workers::{Processors, Workers, run_on};
 
 /// Arguments of `fra`.

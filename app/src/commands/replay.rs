@@ -2,13 +2,13 @@
 
 use anyhow::Error;
 use clap::Args;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::large_recordings::{
     BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, split_by_size,
 };
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::workers::{Processors, try_map_stream};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};

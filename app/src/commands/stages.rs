@@ -23,7 +23,7 @@ pub struct StageOptions {
     pub results: Results,
 }
 
-/// `counterpoise reduce`.
+/// Runs `counterpoise reduce`.
 pub fn reduce(options: &StageOptions) -> Done {
     let loaded = loaded(options, Purpose::Reduce)?;
     let (_, reduced) = to_reduced(&loaded)?;

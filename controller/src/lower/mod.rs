@@ -121,7 +121,7 @@ impl Limits {
     /// From 0 to 1: a share, or a switch that fades.
     pub const UNIT: Self = Self { low: 0.0, high: 1.0 };
 
-    /// From `-most` to `most`.
+    /// Returns the limits from `-most` to `most`.
     pub fn symmetric(most: f64) -> Self {
         Self { low: -most, high: most }
     }
@@ -157,7 +157,7 @@ impl Writer {
         }
     }
 
-    /// `into = constant + sum of coefficient x slot`, coefficients of 0 left out.
+    /// Writes `into = constant + sum of coefficient x slot`, coefficients of 0 left out.
     pub fn sum_into(&mut self, into: Slot, constant: Option<f64>, terms: &[Term]) {
         let terms = terms.iter().filter(|term| term.coefficient != 0.0).copied().collect();
         self.push(Operation::Sum { into, constant: constant.filter(|c| *c != 0.0), terms });
@@ -198,7 +198,7 @@ impl Writer {
         into
     }
 
-    /// `into = from`.
+    /// Writes `into = from`.
     pub fn copy(&mut self, into: Slot, from: Slot) {
         self.sum_into(into, None, &[1.0 * from]);
     }

@@ -108,7 +108,7 @@ fn initial_gain(scaling: Scaling, design: f64) -> Option<f64> {
 }
 
 fn evaluate(program: &Program, out_of_balance: f64) -> f64 {
-    let compiled = crate::compiled::Compiled::<f64>::new(program, 2);
+    let compiled = crate::compiled_program::Compiled::<f64>::new(program, 2);
     let mut memory = vec![0.0; compiled.memory()];
     if let Some(place) = memory.get_mut(1) {
         *place = out_of_balance;

@@ -527,9 +527,9 @@ fn mean_square(residuals: &[Vec<f64>]) -> f64 {
     residuals.iter().map(|r| dot(r, r)).sum::<f64>() / count.max(1) as f64
 }
 
-/// 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,
-/// and the sandwich `H^-1 S H^-1` of the gradient's scatter (White 1982), which holds where the residual's colour meets
-/// that of the slopes; to it comes what two simulators of the same mechanism differ by.
+/// Returns 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,
+/// and the sandwich `H^-1 S H^-1` of the gradient's scatter (White 1982), which holds where the residual's colour meets that of
+/// the slopes; to it comes what two simulators of the same mechanism differ by.
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
 pub fn confidence_intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {

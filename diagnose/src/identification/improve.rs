@@ -6,9 +6,9 @@ use counterpoise_models::parameters::MapPoint;
 use super::outcome::{Amplifier, Estimate, Identified};
 use crate::tolerance::identification::{DIGITS, LINEAR_FROM_SHARE};
 
-/// The mechanism with the identified values of the first state of balance. A value stays where its interval holds
-/// what the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for
-/// that: then both shrink alike. Inertia changes in hub and beam alike.
+/// Returns the mechanism with the identified values of the first state of balance. A value stays where its interval holds what
+/// the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for that: then both
+/// shrink alike. Inertia changes in hub and beam alike.
 pub fn apply_identified(p: &Parameters, found: &Identified) -> Parameters {
     let mut out = apply_except_amplifier(p, found);
     if let Amplifier::Curve { points } = &found.amplifier {

@@ -170,7 +170,7 @@ pub struct Identified {
 }
 
 impl Estimate {
-    /// A value with the half width of its interval.
+    /// Returns a value with the half width of its interval.
     pub fn new(value: f64, half_width: f64, before: f64) -> Self {
         Self { value, ci95: [value - half_width, value + half_width], before }
     }

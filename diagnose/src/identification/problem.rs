@@ -26,32 +26,32 @@ pub enum LeverArm {
 }
 
 impl Layout {
-    /// First moment of a state.
+    /// Returns the place of the first moment of a state.
     pub fn moment(self, state: usize) -> usize {
         state
     }
 
-    /// Inertia of a state.
+    /// Returns the place of the inertia of a state.
     pub fn inertia(self, state: usize) -> usize {
         self.states + state
     }
 
-    /// Coulomb friction.
+    /// Returns the place of the Coulomb friction.
     pub fn coulomb(self) -> usize {
         2 * self.states
     }
 
-    /// Viscous friction.
+    /// Returns the place of the viscous friction.
     pub fn viscous(self) -> usize {
         2 * self.states + 1
     }
 
-    /// Change of the amplifier's map at a knot.
+    /// Returns the place of the change of the amplifier's map at a knot.
     pub fn knot(self, index: usize) -> usize {
         2 * self.states + 2 + index
     }
 
-    /// Change of the lever arm; `None` if it is taken as known.
+    /// Returns the place of the change of the lever arm; `None` if it is taken as known.
     pub fn lever_arm(self) -> Option<usize> {
         (self.lever_arm == LeverArm::Unknown).then_some(2 * self.states + 2 + self.knots)
     }
@@ -82,12 +82,12 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The problem with the usual low-pass; `knots_v` holds the ends as well, or nothing.
+    /// Returns the problem with the usual low-pass; `knots_v` holds the ends as well, or nothing.
     pub fn new(p: &Parameters, states: &[&[Recording]], knots_v: &[f64]) -> Result<Self, Error> {
         Self::with_low_pass(p, states, knots_v, LOW_PASS_S)
     }
 
-    /// The problem through a low-pass of a standard deviation, s.
+    /// Returns the problem through a low-pass of a standard deviation, s.
     pub fn with_low_pass(
         p: &Parameters,
         states: &[&[Recording]],

@@ -33,7 +33,7 @@ pub struct Fit {
     pub noise_share: f64,
 }
 
-/// min |y - X b|^2 over the rows that count, the noise of the regressors taken off:
+/// Solves min |y - X b|^2 over the rows that count, the noise of the regressors taken off:
 ///
 /// ```text
 ///     (X'X - sum D) b = X'y - sum c,   cov b = (X'X - sum D)^-1 S (X'X - sum D)^-1,

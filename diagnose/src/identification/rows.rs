@@ -97,7 +97,7 @@ enum RateNoise {
 }
 
 impl Maker<'_> {
-    /// The rows of a recording.
+    /// Returns the rows of a recording.
     ///
     /// # Errors
     /// No control or no hub rate.
@@ -273,7 +273,7 @@ impl Maker<'_> {
     }
 }
 
-/// The hat function of a knot: 1 there, 0 at its neighbours and beyond.
+/// Returns the hat function of a knot: 1 there, 0 at its neighbours and beyond.
 pub fn hat_function(knots: &[f64], index: usize, at: f64) -> f64 {
     let (low, here, high) = (knots[index - 1], knots[index], knots[index + 1]);
     let up = (at - low) / (here - low);

@@ -14,7 +14,7 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// The kernel of a standard deviation (s) at a sample period (s).
+    /// Returns the kernel of a standard deviation (s) at a sample period (s).
     pub fn new(deviation_s: f64, period_s: f64) -> Self {
         let half_s = deviation_s * f64::from(2 * KERNEL_POWER + 3).sqrt();
         let half = ((half_s / period_s).ceil() as isize).max(1);
@@ -28,22 +28,22 @@ impl Kernel {
         Self { smooth: scaled(&raw, area), slope: scaled(&tilt, moment) }
     }
 
-    /// Samples on either side that enter.
+    /// Returns the samples on either side that enter.
     pub fn half(&self) -> usize {
         self.smooth.len() / 2
     }
 
-    /// The smoothed series; its ends are held beyond the ends.
+    /// Returns the smoothed series; its ends are held beyond the ends.
     pub fn smooth(&self, series: &[f64]) -> Vec<f64> {
         convolve(series, &self.smooth)
     }
 
-    /// The derivative of the smoothed series, per second.
+    /// Returns the derivative of the smoothed series, per second.
     pub fn slope(&self, series: &[f64]) -> Vec<f64> {
         convolve(series, &self.slope)
     }
 
-    /// Variance of the smoothed series and of its derivative, per unit of white noise.
+    /// Returns the variance of the smoothed series and of its derivative, per unit of white noise.
     pub fn noise_gains(&self) -> [f64; 2] {
         [&self.smooth, &self.slope].map(|k| k.iter().map(|w| w * w).sum())
     }
@@ -239,17 +239,17 @@ pub struct Chain<'a> {
 }
 
 impl<'a> Chain<'a> {
-    /// The chain of a mechanism at a sample period, s.
+    /// Returns the chain of a mechanism at a sample period, s.
     pub fn new(p: &'a Parameters, period_s: f64) -> Self {
         Self { p, period_s, delay: p.interface.output_delay_samples }
     }
 
-    /// Sample period, s.
+    /// Returns the sample period, s.
     pub fn period_s(&self) -> f64 {
         self.period_s
     }
 
-    /// A true signal as the hub gyroscope would show it: w^2 / (s^2 + 2 z w s + w^2).
+    /// Returns a true signal as the hub gyroscope would show it: w^2 / (s^2 + 2 z w s + w^2).
     pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
         let lagged = self.gyro().and_then(|(A, B)| Filter::new(&System::showing(A, B, 0), self.period_s));
         lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
@@ -262,7 +262,7 @@ impl<'a> Chain<'a> {
         w.is_finite().then(|| (A(), Mat::col(&[0.0, w * w])))
     }
 
-    /// The platform's accelerometer advanced by its own lag, 2 z / w, and then lagged as the gyroscope is.
+    /// Returns the platform's accelerometer advanced by its own lag, 2 z / w, and then lagged as the gyroscope is.
     pub fn heave_as_gyro(&self, series: &[f64]) -> Vec<f64> {
         let sensor = &self.p.sensors.platform_accelerometer;
         let ahead = 2.0 * sensor.damping_ratio / sensor.natural_frequency_rad_s / self.period_s;
@@ -274,7 +274,7 @@ impl<'a> Chain<'a> {
         self.as_gyro(&advanced)
     }
 
-    /// Current (A) that a drive (V) makes with the motor stalled, as the gyroscope would show it.
+    /// Returns the current (A) that a drive (V) makes with the motor stalled, as the gyroscope would show it.
     pub fn current_of_drive(&self, drive_v: &[f64]) -> Vec<f64> {
         let late = self.late(drive_v);
         let electrical = Electrical::of(self.p);
@@ -301,8 +301,8 @@ impl<'a> Chain<'a> {
         (0..drive_v.len()).map(|k| if k < self.delay { first } else { drive_v[k - self.delay] }).collect()
     }
 
-    /// Motor rate (rad/s) as the gyroscope would show it, of a motor whose gear twists between it and a joint whose rate
-    /// (rad/s) the gyroscopes have shown, from the drive (V) and the joint's direction (1 or -1):
+    /// Returns the motor rate (rad/s) as the gyroscope would show it, of a motor whose gear twists between it and a joint whose
+    /// rate (rad/s) the gyroscopes have shown, from the drive (V) and the joint's direction (1 or -1):
     ///
     /// ```text
     ///     J_m dw_m/dt = K_t i - F_m sgn - b_m w_m - (K x + D dx/dt) / N,   dx/dt = w_m / N - w_joint
@@ -359,14 +359,14 @@ impl<'a> Chain<'a> {
         A
     }
 
-    /// Current (A) that the back-EMF of a motor rate (rad/s) makes.
+    /// Returns the current (A) that the back-EMF of a motor rate (rad/s) makes.
     pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
         let filter = Filter::new(&Electrical::of(self.p).system(1), self.period_s);
         filter.map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, Between::Straight))
     }
 
-    /// Rate of the mean inertia, the sum of J_k w_k over J: the inertias beyond the hub move as their springs and the measured hub make
-    /// them.
+    /// Returns the rate of the mean inertia, the sum of J_k w_k over J: the inertias beyond the hub move as their springs and the
+    /// measured hub make them.
     pub fn mean_rate(&self, hub_rate: &[f64]) -> Vec<f64> {
         let Some(l) = self.p.lumped.as_ref().filter(|l| !l.is_rigid()) else { return hub_rate.to_vec() };
         let total = l.inertia_kg_m2();

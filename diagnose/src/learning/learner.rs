@@ -12,7 +12,7 @@ use crate::fitting::score::{RecordingPart, Score, score};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
 use crate::learning::reading::{Reading, read};
 use crate::learning::templates::{Template, TemplateContext, is_at};
-use crate::learning::visited::{Reach, Visited};
+use crate::learning::visited_ranges::{Reach, Visited};
 use crate::library::{Component, Effect, learned_element};
 use crate::localisation::error_map::MapCell;
 use crate::recording::series::correlation_time;

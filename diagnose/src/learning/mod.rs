@@ -1,6 +1,6 @@
 //! A model for what has no name: free functions, fitted in the simulator at the places where they explain most.
 //!
-//! Modules in reading order: [`visited`] (which values the recordings have of each regime variable), [`templates`] (the functions that
+//! Modules in reading order: [`visited_ranges`] (which values the recordings have of each regime variable), [`templates`] (the functions that
 //! are tried), [`held_out`] (what a function promises on stretches that did not choose it, and how smooth it should be), [`learner`]
 //! (the fit), [`reading`] (a fitted curve in the words of physics), `library_forms` (a curve that is an effect of the library),
 //! `comparison` (effects of the library against a free function).
@@ -11,7 +11,7 @@ pub mod learner;
 mod library_forms;
 pub mod reading;
 mod templates;
-pub mod visited;
+pub mod visited_ranges;
 
 pub(crate) use templates::is_at;
 

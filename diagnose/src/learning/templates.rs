@@ -4,12 +4,14 @@ use std::f64::consts::TAU;
 
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
 
-use crate::learning::visited::Visited;
+use crate::learning::visited_ranges::Visited;
 use crate::library::{Component, Effect, make_learned_effect};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
 use crate::localisation::trend::{Repetition, Trend};
-use crate::tolerance::learning::{FACTOR_STEP, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP};
+use crate::tolerance::learning::{
+    FACTOR_STEP, LEAST_TURNS, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP,
+};
 
 use LearnedPlace::{Gearbox, Motor, Pivot};
 use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
@@ -51,8 +53,6 @@ const TEMPLATES: [Template; 19] = [
 const TURN_POINTS: usize = 2;
 /// The same over a turn of the hub: a motor without a gear has its cogging there, and its harmonics.
 const HUB_TURN_POINTS: usize = 4;
-/// Turns of the hub that recordings must go for a function over its turn.
-const LEAST_TURNS: f64 = 1.2;
 
 /// What templates are made for.
 pub(crate) struct TemplateContext<'a> {

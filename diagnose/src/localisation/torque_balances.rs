@@ -152,7 +152,7 @@ impl<'a> Signals<'a> {
         [slow_rate(&self.relative), slow_rate(&self.motor)]
     }
 
-    /// (g + a) cos(theta_h - theta_p), m/s^2.
+    /// Returns (g + a) cos(theta_h - theta_p), m/s^2.
     pub fn weight(&self) -> Vec<f64> {
         let heavy = self.heave.iter().zip(&self.angle);
         heavy.map(|(a, angle)| (self.p.gravity_m_s2 + a) * cosine(self.p, *angle)).collect()

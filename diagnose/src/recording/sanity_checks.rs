@@ -3,10 +3,6 @@
 //! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
-use crate::tolerance::recording::{
-    CLIPPED_SHARE, DRIFT_BENT_SHARE, FLAT_TOP_SAMPLES, FLAT_TOP_STEPS, FOREIGN_CONTROL_MULTIPLE,
-    LARGEST_OFFSET_S, OFFSET_REMAINDER, REPORTED_OFFSET_S, SLOPE_AGREEMENT,
-};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::{Loop, control_fit};
@@ -14,6 +10,11 @@ use counterpoise_simulate::replay::{Loop, control_fit};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::recording::SAME_READING;
+use crate::tolerance::recording::{
+    CLIPPED_SHARE, COARSE_STEP_SHARE, DRIFT_BENT_SHARE, FLAT_TOP_SAMPLES, FLAT_TOP_STEPS,
+    FOREIGN_CONTROL_MULTIPLE, LARGEST_OFFSET_S, LONG_RUN_PART, LONG_RUN_STEPS, OFFSET_REMAINDER,
+    REPORTED_OFFSET_S, SLOPE_AGREEMENT, SLOPE_COHERENCE, WRONG_SLOPE,
+};
 
 /// What a sensor's disagreement with the others most likely means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +109,7 @@ pub enum Anomaly {
 }
 
 impl Anomaly {
-    /// Whether the channel cannot be used as it is.
+    /// Returns whether the channel cannot be used as it is.
     pub fn is_disqualifying(&self) -> bool {
         match self {
             Self::Missing { missing, samples } => missing == samples,
@@ -253,12 +254,12 @@ fn check_alone(series: &[f64]) -> Option<Anomaly> {
     if let Some(anomaly) = clipped(series, low, high, quantum) {
         return Some(anomaly);
     }
-    if run > series.len() / 10 && high - low > 20.0 * quantum {
+    if run > series.len() / LONG_RUN_PART && high - low > LONG_RUN_STEPS * quantum {
         let value = series[at];
         let standstill = if value == low || value == high { Standstill::Clipped } else { Standstill::Stuck };
         return Some(Anomaly::LongRun { standstill, value, samples: run, first: at });
     }
-    (quantum > 0.05 * (high - low)).then(|| Anomaly::Coarse { steps: (high - low) / quantum })
+    (quantum > COARSE_STEP_SHARE * (high - low)).then(|| Anomaly::Coarse { steps: (high - low) / quantum })
 }
 
 /// Detects repeated flat tops at an extreme: a limit, not a coincidence.
@@ -362,11 +363,11 @@ fn regression(x: &[f64], y: &[f64]) -> Slope {
 
 /// Returns what a slope that is not 1 most likely means; `None` if it is near 1 or the coherence is low.
 fn meaning(slope: f64, coherence: f64) -> Option<Meaning> {
-    if coherence.is_nan() || coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
+    if coherence.is_nan() || coherence < SLOPE_COHERENCE || (slope - 1.0).abs() < WRONG_SLOPE {
         return None;
     }
     let degrees = 180.0 / std::f64::consts::PI;
-    let near = |value: f64| (slope / value - 1.0).abs() < 0.1;
+    let near = |value: f64| (slope / value - 1.0).abs() < SLOPE_AGREEMENT;
     let guess = if near(-1.0) {
         Meaning::SignSwapped
     } else if near(degrees) || near(-degrees) {

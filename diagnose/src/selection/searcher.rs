@@ -9,6 +9,7 @@ use crate::selection::candidate::{Candidate, held_out_parts, whole_parts};
 use crate::selection::parameter_scan::repeats;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+use crate::tolerance::selection::{ROUNDED_ORDER_COST, WHOLE_ORDER};
 
 /// What the search works on.
 pub struct Searcher<'a> {
@@ -140,7 +141,7 @@ fn round_ripple_orders(problem: &Problem, fit: Fit) -> Fit {
     let mut first = 0;
     let mut moved = false;
     for effect in &fit.effects {
-        if effect.is_ripple() && (start[first + 1] / start[first + 1].round() - 1.0).abs() < 0.004 {
+        if effect.is_ripple() && (start[first + 1] / start[first + 1].round() - 1.0).abs() < WHOLE_ORDER {
             start[first + 1] = start[first + 1].round();
             moved = true;
         }
@@ -150,7 +151,7 @@ fn round_ripple_orders(problem: &Problem, fit: Fit) -> Fit {
         return fit;
     }
     match problem.fit(&start) {
-        Some(again) if again.cost < fit.cost * 1.01 => again,
+        Some(again) if again.cost < fit.cost * ROUNDED_ORDER_COST => again,
         _ => fit,
     }
 }

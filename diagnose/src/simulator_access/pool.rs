@@ -27,7 +27,7 @@ impl Pool for Serial {
     }
 }
 
-/// `count` results of independent jobs, in order; fewer where the user asked to stop.
+/// Returns `count` results of independent jobs, in order; fewer where the user asked to stop.
 pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let slots: Vec<std::sync::Mutex<Option<T>>> = (0..count).map(|_| std::sync::Mutex::new(None)).collect();
     pool.run(count, &|index| {
@@ -42,7 +42,7 @@ pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sy
     slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
-/// The same as [`map`], and says how many of the jobs of a stage are done.
+/// Does the same as [`map`], and says how many of the jobs of a stage are done.
 pub fn map_with_progress<T: Send>(
     pool: &dyn Pool,
     stage: &str,

@@ -84,3 +84,6 @@ pub const FORM_RIDGE: f64 = 1e-12;
 
 /// Range of a variable, relative to its size, up to which it did not move: rounding of the recording.
 pub const LEAST_RELATIVE_RANGE: f64 = 1e-9;
+
+/// Turns of the hub that recordings must go for a function over its turn.
+pub const LEAST_TURNS: f64 = 1.2;

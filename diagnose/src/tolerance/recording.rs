@@ -121,3 +121,18 @@ pub const SAME_UNIT_FACTOR: f64 = 1e-9;
 
 /// Distance of a place from a sample, in samples, up to which it is this sample: rounding of the delay over the period.
 pub const ON_SAMPLE: f64 = 1e-9;
+/// Part of a recording, one in so many, over which equal readings are a long run: a machine that moves passes every value sooner.
+pub const LONG_RUN_PART: usize = 10;
+/// Steps of the quantiser over which a channel must range for a long run to mean something: a channel of fewer steps is at rest, or coarse.
+pub const LONG_RUN_STEPS: f64 = 20.0;
+/// Share of its range above which a channel's step is coarse: with fewer than twenty steps its rounding is no noise any more.
+pub const COARSE_STEP_SHARE: f64 = 0.05;
+/// Coherence of two channels below which the slope between them means nothing: less than half of the one's power comes from the other.
+pub const SLOPE_COHERENCE: f64 = 0.5;
+/// Distance of a slope from 1 below which it is no fault: scale factors of sensors and a gear's ratio are known better.
+pub const WRONG_SLOPE: f64 = 0.2;
+/// Distance from a whole number of samples up to which a delay is taken for it: delays come from loops that are whole samples late, and the
+/// search finds them to a few tenths.
+pub const NEARLY_WHOLE_SAMPLES: f64 = 0.3;
+/// Share of the distance between the means of motor and resolver below which the resolver's own mean must be for the motor to be at fault.
+pub const RESOLVER_MEAN_SHARE: f64 = 0.5;

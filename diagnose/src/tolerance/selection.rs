@@ -52,3 +52,8 @@ pub const SAME_GRID_PLACE: f64 = 1e-6;
 
 /// Determinant of the normal equations of two signatures, relative to the product of their powers, up to which they are one signature.
 pub const INDEPENDENT_SIGNATURES: f64 = 1e-6;
+/// Relative distance of a ripple's order from a whole number up to which it is rounded: teeth and poles are counted, and a fit that misses a
+/// whole order by so little has found it.
+pub const WHOLE_ORDER: f64 = 0.004;
+/// Factor on the cost up to which the fit with the rounded order is preferred.
+pub const ROUNDED_ORDER_COST: f64 = 1.01;

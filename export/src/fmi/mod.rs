@@ -9,15 +9,16 @@
 
 mod absent;
 mod controller;
-mod learned;
+mod free_functions;
 mod loads;
 mod machine;
 mod pack;
 mod plant;
 
+pub use crate::tolerance::{MOST_BRISTLES, MOST_DELAY_SAMPLES};
 pub use controller::controller_unit;
 pub use pack::pack_unit;
-pub use plant::{MOST_BRISTLES, MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
+pub use plant::{PlantUnit, PlantUnitError, plant_unit};
 
 use absent::ABSENT;
 use minijinja::{Environment, Value, context};

@@ -4,13 +4,9 @@ use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
 use crate::fmi::{Unit, Variable};
-use crate::fmi::{learned, loads, machine};
+use crate::fmi::{free_functions, loads, machine};
+use crate::tolerance::{MOST_BRISTLES, MOST_DELAY_SAMPLES};
 use crate::{Error, File, Provenance, check_name};
-
-/// Most samples by which a signal of the unit may be late: it keeps them all.
-pub const MOST_DELAY_SAMPLES: f64 = 1e4;
-/// Most bristles of a joint of the unit.
-pub const MOST_BRISTLES: f64 = 1e5;
 
 /// A plant unit that was asked for.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +61,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         period => format!("{period_s:?}"), parts => machine::shortest_parts(plant),
         bonds => bonds.max(1), past, states => machine::states(plant),
         kind => context! { cylinder => loads::cylinder(plant), ..machine::kind(plant) },
-        learned => learned::functions(plant),
+        learned => free_functions::functions(plant),
         loads => loads::loads(plant), limits => loads::limits(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),

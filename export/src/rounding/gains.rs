@@ -1,7 +1,7 @@
 //! What an error of an operation does to later controls at rest: impulse responses, summed over time.
 
 use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
-use counterpoise_controller::compiled::Compiled;
+use counterpoise_controller::compiled_program::Compiled;
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::{Controller, Number, Runner};
 use counterpoise_linalg::sparse::VectorEntry;

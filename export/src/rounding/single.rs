@@ -9,11 +9,10 @@ use super::{
 };
 use crate::Ranges;
 use crate::ranges::{Run, RunState, RunVisitor, play};
+use crate::tolerance::SMALL_SUMMAND;
 
 /// Half a unit in the last place of single precision, relative.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-/// How many times smaller than a sum a summand must be, to be rounded to the sum's grid.
-const SMALL: f64 = 8.0;
 /// Roundings that a gain or bias has behind it when the out-of-balance has been set.
 const KEPT_ROUNDINGS: f64 = 3.0;
 
@@ -59,7 +58,7 @@ impl Arithmetic for Single<'_> {
             Operation::Magnitude { .. } | Operation::Clamp { .. } => 0.0,
         };
         let known = match state_increment(operation, read) {
-            Some((_, rest)) if square > 0.0 && SMALL * rest.abs() < value.abs() => {
+            Some((_, rest)) if square > 0.0 && SMALL_SUMMAND * rest.abs() < value.abs() => {
                 to_grid(rest, 2.0 * half_unit(value))
             }
             _ => 0.0,

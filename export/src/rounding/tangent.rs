@@ -28,7 +28,7 @@ pub(crate) struct Tangent<'a> {
 }
 
 impl<'a> Tangent<'a> {
-    /// Of a program on so many states.
+    /// Returns the derivatives of a program on so many states.
     pub fn new(program: &'a Program, states: usize) -> Self {
         let operations: Vec<&Operation> = program.operations().collect();
         let first = states + program.inputs.len();
@@ -109,12 +109,12 @@ impl<'a> Tangent<'a> {
         })
     }
 
-    /// Derivatives of a state after the program.
+    /// Returns the derivatives of a state after the program.
     pub fn state(&self, i: usize) -> &Row {
         &self.slopes[self.ends[i]]
     }
 
-    /// Derivatives of what the program gives.
+    /// Returns the derivatives of what the program gives.
     pub fn output(&self) -> &[VectorEntry] {
         self.output.map_or(&[], |id| &self.slopes[id])
     }

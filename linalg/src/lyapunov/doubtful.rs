@@ -1,7 +1,7 @@
 //! Lyapunov equations that are singular or nearly so: found out, and solved as well as they can be.
 
 use crate::error::Error;
-use crate::extended::Extended;
+use crate::extended_precision::Extended;
 use crate::mat::Mat;
 use crate::precise::Precise;
 use crate::smith;

@@ -31,18 +31,18 @@ pub(super) fn solve_by_doubling(modes: &Modes, parameters: &[f64]) -> Result<Opt
     for factor in parameters {
         let question = |X: &Mat| certainly_unsolvable(modes, X);
         match cayley(A, G, Q, factor * base).map(|form| iterate(form, early, question)) {
-            Ok(Outcome::Settled(X)) => return Ok(Some(X)),
-            Ok(Outcome::Unsolvable(reason)) => return Err(reason),
+            Ok(Doubling::Settled(X)) => return Ok(Some(X)),
+            Ok(Doubling::Unsolvable(reason)) => return Err(reason),
             // Another parameter settles no equation that this one does not; it may only avoid a singular step.
-            Ok(Outcome::Unsettled) => return Ok(None),
-            Ok(Outcome::Broken) | Err(_) => {}
+            Ok(Doubling::Unsettled) => return Ok(None),
+            Ok(Doubling::Broken) | Err(_) => {}
         }
     }
     Ok(None)
 }
 
 /// What became of a doubling iteration.
-pub(super) enum Outcome {
+pub(super) enum Doubling {
     /// It stands still: an approximation of the solution.
     Settled(Mat),
     /// It goes on for ever, as it does if a mode that is not stable is out of reach.
@@ -53,7 +53,7 @@ pub(super) enum Outcome {
     Broken,
 }
 
-impl Outcome {
+impl Doubling {
     /// The approximation, if there is one.
     pub(super) fn approximation(self) -> Option<Mat> {
         match self {
@@ -81,29 +81,29 @@ fn cayley(A: &Mat, G: &Mat, Q: &Mat, gamma: f64) -> Result<Problem, Error> {
 }
 
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
-pub(super) fn run(form: Problem) -> Outcome {
+pub(super) fn run(form: Problem) -> Doubling {
     iterate(form, DOUBLING_EARLY, |_| None)
 }
 
 /// The same; `question` is asked once if the solution still grows after `early` doublings.
-fn iterate(mut form: Problem, early: usize, question: impl Fn(&Mat) -> Option<Reason>) -> Outcome {
+fn iterate(mut form: Problem, early: usize, question: impl Fn(&Mat) -> Option<Reason>) -> Doubling {
     for count in 1..=DOUBLING_STEPS {
-        let Some(change) = double(&mut form) else { return Outcome::Broken };
+        let Some(change) = double(&mut form) else { return Doubling::Broken };
         if change < DOUBLING_SETTLED {
-            return Outcome::Settled(form.Q);
+            return Doubling::Settled(form.Q);
         }
         let grows = change > DOUBLING_GROWING;
         if grows && count > DOUBLING_LATE {
-            return Outcome::Unsettled;
+            return Doubling::Unsettled;
         }
         if grows
             && count == early
             && let Some(reason) = question(&form.Q)
         {
-            return Outcome::Unsolvable(reason);
+            return Doubling::Unsolvable(reason);
         }
     }
-    Outcome::Unsettled
+    Doubling::Unsettled
 }
 
 /// One doubling; returns the relative change of `Q`, or `None` if it is singular or not finite.

@@ -6,7 +6,7 @@
 
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
-use crate::extended::{Extended, exact_product};
+use crate::extended_precision::{Extended, exact_product};
 use crate::mat::Mat;
 use crate::precise::Precise;
 use crate::sylvester::Kind;

@@ -36,7 +36,7 @@ pub enum Outcome<T> {
 }
 
 impl<T> Outcome<T> {
-    /// The solution, if there is one.
+    /// Returns the solution, if there is one.
     pub fn solution(self) -> Option<T> {
         match self {
             Self::Solved(solution) => Some(solution),
@@ -44,7 +44,7 @@ impl<T> Outcome<T> {
         }
     }
 
-    /// The solution as a `Result`, for callers to whom a missing solution is the end.
+    /// Returns the solution as a `Result`, for callers to whom a missing solution is the end.
     ///
     /// # Errors
     /// The reason why there is none.
@@ -63,7 +63,7 @@ impl<T> Outcome<T> {
         }
     }
 
-    /// The outcome with `change` applied to the solution.
+    /// Returns the outcome with `change` applied to the solution.
     pub fn map<U>(self, change: impl FnOnce(T) -> U) -> Outcome<U> {
         match self {
             Self::Solved(solution) => Outcome::Solved(change(solution)),
@@ -150,7 +150,7 @@ impl Certificate {
         }
     }
 
-    /// Whether rounding the data, or the residual, may change the third digit of the solution or an earlier one: the
+    /// Returns whether rounding the data, or the residual, may change the third digit of the solution or an earlier one: the
     /// condition number times the larger of the two exceeds [`SENSITIVE`].
     pub fn is_sensitive(&self) -> bool {
         self.condition * self.relative_residual.max(EPS) > SENSITIVE

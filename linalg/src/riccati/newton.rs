@@ -4,7 +4,7 @@
 //! residual is computed in twice the working precision and the sum is kept as two doubles, so that the steps contract
 //! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
 
-use crate::extended::Extended;
+use crate::extended_precision::Extended;
 use crate::lyapunov::{Operator, dlyap, lyap, transpose_form};
 use crate::mat::Mat;
 use crate::schur::schur;

@@ -7,10 +7,7 @@ use super::block::{Rotation, standardise};
 use crate::error::Error;
 use crate::kernel::vectorised;
 use crate::mat::{C64, Mat};
-use crate::tolerance::{EPS, QR_ITERATIONS};
-
-/// Below this, a subdiagonal is zero whatever its neighbours.
-const SMALL: f64 = f64::MIN_POSITIVE / EPS;
+use crate::tolerance::{EPS, NEGLIGIBLE_SUBDIAGONAL, QR_ITERATIONS};
 
 vectorised! {
     /// Turns rows and columns `lo..=hi` of the Hessenberg matrix `H` into Schur form; the whole of `H` and `Z` follow.
@@ -158,7 +155,7 @@ impl Iteration<'_> {
 #[inline(always)]
 pub(super) fn negligible(H: &Mat, k: usize) -> bool {
     let sub = H[(k, k - 1)].abs();
-    if sub <= SMALL {
+    if sub <= NEGLIGIBLE_SUBDIAGONAL {
         return true;
     }
     let (upper, lower) = (H[(k - 1, k - 1)], H[(k, k)]);
@@ -179,7 +176,7 @@ pub(super) fn negligible(H: &Mat, k: usize) -> bool {
     let difference = (upper - lower).abs();
     let (aa, bb) = (lower.abs().max(difference), lower.abs().min(difference));
     let s = aa + ab;
-    ba * (ab / s) <= SMALL.max(EPS * (bb * (aa / s)))
+    ba * (ab / s) <= NEGLIGIBLE_SUBDIAGONAL.max(EPS * (bb * (aa / s)))
 }
 
 /// A pair of real shifts is replaced by the one nearer to the last diagonal entry, twice.

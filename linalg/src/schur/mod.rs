@@ -20,7 +20,7 @@ pub struct Schur {
     pub U: Mat,
 }
 
-/// The real Schur form of a square matrix.
+/// Returns the real Schur form of a square matrix.
 ///
 /// Method: Householder Hessenberg form, then Francis' implicit double shift with the deflation test of Ahues and
 /// Tisseur. Cost about 25 n^3 operations. The form is backward stable: `norm(A - U T U') <= p(n) eps norm(A)`.
@@ -85,7 +85,7 @@ fn connected(A: &Mat) -> Result<Schur, Error> {
     Ok(Schur { T, U })
 }
 
-/// The eigenvalues of a square matrix, sorted by real part and then by imaginary part.
+/// Returns the eigenvalues of a square matrix, sorted by real part and then by imaginary part.
 ///
 /// Method: the diagonal blocks of the real Schur form of the balanced matrix, to the last bit, at two fifths of its cost.
 ///
@@ -128,7 +128,7 @@ fn clear_below(T: &mut Mat) {
 }
 
 impl Schur {
-    /// The eigenvalues in the order of the diagonal; of a complex pair the one with positive imaginary part comes first.
+    /// Returns the eigenvalues in the order of the diagonal; of a complex pair the one with positive imaginary part comes first.
     pub fn eigenvalues(&self) -> Vec<C64> {
         diagonal(&self.T)
     }

@@ -104,7 +104,7 @@ impl Analysis {
         Self { order, place, firsts, rows, starts, block }
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn size(&self) -> usize {
         self.order.len()
     }
@@ -130,12 +130,12 @@ impl Analysis {
         Panel { rows: cols + self.rows(block).len(), cols }
     }
 
-    /// Number of entries of the factor as it is stored.
+    /// Returns the number of entries of the factor as it is stored.
     pub fn entry_count(&self) -> usize {
         (0..self.blocks()).map(|s| self.panel(s).entries()).sum()
     }
 
-    /// Number of multiplications and additions of the factorisation, about.
+    /// Returns the number of multiplications and additions of the factorisation, about.
     pub fn operations(&self) -> f64 {
         (0..self.blocks()).map(|s| self.panel(s).operations()).sum()
     }

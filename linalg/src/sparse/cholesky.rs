@@ -43,12 +43,12 @@ impl SparseCholesky {
         Ok(Self { analysis, factors })
     }
 
-    /// Number of entries of the factor as it is stored.
+    /// Returns the number of entries of the factor as it is stored.
     pub fn entry_count(&self) -> usize {
         self.analysis.entry_count()
     }
 
-    /// The solution `X` of `A X = B`.
+    /// Returns the solution `X` of `A X = B`.
     pub fn solve(&self, B: &Mat) -> Mat {
         let mut X = B.clone();
         let columns = X.ncols();

@@ -13,12 +13,10 @@ use faer::sparse::linalg::amd;
 
 use super::matrix::Sparse;
 use crate::error::Error;
+use crate::tolerance::LARGEST_PART;
 
 /// Parts of at most this many unknowns are ordered by minimum degree, which is as good there.
 const LEAF: usize = 120;
-
-/// Neither part may have more than this share of the unknowns: lopsided parts make deep trees.
-const LARGEST_PART: f64 = 0.65;
 
 /// Unknowns of the larger part that count as much as one of the separator.
 const SIZE_OF_PART: usize = 100;

@@ -116,51 +116,51 @@ impl Sparse {
         out
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         self.rows
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.cols
     }
 
-    /// (rows, columns).
+    /// Returns (rows, columns).
     pub fn shape(&self) -> (usize, usize) {
         (self.rows, self.cols)
     }
 
-    /// Number of stored entries.
+    /// Returns the number of stored entries.
     pub fn entry_count(&self) -> usize {
         self.values.len()
     }
 
-    /// The entries, column by column.
+    /// Returns the entries, column by column.
     pub fn entries(&self) -> impl Iterator<Item = Entry> + '_ {
         (0..self.cols)
             .flat_map(move |col| self.column(col).map(move |(row, value)| Entry { row, col, value }))
     }
 
-    /// Row and value of each entry of column `j`.
+    /// Returns the row and value of each entry of column `j`.
     pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let range = self.starts[j] as usize..self.starts[j + 1] as usize;
         self.indices[range.clone()].iter().zip(&self.values[range]).map(|(&i, &v)| (i as usize, v))
     }
 
-    /// The entry (i, j); 0 if it is not stored.
+    /// Returns the entry (i, j); 0 if it is not stored.
     pub fn at(&self, i: usize, j: usize) -> f64 {
         let range = self.starts[j] as usize..self.starts[j + 1] as usize;
         let place = self.indices[range.clone()].binary_search(&(i as u32));
         place.map_or(0.0, |k| self.values[range.start + k])
     }
 
-    /// The diagonal.
+    /// Returns the diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows.min(self.cols)).map(|i| self.at(i, i)).collect()
     }
 
-    /// The transpose.
+    /// Returns the transpose.
     pub fn t(&self) -> Self {
         let mut starts = vec![0_u32; self.rows + 1];
         self.indices.iter().for_each(|&i| starts[i as usize + 1] += 1);
@@ -177,7 +177,7 @@ impl Sparse {
         Self { rows: self.cols, cols: self.rows, starts, indices, values }
     }
 
-    /// The product with a dense matrix.
+    /// Returns the product with a dense matrix.
     pub fn times(&self, X: &Mat) -> Mat {
         let mut out = Mat::zeros(self.rows, X.ncols());
         for k in 0..X.ncols() {
@@ -189,7 +189,7 @@ impl Sparse {
         out
     }
 
-    /// The rows and columns with the given indices, which rise; a square matrix.
+    /// Returns the rows and columns with the given indices, which rise; a square matrix.
     pub fn select(&self, kept: &[usize]) -> Self {
         let mut place = vec![u32::MAX; self.rows];
         kept.iter().enumerate().for_each(|(k, &i)| place[i] = k as u32);
@@ -205,13 +205,13 @@ impl Sparse {
         out
     }
 
-    /// The matrix with each entry (i, j) changed to `change(i, j, value)`; entries that are not stored stay zero.
+    /// Returns the matrix with each entry (i, j) changed to `change(i, j, value)`; entries that are not stored stay zero.
     pub fn map(&self, change: impl Fn(usize, usize, f64) -> f64) -> Self {
         let values = self.entries().map(|e| change(e.row, e.col, e.value)).collect();
         Self { values, ..self.clone() }
     }
 
-    /// The matrix with more entries added.
+    /// Returns the matrix with more entries added.
     ///
     /// # Errors
     /// As for [`Sparse::from_entries`].
@@ -220,7 +220,7 @@ impl Sparse {
         Self::from_entries(self.rows, self.cols, &all)
     }
 
-    /// `(A + A') / 2`
+    /// Returns `(A + A') / 2`.
     ///
     /// # Errors
     /// [`Error::NotSquare`].
@@ -237,12 +237,12 @@ impl Sparse {
         Self::from_entries(self.rows, self.cols, &all)
     }
 
-    /// The largest modulus of an entry.
+    /// Returns the largest modulus of an entry.
     pub fn norm_max(&self) -> f64 {
         self.values.iter().fold(0.0, |largest, v| v.abs().max(largest))
     }
 
-    /// The square root of the sum of the squares.
+    /// Returns the square root of the sum of the squares.
     pub fn norm_fro(&self) -> f64 {
         let largest = self.norm_max();
         if largest == 0.0 {
@@ -251,7 +251,7 @@ impl Sparse {
         largest * self.values.iter().map(|v| (v / largest).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The largest difference of an entry from the one across the diagonal, of a square matrix.
+    /// Returns the largest difference of an entry from the one across the diagonal, of a square matrix.
     pub fn asymmetry(&self) -> f64 {
         let other = self.t();
         let here = self.entries().map(|e| (e.value - other.at(e.row, e.col)).abs());

@@ -43,7 +43,7 @@ impl<'a> QuadraticPencil<'a> {
         Ok(Self { M, D, K, analysis })
     }
 
-    /// What the factors look like.
+    /// Returns what the factors look like.
     pub fn analysis(&self) -> &Analysis {
         &self.analysis
     }
@@ -91,7 +91,7 @@ pub struct Shifted<'a> {
 }
 
 impl Shifted<'_> {
-    /// The solutions for the given right-hand sides.
+    /// Returns the solutions for the given right-hand sides.
     ///
     /// # Errors
     /// [`Error::Singular`] if the residual stays large, because `s` is nearly an eigenvalue.

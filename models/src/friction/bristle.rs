@@ -40,7 +40,7 @@ impl Bristle {
         }
     }
 
-    /// The states after a displacement, with every snap on the way.
+    /// Returns the states after a displacement, with every snap on the way.
     pub fn displace(&self, displacement_rad: f64, states: &mut [f64]) {
         let reach = MEMORY_BONDS * self.bond_rad;
         let displacement = displacement_rad.clamp(-reach, reach);
@@ -50,7 +50,7 @@ impl Bristle {
         }
     }
 
-    /// The states with every bond beyond its limit snapped; an integrator calls it after each step.
+    /// Returns the states with every bond beyond its limit snapped; an integrator calls it after each step.
     pub fn project(&self, states: &mut [f64]) {
         self.displace(0.0, states);
     }

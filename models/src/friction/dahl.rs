@@ -21,7 +21,7 @@ pub struct Dahl<R = f64> {
 }
 
 impl Dahl {
-    /// dF/dt, N m/s.
+    /// Returns dF/dt, N m/s.
     #[inline]
     pub fn derivative(&self, rate_rad_s: f64, level: f64, torque_nm: f64) -> f64 {
         let r = self.distance(rate_rad_s, level, torque_nm);

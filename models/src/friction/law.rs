@@ -64,7 +64,7 @@ impl Law {
         }
     }
 
-    /// The states after a time at constant rate: exact for every law.
+    /// Returns the states after a time at constant rate: exact for every law.
     #[inline]
     pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, states: &mut [f64]) {
         match self {

@@ -32,7 +32,7 @@ impl<R: Copy> Lugre<R> {
 }
 
 impl<R: Real> Lugre<R> {
-    /// dz/dt, rad/s.
+    /// Returns dz/dt, rad/s.
     #[inline(always)]
     pub fn derivative(&self, rate_rad_s: R, level: R, deflection_rad: R) -> R {
         rate_rad_s

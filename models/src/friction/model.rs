@@ -134,7 +134,7 @@ impl FrictionModel {
         self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states)
     }
 
-    /// The states after a time at constant rate: exact.
+    /// Returns the states after a time at constant rate: exact.
     #[inline]
     pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, states: &mut [f64]) {
         self.law.advance(rate_rad_s, time_s, self.directed(rate_rad_s, level), states);

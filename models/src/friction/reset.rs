@@ -34,7 +34,7 @@ impl<R: Copy> ResetIntegrator<R> {
 }
 
 impl<R: Real> ResetIntegrator<R> {
-    /// dz/dt, rad/s.
+    /// Returns dz/dt, rad/s.
     #[inline(always)]
     pub fn derivative(&self, rate_rad_s: R, deflection_rad: R) -> R {
         let zero = rate_rad_s.constant(0.0);

@@ -22,7 +22,7 @@ pub struct Sliding {
 }
 
 impl Sliding {
-    /// g(w) sgn w, N m; 0 at rest, where [`super::FrictionModel::stick`] holds.
+    /// Returns g(w) sgn w, N m; 0 at rest, where [`super::FrictionModel::stick`] holds.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64) -> f64 {
         if rate_rad_s == 0.0 { 0.0 } else { level * self.level.at(rate_rad_s) * rate_rad_s.signum() }

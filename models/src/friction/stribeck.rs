@@ -42,7 +42,7 @@ impl StribeckLevel {
         Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
     }
 
-    /// dg/dw, N m s/rad; odd in w, 0 at w = 0.
+    /// Returns dg/dw, N m s/rad; odd in w, 0 at w = 0.
     #[inline]
     pub fn slope(&self, rate_rad_s: f64) -> f64 {
         if self.is_constant() || rate_rad_s == 0.0 {
@@ -92,7 +92,7 @@ pub(super) fn join_levels<const N: usize>(levels: [StribeckLevel; N]) -> Option<
 }
 
 impl<R: Real> StribeckLevel<R> {
-    /// g(w), N m; even in w.
+    /// Returns g(w), N m; even in w.
     #[inline(always)]
     pub fn at(&self, rate_rad_s: R) -> R {
         if self.is_constant() {

@@ -32,7 +32,7 @@ impl<R: Copy> Walrath<R> {
 }
 
 impl<R: Real> Walrath<R> {
-    /// T_c tanh(w / w_0), N m: where the torque settles.
+    /// Returns T_c tanh(w / w_0), N m: where the torque settles.
     #[inline(always)]
     pub fn steady(&self, rate_rad_s: R, level: R) -> R {
         level * self.coulomb_nm * (rate_rad_s / self.smoothing_rate_rad_s).tanh()
@@ -47,13 +47,13 @@ impl<R: Real> Walrath<R> {
 }
 
 impl Walrath {
-    /// dT/dt, N m/s.
+    /// Returns dT/dt, N m/s.
     #[inline]
     pub fn derivative(&self, rate_rad_s: f64, level: f64, torque_nm: f64) -> f64 {
         (self.steady(rate_rad_s, level) - torque_nm) / self.time_constant_s
     }
 
-    /// d steady / d rate, N m s/rad.
+    /// Returns d steady / d rate, N m s/rad.
     #[inline]
     pub fn slope(&self, rate_rad_s: f64, level: f64) -> f64 {
         let bent = (rate_rad_s / self.smoothing_rate_rad_s).tanh();

@@ -6,25 +6,25 @@
 //! Effects that a plain machine does not have (cogging, springs, mesh ripple, sensor faults) are present as fields
 //! whose default value means "absent".
 
-mod controlled;
+mod controlled_quantity;
 pub mod cylinder;
 mod drive;
 mod drive_limits;
+mod free_functions;
 mod friction;
-mod learned;
 mod sensing;
 mod structure;
 
 use crate::loads::Loads;
 
-pub use controlled::{ControlledQuantity, DriveQuantity, QuantityKind};
+pub use controlled_quantity::{ControlledQuantity, DriveQuantity, QuantityKind};
 pub use cylinder::Cylinder;
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use drive_limits::{
     COPPER_PER_K, DriveHeat, DriveLimits, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K, hot,
 };
+pub use free_functions::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
-pub use learned::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use sensing::{AccelerometerAxis, Alignment, Clock, Drift, Interface, Measured, Sensor, Sensors};
 pub use structure::{Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 

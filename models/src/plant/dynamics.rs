@@ -1,7 +1,7 @@
 //! The plant's nonlinear right-hand side.
 
 use super::core::{input, state};
-use super::learned::{JointMotion, LearnedRegime};
+use super::free_functions::{JointMotion, LearnedRegime};
 use super::mesh_loss::MeshLoss;
 use super::{Core, CylinderPoint, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
@@ -38,8 +38,8 @@ impl Plant {
         self.core_order() + 2 + usize::from(self.hose.is_some()) + usize::from(self.gear_hysteresis.is_some())
     }
 
-    /// The derivative of the state \[core ([`state`]), motor friction, pivot friction, hose, gear hysteresis\]: the definition of
-    /// the plant.
+    /// Returns the derivative of the state \[core ([`state`]), motor friction, pivot friction, hose, gear hysteresis\]: the
+    /// definition of the plant.
     ///
     /// Laws with one state are continuous and are taken as they are (a torque in N m for Dahl and Walrath, a deflection in
     /// rad for LuGre and the reset integrator); laws that truly stick slide at any rate but zero, and bristles are taken

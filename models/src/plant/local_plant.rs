@@ -4,8 +4,8 @@
 use super::Plant;
 use super::core::state;
 use super::equilibrium::{Equilibrium, OperatingPoint};
+use super::free_functions::{JointMotion, LearnedFunction, LearnedFunctions, LearnedRegime};
 use super::impedance::Impedance;
-use super::learned::{JointMotion, LearnedFunction, LearnedFunctions, LearnedRegime};
 use super::mesh_loss::MeshLoss;
 use crate::parameters::{Friction, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
 use crate::tolerance::{LEARNED_ITERATIONS, LEAST_LEVEL};

@@ -11,9 +11,9 @@ pub mod cylinder;
 mod dry;
 pub mod dynamics;
 pub mod equilibrium;
+pub mod free_functions;
 pub mod hose;
 pub mod impedance;
-pub mod learned;
 pub mod linear;
 mod local_plant;
 pub mod mesh_loss;
@@ -27,11 +27,11 @@ pub use self::core::{Core, Mesh};
 pub use self::cylinder::{CylinderParts, CylinderPoint};
 pub use self::dynamics::{Excitation, SinCos};
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
-pub use self::hose::Hose;
-pub use self::impedance::Impedance;
-pub use self::learned::{
+pub use self::free_functions::{
     JointMotion, LearnedFunction, LearnedFunctions, LearnedRefusal, LearnedRegime, LearnedTable,
 };
+pub use self::hose::Hose;
+pub use self::impedance::Impedance;
 pub use self::linear::{Angles, FrictionLinearisation, LinearPlant, OutputRow, impedance};
 
 use crate::Error;

@@ -69,7 +69,7 @@ impl Plant {
         Some(OutputRow { states, inputs })
     }
 
-    /// The torque that a transmission with touching teeth passes to the hub: T_2 = K_gb delta + D_gb delta'.
+    /// Returns the torque that a transmission with touching teeth passes to the hub: T_2 = K_gb delta + D_gb delta'.
     pub fn transmitted_torque_row(&self) -> Vec<f64> {
         let gearbox = &self.parameters.gearbox;
         let mut row: Vec<f64> =

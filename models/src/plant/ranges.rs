@@ -3,17 +3,15 @@
 use super::{Body, Plant};
 use crate::friction::{FrictionModel, Law};
 use crate::parameters::{Amplifier, AmplifierDynamics, Lumped, Parameters, Sensor};
+use crate::tolerance::MOST_CONVERTER_BITS;
 use crate::{Error, Range};
-
-/// Most bits of a converter: beyond, double precision has no smaller step over its range.
-const MOST_BITS: f64 = 52.0;
 
 /// Refuses parameters outside their ranges; the first one found is named with its path.
 pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
     finite("gravity_m_s2", parameters.gravity_m_s2)?;
     drive(parameters)?;
     sensors(parameters)?;
-    super::learned::check(parameters)?;
+    super::free_functions::check(parameters)?;
     parameters.cylinder.as_ref().map_or(Ok(()), |cylinder| cylinder.check(parameters))?;
     parameters.loads.check()?;
     drive_limits(parameters)?;
@@ -210,7 +208,7 @@ fn interface(parameters: &Parameters) -> Result<(), Error> {
     for (path, bits) in
         [("interface.input_bits", interface.input_bits), ("interface.output_bits", interface.output_bits)]
     {
-        require(Range::Between(1.0, MOST_BITS), path, f64::from(bits))?;
+        require(Range::Between(1.0, MOST_CONVERTER_BITS), path, f64::from(bits))?;
     }
     Ok(())
 }

@@ -55,8 +55,8 @@ pub fn rayleigh(model: &FeModel, factors: Rayleigh) -> Mat {
     &model.M.scale(factors.mass_factor) + &model.K.scale(factors.stiffness_factor)
 }
 
-/// C = sum 2 zeta_k w_k (M phi_k) (M phi_k)' over the flexible modes k = 1 .. `ratios.len()`, n x n: (5-13).
-/// Modes beyond have no damping.
+/// Returns C = sum 2 zeta_k w_k (M phi_k) (M phi_k)' over the flexible modes k = 1 .. `ratios.len()`, n x n: (5-13). Modes beyond
+/// have no damping.
 pub fn modal(model: &FeModel, modes: &Modes, ratios: &[f64]) -> Mat {
     let mut C = Mat::zeros(model.M.nrows(), model.M.nrows());
     for (k, (&frequency, &ratio)) in modes.flexible_rad_s().iter().zip(ratios).enumerate() {
@@ -66,9 +66,9 @@ pub fn modal(model: &FeModel, modes: &Modes, ratios: &[f64]) -> Mat {
     C
 }
 
-/// C = a_1 K + modal damping of what a_1 K leaves, n x n: (5-14) with zeta_n - zeta_Nc w_n / w_Nc in place of the
-/// printed zeta_n, which counts the stiffness part twice. The first modes have the ratios given; mode n beyond the last,
-/// N_c, has zeta_Nc w_n / w_Nc.
+/// Returns C = a_1 K + modal damping of what a_1 K leaves, n x n: (5-14) with zeta_n - zeta_Nc w_n / w_Nc in place of the printed
+/// zeta_n, which counts the stiffness part twice. The first modes have the ratios given; mode n beyond the last, N_c, has zeta_Nc
+/// w_n / w_Nc.
 pub fn modal_with_stiffness(model: &FeModel, modes: &Modes, ratios: &[f64]) -> Mat {
     let frequencies = modes.flexible_rad_s();
     let last = ratios.len().min(frequencies.len());

@@ -157,7 +157,7 @@ impl Shape {
         Self { from_m, length_m, shear_share }
     }
 
-    /// Hermite's cubics.
+    /// Returns Hermite's cubics.
     pub fn hermite(from_m: f64, to_m: f64) -> Self {
         Self { from_m, length_m: to_m - from_m, shear_share: 0.0 }
     }

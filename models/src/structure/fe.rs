@@ -126,13 +126,13 @@ impl FeModel {
         self.inner(&self.pitch, &self.pitch)
     }
 
-    /// M heave: the mass and first moment that each unknown carries, kg and kg m. Weight and heave load the structure with
+    /// Returns M heave: the mass and first moment that each unknown carries, kg and kg m. Weight and heave load the structure with
     /// -(g + a_p) cos theta of it.
     pub fn carried_moments(&self) -> Vec<f64> {
         (&self.M * &Mat::col(&self.heave)).as_slice().to_vec()
     }
 
-    /// a' M b.
+    /// Returns a' M b.
     pub fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
         let carried = &self.M * &Mat::col(b);
         a.iter().zip(carried.as_slice()).map(|(a, m)| a * m).sum()

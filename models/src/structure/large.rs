@@ -7,10 +7,10 @@
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{Mat, Sparse, sparse::Watch};
 
-use super::balanced::BalancedShapes;
+use super::balanced_shapes::BalancedShapes;
 use super::fe::{FeModel, NodeRows};
 use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
-use super::supported::SupportedModes;
+use super::supported_modes::SupportedModes;
 use crate::Error;
 use crate::tolerance::{DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES};
 

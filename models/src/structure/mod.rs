@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
 //! Modules in reading order: [`profile`], [`power_law`], [`element`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
-//! [`reduced`], [`refinement`], [`configured`], [`sparse_structure`], `supported`, [`balanced`], [`large`], [`import`].
+//! [`reduction`], [`refinement`], [`configuration`], [`sparse_structure`], `supported_modes`, [`balanced_shapes`], [`large`], [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, reduce_to_lumped};
@@ -18,8 +18,8 @@
 //! # Ok::<(), counterpoise_models::Error>(())
 //! ```
 
-pub mod balanced;
-pub mod configured;
+pub mod balanced_shapes;
+pub mod configuration;
 pub mod damping;
 pub mod element;
 pub mod fe;
@@ -29,19 +29,19 @@ pub mod mesh;
 pub mod modes;
 pub mod power_law;
 pub mod profile;
-pub mod reduced;
+pub mod reduction;
 pub mod refinement;
 pub mod sparse_structure;
-mod supported;
+mod supported_modes;
 
-pub use configured::{Structure, with_derived_lumped};
+pub use configuration::{Structure, with_derived_lumped};
 pub use element::{Integration, Theory};
 pub use fe::{FeModel, FeOptions, Fitted, NodeRows, Truncation};
 pub use large::{Condensation, Shapes};
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, modes};
 pub use profile::Profile;
-pub use reduced::{
+pub use reduction::{
     LockedMode, LockedStructure, PinnedStructure, locked_modes, pinned_modes, reduce_to_lumped,
 };
 pub use sparse_structure::SparseStructure;

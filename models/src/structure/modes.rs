@@ -75,17 +75,17 @@ pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
 }
 
 impl Modes {
-    /// Natural frequencies of the flexible modes, rad/s.
+    /// Returns the natural frequencies of the flexible modes, rad/s.
     pub fn flexible_rad_s(&self) -> &[f64] {
         &self.frequencies_rad_s[self.rigid..]
     }
 
-    /// Shape of flexible mode `k`, from 0.
+    /// Returns the shape of flexible mode `k`, from 0.
     pub fn flexible_shape(&self, k: usize) -> &[f64] {
         self.shapes.column(self.rigid + k)
     }
 
-    /// Participation phi_k' M r of each mode in a rigid motion, kg^(1/2) or kg^(1/2) m.
+    /// Returns the participation phi_k' M r of each mode in a rigid motion, kg^(1/2) or kg^(1/2) m.
     pub fn participation(&self, model: &FeModel, direction: Direction) -> Vec<f64> {
         let rigid = match direction {
             Direction::Heave => &model.heave,
@@ -95,7 +95,7 @@ impl Modes {
         (&self.shapes.t() * &carried).as_slice().to_vec()
     }
 
-    /// Effective mass (phi_k' M r)^2 of each mode: kg for heave, kg m^2 for pitch. Over all modes they add up to the
+    /// Returns the effective mass (phi_k' M r)^2 of each mode: kg for heave, kg m^2 for pitch. Over all modes they add up to the
     /// total mass or inertia, less what rests on the held unknowns.
     pub fn effective_mass(&self, model: &FeModel, direction: Direction) -> Vec<f64> {
         self.participation(model, direction).into_iter().map(|p| p * p).collect()

@@ -10,7 +10,7 @@ use counterpoise_verify::{
 };
 use serde::Serialize;
 
-use super::verified::history_name;
+use super::verification_data::history_name;
 use crate::PipelineError;
 use crate::studies::advice::Kept;
 

@@ -3,7 +3,7 @@
 //! A system has its matrices as lists of rows, its signals by name and unit, and its sample time in seconds, 0 for continuous time: what
 //! `control.ss(A, B, C, D, dt)` of python-control and `ss(A, B, C, D, Ts)` of MATLAB take.
 //!
-//! Modules in reading order: [`in_own_unit`], [`systems`], [`balance`], [`structure`], [`verified`], [`pulled_loop`], [`error_budget`],
+//! Modules in reading order: [`in_own_unit`], [`systems`], [`balance`], [`structure`], [`verification_data`], [`pulled_loop`], [`error_budget`],
 //! [`targets`], [`controller_file`].
 
 pub mod balance;
@@ -14,7 +14,7 @@ pub mod pulled_loop;
 pub mod structure;
 pub mod systems;
 pub mod targets;
-pub mod verified;
+pub mod verification_data;
 
 pub use balance::BalanceResult;
 pub use controller_file::ControllerResult;
@@ -24,7 +24,7 @@ pub use pulled_loop::PulledLoopResult;
 pub use structure::StructureResult;
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
 pub use targets::TargetsResult;
-pub use verified::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};
+pub use verification_data::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};
 
 /// Name and version of the schema of every result. The number rises when a key changes its meaning or goes; new keys
 /// leave it as it is.

@@ -7,7 +7,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::SystemResult;
-use super::verified::history_name;
+use super::verification_data::history_name;
 use crate::design::TargetStudy;
 use crate::export::PathForms;
 use crate::export::target_proofs::{Answered, CoreCost, Costs, Proof};

@@ -228,8 +228,8 @@ fn units(
     made.add("FMI unit of the plant", plant_unit(PlantUnit { plant, name: &named("plant") }, origin));
 }
 
-/// Hash of the project as it was resolved, with the content of every file that it names: the same for two projects that mean the
-/// same. A file that cannot be read counts by its name alone.
+/// Returns the hash of the project as it was resolved, with the content of every file that it names: the same for two projects
+/// that mean the same. A file that cannot be read counts by its name alone.
 pub fn project_hash(project: &Project, world: &dyn World) -> String {
     let mut text = project.meaning();
     if let Some(content) = project.import.as_ref().and_then(|import| import.content.as_ref()) {

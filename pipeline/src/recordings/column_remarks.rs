@@ -1,6 +1,6 @@
 //! What was found about the columns of a recording while it was read.
 
-use counterpoise_diagnose::learning::visited::RangeExceedance;
+use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::Repair;
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch};
 use counterpoise_recordings::{Channel, Remark};

@@ -7,24 +7,17 @@ use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, m
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
+use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
 use crate::wording::structure::{MASS, STIFFNESS_FACTOR, describe_hypothesis, describe_structure};
 use crate::{PipelineError, finite_elements};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::measured::MeasuredModes;
+use counterpoise_project::resolve::measured_modes::MeasuredModes;
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// How many times finer the mesh of the hypothesis "too few elements" is.
 const FINER: usize = 4;
 /// Masses that are tried at an end of the beam, as shares of the beam's own, in equal ratios.
 const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
-/// A more complicated hypothesis must leave less than this share of a simpler one's error.
-const WORTH: f64 = 0.8;
-/// Hypotheses within this factor of the best one's error cannot be distinguished from it.
-const ALIKE: f64 = 1.15;
-/// Relative RMS error of the held-out modes below which the structure is explained.
-const EXPLAINED: f64 = 0.02;
-/// Fewest modes from which a fitted hypothesis can be judged on held-out modes.
-const FEWEST_MODES: usize = 3;
 
 /// One thing that the model may lack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -151,10 +144,11 @@ pub fn diagnose_structure(
 fn hypotheses(modes: usize) -> Vec<Hypothesis> {
     let changes =
         [Change::Nothing, Change::Mesh, Change::Shear, Change::EndMass(End::Near), Change::EndMass(End::Tip)];
-    let scales = if modes < FEWEST_MODES { vec![Scale::AsItIs] } else { vec![Scale::AsItIs, Scale::Fitted] };
+    let scales =
+        if modes < FEWEST_JUDGED_MODES { vec![Scale::AsItIs] } else { vec![Scale::AsItIs, Scale::Fitted] };
     let all =
         changes.iter().flat_map(|&change| scales.iter().map(move |&scaled| Hypothesis { change, scaled }));
-    all.filter(|h| modes >= FEWEST_MODES || !matches!(h.change, Change::EndMass(_))).collect()
+    all.filter(|h| modes >= FEWEST_JUDGED_MODES || !matches!(h.change, Change::EndMass(_))).collect()
 }
 
 impl Hypothesis {
@@ -338,14 +332,16 @@ struct Tried {
 /// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
 /// is.
 fn chosen<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
-    if as_it_is.structure.left_out_percent < 100.0 * EXPLAINED {
+    if as_it_is.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE {
         return None;
     }
     let best = tried.first()?;
-    let near =
-        tried.iter().filter(|one| WORTH * one.structure.left_out_percent <= best.structure.left_out_percent);
+    let near = tried
+        .iter()
+        .filter(|one| WORTH_COMPLICATING * one.structure.left_out_percent <= best.structure.left_out_percent);
     let simplest = near.min_by_key(|one| one.hypothesis.parameters())?;
-    let gains = simplest.structure.left_out_percent < WORTH * as_it_is.structure.left_out_percent;
+    let gains =
+        simplest.structure.left_out_percent < WORTH_COMPLICATING * as_it_is.structure.left_out_percent;
     gains.then_some(simplest)
 }
 
@@ -358,16 +354,18 @@ fn answer(
     let alike = |one: &&Tried| {
         chosen.is_some_and(|best| {
             one.hypothesis.change != best.hypothesis.change
-                && one.structure.left_out_percent < ALIKE * best.structure.left_out_percent
+                && one.structure.left_out_percent < ALIKE_HYPOTHESES * best.structure.left_out_percent
         })
     };
     let alternatives: Vec<String> =
         tried.iter().filter(alike).map(|one| one.structure.what.clone()).collect();
     let verdict = match chosen {
-        None if as_it_is.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Consistent,
+        None if as_it_is.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => StructureVerdict::Consistent,
         None => StructureVerdict::Unknown,
         Some(_) if !alternatives.is_empty() => StructureVerdict::Ambiguous,
-        Some(best) if best.structure.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Named,
+        Some(best) if best.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => {
+            StructureVerdict::Named
+        }
         Some(_) => StructureVerdict::Incomplete,
     };
     let mut all = vec![as_it_is.clone()];

@@ -1,7 +1,7 @@
 //! Recordings replayed on the project's model.
 
 use counterpoise_diagnose::fitting::fitted_start::fit_start;
-use counterpoise_diagnose::learning::visited::Visited;
+use counterpoise_diagnose::learning::visited_ranges::Visited;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
@@ -17,10 +17,7 @@ use super::tracks::{Track, compare_channels};
 use crate::PipelineError;
 use crate::model;
 use crate::model::two_inertias;
-
-/// Share of the worst residual below which a fitted initial state is believed to be what was wrong. A start that removes less may only hide what
-/// the model lacks.
-const START_WORTH: f64 = 0.75;
+use crate::tolerance::START_WORTH;
 
 /// Over what length a recording is replayed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,9 +17,11 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::budget::{Run, affordable};
-use crate::synth::controller_blocks::{SMALL_KG_M, dead_band_m_s2, drive_curve, inertia_v_s2_rad};
+use crate::synth::controller_blocks::{dead_band_m_s2, drive_curve, inertia_v_s2_rad};
 use crate::synth::schedule::scale_imbalance;
 use crate::synth::torque_per_volt;
+use crate::tolerance::ADAPTED_FROM_SHARE;
+use crate::tolerance::SMALL_KG_M;
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
@@ -99,8 +101,6 @@ const SETTLE: f64 = 0.4;
 const CHANGE: f64 = 0.3;
 const LATE: f64 = 0.7;
 const EARLY: f64 = 0.03;
-/// The out-of-balance is steady at this share of the run; intervals shorter than this are not judged.
-const SHORT: f64 = 0.05;
 /// A trace has every so manieth sample.
 const EVERY: usize = 10;
 
@@ -285,7 +285,7 @@ impl Stage<'_> {
             let from_s = start * self.adaptation.trial.duration_s;
             trace.extend(from_s, factor * moment, &history, &std::mem::take(&mut noted.used_kg_m));
             let is_exported = self.adaptation.use_in_code == AdaptationUse::Exported;
-            let late = is_exported && plan.from.is_some_and(|from| from <= start + SHORT);
+            let late = is_exported && plan.from.is_some_and(|from| from <= start + ADAPTED_FROM_SHARE);
             intervals.push(Interval {
                 rate: self.modelled.parameters.controlled_quantity().rate(),
                 from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),

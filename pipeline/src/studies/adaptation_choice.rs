@@ -18,7 +18,8 @@ use super::adaptation_trials::{
     Acts, LOADS, Load, MOTIONS, Motion, RECURSIVE, Stage, TrialRow, TrialRun, adaptation_options,
     rms_or_infinite, set_spreads,
 };
-use crate::synth::controller_blocks::{HOLD_BAND, LEAST_DEAD_BAND_M_S2};
+use crate::synth::controller_blocks::HOLD_BAND;
+use crate::tolerance::LEAST_DEAD_BAND_M_S2;
 use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
 use crate::{Modelled, PipelineError, World, model, project_procedure, reduce, synthesise};
 

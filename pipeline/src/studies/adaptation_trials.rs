@@ -17,7 +17,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::synth::controller_blocks::{dead_band_m_s2, hold_band};
-use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS};
+use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS, REFUSED_ABOVE};
 use crate::{Modelled, PipelineError, Synthesised};
 
 /// One trial of one method: RMS of the hub rate once the load has settled. Its keys end in the unit of the axis: `with_m_s` on one that slides.
@@ -106,8 +106,6 @@ pub struct Refusal {
     pub ratio: f64,
 }
 
-/// A method is refused where its hub rate exceeds that without adaptation by more than this factor.
-pub const REFUSED_ABOVE: f64 = 1.03;
 /// Key of recursive least squares.
 pub(super) const RECURSIVE: &str = "recursive";
 

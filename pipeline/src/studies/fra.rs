@@ -14,7 +14,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 use counterpoise_simulate::fra::{self, Measurement, PlannedPoint, Response, Settings, Test, TestSine};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed::resolver_use;
+use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::plant::Resolver;
 use serde::Serialize;
 use std::f64::consts::TAU;

@@ -204,7 +204,7 @@ pub fn robust_stability(
 /// Most mechanisms that the search for a worst case tries, a requirement.
 const TRIED: usize = 60;
 
-/// The worst case of each requirement, by a search from its worst sample; `None` if no sample could be judged.
+/// Returns the worst case of each requirement, by a search from its worst sample; `None` if no sample could be judged.
 ///
 /// # Errors
 /// Those of the campaign.

@@ -13,6 +13,10 @@ use counterpoise_synth::{
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant::{attach_sensors, torque_per_volt};
 use crate::synth::friction_observers::observer_friction;
+use crate::tolerance::{
+    BEYOND_FULL_SCALE, LEAST_DEAD_BAND_M_S2, LEAST_SLOPE, LEAST_TORQUE_OVER_FRICTION,
+    LEAST_TORQUE_WITHOUT_GRAVITY, LEAST_UNOBSERVED, SHORTEST_STRETCH_SHARE, SMALL_KG_M,
+};
 use crate::{Modelled, PipelineError};
 use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::resolve::synthesis_options::{
@@ -24,24 +28,9 @@ const LOOSE: f64 = 10.0;
 /// Time within which the platform's pitch angle is the integral of its gyroscope, s. Vehicles and ships pitch faster than this; a bias of 1e-3 rad/s
 /// leaves 0.01 rad, a hundredth of surge. A longer time would follow slower pitch and let more of the bias through.
 const PITCH_WASHOUT_S: f64 = 10.0;
-/// A stretch of a measured curve is at least this share of its reach.
-const SHORTEST: f64 = 0.03;
-/// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
-const LEAST_SLOPE: f64 = 0.2;
-/// Torque of the out-of-balance under heave, RMS over the dry friction on the hub, below which the estimate stands still: there an
-/// adaptation, even one that is told the load, does not lower the hub rate (`docs/evidence/robustness.md`).
-const LEAST_TORQUE_OVER_FRICTION: f64 = 0.5;
-/// The same without gravity, where heave alone shows the load: a lower value lets friction move the estimate.
-const LEAST_TORQUE_WITHOUT_GRAVITY: f64 = 1.2;
-/// Share of the friction that counts at least with an observer, whose errors the estimate would else follow: with gravity, and without.
-const LEAST_UNOBSERVED: [f64; 2] = [0.3, 0.55];
-/// Least default of the dead-band, m/s^2: above the noise of an accelerometer and the vibration of a standing vehicle.
-pub(crate) const LEAST_DEAD_BAND_M_S2: f64 = 0.1;
 /// Usual hold band. What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where
 /// no observer covers friction, 4 % leaves 18 %. On every example the out-of-balance stands still when nothing changes.
 pub(crate) const HOLD_BAND: f64 = 0.04;
-/// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
-pub(crate) const SMALL_KG_M: f64 = 10.0;
 
 /// Returns the sampled controller with the blocks beside its paths, checked again.
 ///
@@ -160,10 +149,6 @@ fn reading_limits(sensors: &Sensors, usual: [f64; READINGS]) -> [f64; READINGS] 
         _ => usual[i],
     })
 }
-
-/// Times a sensor's full scale beyond which its reading cannot be right. A reading at full scale is still good: it is what a
-/// sensor gives that is driven beyond its range.
-const BEYOND_FULL_SCALE: f64 = 2.0;
 
 fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {
     let Some(weight) = &asked.options.prefilter else { return Ok(None) };
@@ -288,7 +273,7 @@ pub(crate) fn drive_curve(map: &[MapPoint], gain_a_v: f64) -> Vec<[f64; 2]> {
     let mut from = [0.0, 0.0];
     for point in points {
         let step = [point[0] - from[0], point[1] - from[1]];
-        if step[0] > SHORTEST * most && step[0] > LEAST_SLOPE * step[1] && step[1] > 0.0 {
+        if step[0] > SHORTEST_STRETCH_SHARE * most && step[0] > LEAST_SLOPE * step[1] && step[1] > 0.0 {
             kept.push(point);
             from = point;
         }

@@ -13,7 +13,7 @@ pub struct Attachments {
 pub(crate) const LARGEST_TEXT: usize = 16 << 20;
 
 impl Attachments {
-    /// No files.
+    /// Returns attachments without files.
     pub fn none() -> Self {
         Self::default()
     }

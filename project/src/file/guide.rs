@@ -77,7 +77,7 @@ pub(crate) const SOME_WALKS: [usize; 24] = [
 const KEPT_FIRST: &str = "plant";
 
 impl Guide {
-    /// A walk starts.
+    /// Starts a walk.
     pub fn turn(&mut self, turn: usize) {
         self.turn = turn;
         self.stack.clear();

@@ -6,10 +6,7 @@ use super::findings::Findings;
 use super::{Project, platform::PlatformSource};
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;
-
-/// Least cosine of the elevation at which a feedforward from an elevated accelerometer can be designed on heave: 84 degrees. Beyond, the sensor
-/// feels next to nothing of heave, and the design would divide by it.
-const LEAST_SHARE_OF_HEAVE: f64 = 0.1;
+use crate::tolerance::LEAST_SHARE_OF_HEAVE;
 
 /// Full range of every converter, V to either side.
 pub(super) const CONVERTER_RANGE_V: f64 = 10.0;

@@ -5,12 +5,7 @@ use counterpoise_models::{Beam, Parameters, SectionShape};
 use super::findings::{Findings, duplicates};
 use crate::diagnostic::{Problem, Severity};
 use crate::file::source::Remark;
-use crate::tolerance::ADJOINING_SHARE;
-
-/// Lumped and distributed description may differ by this fraction.
-const AGREEMENT: f64 = 0.02;
-/// A mass lies on the beam if it is within this fraction of the beam's length beyond its ends.
-const OVERHANG: f64 = 0.1;
+use crate::tolerance::{ADJOINING_SHARE, BEAM_AGREEMENT, BEAM_OVERHANG};
 
 pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
     const LIST: &str = "plant.beam.section";
@@ -80,7 +75,7 @@ pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
         // The beam lacks a section, which is reported at its pivot.
         return;
     }
-    let beyond = OVERHANG * length(beam);
+    let beyond = BEAM_OVERHANG * length(beam);
     for (index, mass) in beam.masses.iter().enumerate() {
         if mass.position_m < first.from_m - beyond || mass.position_m > last.to_m + beyond {
             let allowed = format!(
@@ -100,7 +95,7 @@ pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
     let total = lumped.inertia_kg_m2();
     let mut compare = |path: &str, value: f64, of_beam: f64, what: &str, unit: &str| {
         let scale = of_beam.abs().max(value.abs());
-        if (value - of_beam).abs() > AGREEMENT * scale {
+        if (value - of_beam).abs() > BEAM_AGREEMENT * scale {
             let allowed = format!("{what} {value:.2} {unit}, but the beam's is {of_beam:.2} {unit}");
             findings.add(Severity::Warning, Remark::new(Problem::Conflict, path, allowed));
         }

@@ -17,7 +17,7 @@ use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
 use crate::file::visit::Choice;
-use crate::tolerance::{ROUNDED_PERIOD, SAME_SAMPLE_PERIOD};
+use crate::tolerance::{MOST_SENSOR_DELAY_SAMPLES, ROUNDED_PERIOD, SAME_SAMPLE_PERIOD};
 
 /// Keys and sections that describe the structure.
 const DESCRIPTIONS: [&str; 5] = ["plant.inertia", "plant.mass", "plant.lumped", "plant.beam", "plant.import"];
@@ -257,9 +257,6 @@ fn feedforwards(findings: &mut Findings<'_>, project: &Project) {
     findings.add(Severity::Error, Remark::new(Problem::Missing, &format!("synth.{first}"), allowed));
 }
 
-/// Most samples by which a sensor may be late: each is a state of the sampled plant.
-const MOST_DELAY_SAMPLES: f64 = 1000.0;
-
 /// Returns the sensors by their names in the file.
 fn named_sensors(plant: &Parameters) -> [(&'static str, Option<&Sensor>); 6] {
     let sensors = &plant.sensors;
@@ -280,11 +277,11 @@ fn own_periods(findings: &mut Findings<'_>, plant: &Parameters) {
         let own_s = sensor.map_or(0.0, |sensor| sensor.own_period_s);
         let samples = own_s / period;
         let is_whole = (samples - samples.round()).abs() < ROUNDED_PERIOD * samples.max(1.0);
-        if own_s == 0.0 || period <= 0.0 || is_whole && (0.5..=MOST_DELAY_SAMPLES).contains(&samples) {
+        if own_s == 0.0 || period <= 0.0 || is_whole && (0.5..=MOST_SENSOR_DELAY_SAMPLES).contains(&samples) {
             continue;
         }
         let allowed = format!(
-            "must be a whole multiple of plant.interface.sample_period, {period} s, up to {MOST_DELAY_SAMPLES} of it, or 0 for a reading each sample"
+            "must be a whole multiple of plant.interface.sample_period, {period} s, up to {MOST_SENSOR_DELAY_SAMPLES} of it, or 0 for a reading each sample"
         );
         let path = format!("plant.sensors.{name}.sample_period");
         let remark = Remark::new(Problem::OutOfRange, &path, allowed);
@@ -297,9 +294,9 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
     let period = plant.interface.sample_period_s;
     for (name, sensor) in named_sensors(plant) {
         let delay_s = sensor.map_or(0.0, |sensor| sensor.delay_s);
-        if period > 0.0 && delay_s > MOST_DELAY_SAMPLES * period {
-            let most = MOST_DELAY_SAMPLES * period;
-            let allowed = format!("must be at most {MOST_DELAY_SAMPLES} sample periods, {most} s");
+        if period > 0.0 && delay_s > MOST_SENSOR_DELAY_SAMPLES * period {
+            let most = MOST_SENSOR_DELAY_SAMPLES * period;
+            let allowed = format!("must be at most {MOST_SENSOR_DELAY_SAMPLES} sample periods, {most} s");
             let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
             findings.add(Severity::Error, remark.with_value(delay_s.to_string()));
         }

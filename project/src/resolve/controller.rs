@@ -8,6 +8,7 @@ use super::controller_file::{ControllerContent, parse};
 
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose};
+use crate::tolerance::MOST_RATE_SAMPLES;
 
 /// The controller that was in the loop when recordings were made.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,6 +186,3 @@ pub(super) fn read_position_of_loop(v: &mut dyn Visit, controller: &mut Position
         v.complain("recording_controller.rate_samples", allowed, None);
     }
 }
-
-/// Largest number of samples over which a position is differenced: a rate of later than that closes no loop.
-const MOST_RATE_SAMPLES: f64 = 1000.0;

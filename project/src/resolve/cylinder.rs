@@ -12,6 +12,7 @@ use crate::diagnostic::{Problem, Severity};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::source::Remark;
 use crate::file::visit::{Presence, Visit, maybe_number, optional};
+use crate::tolerance::LEAST_LEVER;
 
 const ABOVE_0: Limit = Limit::Above(0.0);
 /// Effective bulk modulus of oil with hoses and a little air, Pa (H. Merritt, *Hydraulic Control Systems*, Wiley 1967, section 2-4: 100 000 psi).
@@ -22,8 +23,6 @@ const RATED_DROP_PA: f64 = 7e6;
 const RATED_CONTROL_V: f64 = 10.0;
 /// Damping ratio of a spool of which nothing is known.
 const VALVE_DAMPING: f64 = 0.7;
-/// Smallest lever of a linkage, as a share of the shorter of its radii.
-const LEAST_LEVER: f64 = 1e-3;
 /// Sections that a cylinder takes the place of.
 const REPLACED: [&str; 8] =
     ["gearbox", "belt", "cable", "harmonic_drive", "ball_screw", "motor", "amplifier", "drive"];

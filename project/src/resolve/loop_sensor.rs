@@ -154,7 +154,11 @@ fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
             .unit("m")
             .limit(Limit::Above(0.0))
             .or(IDEAL_STEP_M)
-            .with_assumption("1 pm: steps that nothing feels", "an ideal scale", UsualRange::Values(1e-9, 1e-5));
+            .with_assumption(
+                "1 pm: steps that nothing feels",
+                "an ideal scale",
+                UsualRange::Values(1e-9, 1e-5),
+            );
         v.number(&step, &mut plant.sensors.hub_gyro.resolution);
         return;
     }

@@ -19,13 +19,13 @@ mod elsewhere;
 mod findings;
 pub mod fixed_structure;
 mod format;
+mod free_functions;
 mod friction;
 pub mod import;
 pub mod imported_controller;
-mod learned;
 mod loads;
 mod loop_sensor;
-pub mod measured;
+pub mod measured_modes;
 pub mod model;
 mod plant;
 pub mod platform;
@@ -93,7 +93,7 @@ pub struct Project {
     /// How the columns of recordings become channels.
     pub recording: Mapping,
     /// Natural frequencies measured on the real structure.
-    pub measured: Option<measured::MeasuredModes>,
+    pub measured: Option<measured_modes::MeasuredModes>,
     /// Values that are known within tolerances.
     pub tolerances: Vec<Tolerance>,
 }
@@ -349,7 +349,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     let section = TableField::optional("recording", "how the columns of recordings become channels");
     unless_usual(v, &section, &mut project.recording, recording::recording);
     let section = TableField::optional("measured", "natural frequencies measured on the real structure");
-    optional(v, &section, &mut project.measured, measured::blank(), measured::measured_modes);
+    optional(v, &section, &mut project.measured, measured_modes::blank(), measured_modes::measured_modes);
 }
 
 /// Returns whether a finding holds even though the syntax is broken elsewhere.

@@ -6,24 +6,19 @@ use counterpoise_models::{
 };
 
 use super::axis_words::Words;
+use super::free_functions::learned_functions;
 use super::friction::{friction, ripple};
-use super::learned::learned_functions;
 use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped_inertias};
 use super::{cylinder, drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose, list, maybe_number, optional, table};
+use crate::tolerance::{MOST_CONTROL_DELAY_SAMPLES, MOST_CONVERTER_BITS, MOST_ERRANT};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
-/// Most bits that a converter may have.
-const MOST_BITS: f64 = 52.0;
 /// Bits of a converter of which nothing is known: its steps are below every noise.
 const IDEAL_BITS: f64 = 48.0;
-/// Most samples by which the control may be held back.
-const MOST_DELAY: f64 = 1000.0;
-/// Largest share of samples that are missed or late, and of codes that are missing: beyond, it is no loop or no converter.
-const MOST_ERRANT: f64 = 0.5;
 
 /// Returns a mechanism still to be read.
 pub(crate) fn blank() -> Parameters {
@@ -359,7 +354,7 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
             .limit(Limit::AboveTo(0.0, 1.0)),
         &mut interface.sample_period_s,
     );
-    let bits = Limit::Between(1.0, MOST_BITS);
+    let bits = Limit::Between(1.0, MOST_CONVERTER_BITS);
     let fine = |key| {
         Field::new(key, "over +/- 10 V").unit("bits").limit(bits).or(IDEAL_BITS).with_assumption(
             "48: steps that nothing feels",
@@ -371,7 +366,7 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     v.whole(&fine("output_bits"), &mut interface.output_bits);
     let mut delay = u32::try_from(interface.output_delay_samples).unwrap_or(u32::MAX);
     let field = Field::new("output_delay_samples", "whole sample periods by which the control is delayed")
-        .limit(Limit::Between(0.0, MOST_DELAY));
+        .limit(Limit::Between(0.0, MOST_CONTROL_DELAY_SAMPLES));
     v.whole(&field.or(0.0), &mut delay);
     interface.output_delay_samples = delay as usize;
     clock(v, &mut interface.clock);

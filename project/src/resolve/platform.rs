@@ -1,14 +1,11 @@
 //! The `[verify.road]` section: how the platform moves, from a recording, a spectrum, a motion simulator, a road or a sea.
 
 use counterpoise_models::base_motion::Traverse;
-use counterpoise_verify::Road;
+use counterpoise_verify::signals::iso_road::check_vehicle;
 use counterpoise_verify::signals::sea::Sea;
 use counterpoise_verify::signals::six_axes::SixAxes;
-use counterpoise_verify::signals::spectrum::{
-    Realisation, Tone, angle_tones, pitch_simulator, random_motion, tones,
-};
-use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
-use std::f64::consts::TAU;
+use counterpoise_verify::signals::spectrum::{Realisation, check_density, check_pitch_simulator, sine_tones};
+use counterpoise_verify::signals::{RoadClass, Vehicle};
 
 use super::base_motion::{self, InertialUnit};
 use super::carrier;
@@ -138,50 +135,28 @@ impl Choice for RoadClass {
 }
 
 const ABOVE_0: Limit = Limit::Above(0.0);
-/// Gravity where nothing else is said, m/s^2 (ISO 80000-3).
-const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 /// Duration where the file does not say, s.
 const DURATION_S: f64 = 30.0;
-/// Period of a road's samples, s.
-const ROAD_PERIOD_S: f64 = 0.005;
 
 impl Motion {
-    /// Returns the motion under standard gravity.
+    /// Checks whether the motion can be realised.
     ///
     /// # Errors
-    /// Those of the generators.
-    pub fn road(&self) -> Result<Road, counterpoise_verify::Error> {
-        self.road_under(STANDARD_GRAVITY_M_S2)
-    }
-
-    /// Returns the motion: where the base rolls or traverses, the axis feels gravity's share of it.
-    ///
-    /// # Errors
-    /// Those of the generators.
-    pub fn road_under(&self, gravity_m_s2: f64) -> Result<Road, counterpoise_verify::Error> {
-        let how = self.realisation;
+    /// Those of the checks of each kind of motion in `verify::signals`.
+    fn check(&self) -> Result<(), counterpoise_verify::Error> {
         match &self.kind {
-            MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),
+            MotionKind::Spectrum { heave_psd, pitch_psd } => {
+                check_density(heave_psd)?;
+                check_density(pitch_psd)
+            }
             MotionKind::Simulator { offset_m, sines, pitch_psd } => {
-                let sine = |s: &[f64; 2]| Tone { rate_rad_s: TAU * s[1], amplitude: s[0], phase_rad: 0.0 };
-                let mut angle: Vec<Tone> = sines.iter().map(sine).collect();
-                angle.extend(angle_tones(&tones(pitch_psd, how.seed, 0)?));
-                pitch_simulator(&angle, *offset_m, how)
+                check_density(pitch_psd)?;
+                check_pitch_simulator(&sine_tones(sines), *offset_m)
             }
-            MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
-                let drive = Drive {
-                    class: *class,
-                    speed_m_s: *speed_m_s,
-                    duration_s: how.duration_s,
-                    sample_period_s: ROAD_PERIOD_S,
-                    fade_s: how.fade_s,
-                    seed: how.seed,
-                };
-                iso_road(drive, *vehicle, gravity_m_s2)
-            }
-            MotionKind::Sea(sea) => sea.road(how, gravity_m_s2),
-            MotionKind::SixAxes(motion) => motion.road(how, gravity_m_s2),
+            MotionKind::IsoRoad { speed_m_s, vehicle, .. } => check_vehicle(*speed_m_s, *vehicle),
+            MotionKind::Sea(sea) => sea.check(),
+            MotionKind::SixAxes(motion) => motion.check(),
         }
     }
 }
@@ -407,11 +382,7 @@ fn judge(v: &mut dyn Visit, motion: &Motion) {
         v.complain("fade", &format!("must be at most half the duration of {} s", how.duration_s), None);
         return;
     }
-    let short = Motion {
-        realisation: Realisation { duration_s: how.fade_s.max(0.01) * 2.0, ..how },
-        ..motion.clone()
-    };
-    if let Err(error) = short.road() {
+    if let Err(error) = motion.check() {
         v.complain(key, &format!("cannot be realised: {error}"), None);
     }
 }

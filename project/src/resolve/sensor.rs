@@ -4,14 +4,12 @@ use counterpoise_models::{Drift, Sensor};
 
 use crate::file::field::{Field, Limit, UsualRange};
 use crate::file::visit::Visit;
+use crate::tolerance::MOST_TILT_RAD;
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
 /// Volts per unit of a sensor of which nothing is known: its range is beyond every motion.
 pub(super) const IDEAL_SCALE: f64 = 1e-3;
-
-/// Largest tilt of an accelerometer, rad: beyond, it reads another axis.
-const MOST_TILT_RAD: f64 = 0.8;
 
 /// Returns units of a sensor's scale, in volts per unit, and of its error per acceleration.
 fn units_of(measured: &'static str) -> (&'static str, &'static str) {

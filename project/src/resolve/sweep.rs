@@ -1,11 +1,12 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Family, Points, Variation, Varied, varied};
+use counterpoise_verify::robust::{Distribution, Family, Points, Variation, Varied, varied_parameters};
 
 use super::Project;
 use crate::assumption::Tolerance;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Visit, choose, list};
+use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 
 /// A robustness campaign.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,11 +32,11 @@ impl Choice for Varied {
 }
 
 /// The parameters' keys, the other way round.
-const NAMES: [(&str, Varied); varied::ALL.len()] = {
-    let mut names = [("", Varied::Inertia); varied::ALL.len()];
+const NAMES: [(&str, Varied); varied_parameters::ALL.len()] = {
+    let mut names = [("", Varied::Inertia); varied_parameters::ALL.len()];
     let mut at = 0;
     while at < names.len() {
-        names[at] = (varied::ALL[at].1, varied::ALL[at].0);
+        names[at] = (varied_parameters::ALL[at].1, varied_parameters::ALL[at].0);
         at += 1;
     }
     names
@@ -88,8 +89,6 @@ const OUTPUT_ERROR: Field = Field::new(
 )
 .limit(Limit::Between(0.0, 1.0))
 .or(GAIN_ERROR);
-/// Most mechanisms of a campaign.
-const MOST_SAMPLES: f64 = 1e7;
 
 /// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
 const TOLERANCES: [(&str, Varied); 27] = [
@@ -170,7 +169,7 @@ pub(crate) fn blank() -> Sweep {
 /// Reads or lists a campaign.
 pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
-        .limit(Limit::Between(1.0, MOST_SAMPLES));
+        .limit(Limit::Between(1.0, MOST_CAMPAIGN_SAMPLES));
     super::model::count(v, &samples.or(200.0).show_default(), &mut sweep.samples);
     super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);

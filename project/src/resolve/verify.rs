@@ -11,6 +11,7 @@ use super::seed::seed;
 use crate::diagnostic::nearest;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Count, Visit, list, maybe_number, optional, table};
+use crate::tolerance::MOST_UNSTATED_SAMPLES;
 
 /// What a verification does and asks.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +27,10 @@ pub struct Verification {
 const ABOVE_0: Limit = Limit::Above(0.0);
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 
-/// Most samples of a run whose length is not written: a machine that is sampled at 100 kHz moves in a tenth of the time of one at
-/// 10 kHz, and what nobody asked for shall not take minutes. Machines that are sampled at 4 kHz or more slowly move for the usual time.
-const MOST_SAMPLES: f64 = 4e4;
-
 /// Returns the usual procedure of a loop with a sample period: shorter runs if the samples are quick.
 fn usual_procedure(sample_period_s: f64) -> Procedure {
     let usual = Procedure::default();
-    let share = (MOST_SAMPLES * sample_period_s / usual.duration_s).min(1.0);
+    let share = (MOST_UNSTATED_SAMPLES * sample_period_s / usual.duration_s).min(1.0);
     Procedure {
         duration_s: share * usual.duration_s,
         settle_s: share * usual.settle_s,

@@ -7,6 +7,7 @@ use super::digits::round_to_digits;
 use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Visit, choose, list};
+use crate::tolerance::FITTED_WEIGHT_DB;
 
 /// The name of a form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,8 +83,6 @@ const ORDER: Field =
     Field::new("order", "order of the stable, minimum-phase function that is fitted to the points")
         .limit(Limit::Between(1.0, 8.0))
         .or(2.0);
-/// Deviation from a point of a table that is allowed, dB.
-const WITHIN_DB: f64 = 3.0;
 const PART: TableField = TableField::mandatory("part", "a factor of the product");
 
 /// Returns a weight still to be read.
@@ -122,10 +121,11 @@ fn table(v: &mut dyn Visit, weight: &mut Weight) {
         return;
     }
     match Weight::table(&new, new_order) {
-        Ok(fitted) if fitted.worst_db() > WITHIN_DB => {
+        Ok(fitted) if fitted.worst_db() > FITTED_WEIGHT_DB => {
             let off = fitted.worst_db();
             let hint = format!("the best is {off:.2} dB away: raise order, or smooth the table");
-            let allowed = format!("must be met by a function of order {new_order} within {WITHIN_DB} dB");
+            let allowed =
+                format!("must be met by a function of order {new_order} within {FITTED_WEIGHT_DB} dB");
             v.complain("points", &allowed, Some(hint));
         }
         Ok(fitted) => *weight = fitted,

@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
-use counterpoise_diagnose::learning::visited::RangeExceedance;
+use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 use counterpoise_plot::number::short_number;

@@ -39,7 +39,7 @@ pub struct Convergence {
 }
 
 impl Convergence {
-    /// Observed order: slope of the logarithm of the error over that of the step, between the longest step and the
+    /// Returns the observed order: slope of the logarithm of the error over that of the step, between the longest step and the
     /// shortest whose error is still ten times that of the second method and above 1e-9; not a number if there are no two of them.
     pub fn order(&self) -> f64 {
         self.slope(&self.error)

@@ -350,7 +350,7 @@ impl Attempt {
         std::array::from_fn(|node| if node == 0 { before.gear } else { self.memory[node - 1].gear })
     }
 
-    /// Friction's state at the end.
+    /// Returns friction's state at the end.
     pub fn friction(&self) -> FrictionState {
         self.memory[STAGES - 1]
     }

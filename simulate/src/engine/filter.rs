@@ -49,7 +49,7 @@ impl Filter {
         )
     }
 
-    /// The state \[y, y'\] after a step at `level`, for the input at the four nodes.
+    /// Returns the state \[y, y'\] after a step at `level`, for the input at the four nodes.
     #[inline]
     pub fn advance(&self, level: usize, state: &mut [f64; 2], input: &[f64; 4]) {
         let Some(step) = self.levels.get(level) else {

@@ -258,7 +258,7 @@ impl Linear {
         self.blocks.len()
     }
 
-    /// First state of a block.
+    /// Returns the first state of a block.
     pub fn first(&self, block: usize) -> usize {
         self.firsts[block]
     }

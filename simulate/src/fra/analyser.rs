@@ -35,17 +35,17 @@ pub struct Response {
 }
 
 impl Response {
-    /// Gain, dB.
+    /// Returns the gain, dB.
     pub fn gain_db(&self) -> f64 {
         20.0 * self.value.norm().log10()
     }
 
-    /// Phase, rad, from -pi to pi: atan2 of the parts, not the arc tangent of their ratio.
+    /// Returns the phase, rad, from -pi to pi: atan2 of the parts, not the arc tangent of their ratio.
     pub fn phase_rad(&self) -> f64 {
         self.value.arg()
     }
 
-    /// Root of the sum of squares of the output's harmonics from the second on, relative to its fundamental.
+    /// Returns the root of the sum of squares of the output's harmonics from the second on, relative to its fundamental.
     pub fn distortion(&self) -> f64 {
         let squares = |part: &[C64]| part.iter().map(C64::norm_sqr).sum::<f64>();
         let Some((fundamental, rest)) = self.output.harmonics.split_first() else { return 0.0 };

@@ -464,7 +464,7 @@ impl<'a> Playback<'a> {
         Ok(held.collect())
     }
 
-    /// From the first sample on.
+    /// Returns the control from the first sample on.
     pub fn new(control_v: &'a [f64]) -> Self {
         Self { control_v, next: 0 }
     }

@@ -26,13 +26,13 @@ pub fn sensor_of(parameters: &Parameters, channel: Channel) -> Option<&Sensor> {
     }
 }
 
-/// RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
+/// Returns the RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
 /// the noise and of the converter's step over the root of 12.
 pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
     sensor.white_noise_rms(interface.sample_period_s).hypot(reading_step(sensor, interface) / 12f64.sqrt())
 }
 
-/// Step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes.
+/// Returns the step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes.
 pub fn reading_step(sensor: &Sensor, interface: &Interface) -> f64 {
     if sensor.resolution > 0.0 {
         return sensor.resolution;

@@ -14,7 +14,7 @@ use counterpoise_verify::robust::{Campaign, Sample};
 
 use super::error_lines::{ErrorLines, error_lines};
 use super::verification::VerificationRequest;
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 
 /// The last measurements.
 #[derive(Debug, Clone, Default)]

@@ -35,7 +35,7 @@ use counterpoise_report::wording::answer::DescribedDiagnosis;
 
 use crate::editing::session::Session;
 use crate::settings::{SettingsFile, write_settings};
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 use assumption_ranking::{RankingRequest, answer_ranking};
 use code_export::{ExportRequest, WrittenCode, export_code};
 use diagnosis::{DiagnosisWorker, diagnosis_worker};

@@ -13,7 +13,7 @@ use counterpoise_verify::linear::{LoopShape, loop_shape};
 use counterpoise_verify::{Verification, VerifiedController};
 
 use super::error_lines::{ErrorLines, error_lines};
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 
 /// What is to be verified.
 #[derive(Debug, Clone)]

@@ -19,7 +19,7 @@ use crate::editing::weight_handles::{self, WeightNumber};
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::versioned::{Freshness, Versioned};
+use crate::versioned_results::{Freshness, Versioned};
 use crate::view::{ControllerPart, View};
 
 /// Width of the panel with weights and figures, points.

@@ -6,7 +6,7 @@ use counterpoise_verify::{Arrangement, History, Source};
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use crate::charts::chart::{Chart, Dash, LabelledPoint, Scale};
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 use crate::view::View;
 
 /// Adds the kept designs to a chart, each in its colour.

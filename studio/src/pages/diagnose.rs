@@ -9,7 +9,7 @@ use crate::jobs::Jobs;
 use crate::jobs::recording_views::{ChannelView, RecordingView};
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 use crate::view::View;
 
 /// Width of the panel with recordings and channels, points.

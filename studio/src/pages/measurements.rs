@@ -13,7 +13,7 @@ use crate::command::Command;
 use crate::jobs::measurements::{CampaignResult, Measurements};
 use crate::number_format::format_short;
 use crate::theme::{Theme, space};
-use crate::versioned::Freshness;
+use crate::versioned_results::Freshness;
 use crate::view::View;
 
 /// What was measured, and how far a running measurement is.

@@ -14,7 +14,7 @@ use crate::jobs::kept_designs::RestoredDesign;
 use crate::jobs::live_design::TimedPreview;
 use crate::jobs::measurements::MeasurementResult;
 use crate::jobs::plot_copy::{CopiedPlot, CopyOutcome};
-use crate::versioned::Versioned;
+use crate::versioned_results::Versioned;
 
 /// Time from the last change to the verification on the full plant: shorter would verify in the middle of typing.
 const VERIFICATION_DELAY: Duration = Duration::from_millis(120);

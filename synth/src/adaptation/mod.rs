@@ -20,7 +20,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The equivalent volts of a control.
+    /// Returns the equivalent volts of a control.
     pub fn at(&self, control_v: f64) -> f64 {
         let (Some(&first), Some(&last)) = (self.points.first(), self.points.last()) else { return control_v };
         if control_v <= first.0 {
@@ -58,7 +58,7 @@ pub struct WindowedMean {
 }
 
 impl WindowedMean {
-    /// An estimator that gives a new estimate at the end of every window.
+    /// Returns an estimator that gives a new estimate at the end of every window.
     ///
     /// # Errors
     /// [`Error::Range`] for an empty window, no gravity, or volts of zero.
@@ -112,20 +112,20 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    /// The controller with its estimator.
+    /// Returns the controller with its estimator.
     pub fn new(runner: Runner, estimation: Estimation) -> Self {
         let start = estimation.clone();
         Self { runner, start, estimation, history: Vec::new(), held_samples: 0, samples: 0 }
     }
 
-    /// The same, but estimates are used only after so many samples; before, they are made and not used.
+    /// Returns the same controller, which uses estimates only after so many samples; before, they are made and not used.
     #[must_use]
     pub fn hold_estimates(mut self, samples: usize) -> Self {
         self.held_samples = samples;
         self
     }
 
-    /// Every out-of-balance that was set, kg m, in order.
+    /// Returns every out-of-balance that was set, kg m, in order.
     pub fn history_kg_m(&self) -> &[f64] {
         &self.history
     }

@@ -61,7 +61,7 @@ const WIND_UP: (f64, f64) = (9.0, 10.0);
 const WHOLE: f64 = 1.21;
 
 impl Recursive {
-    /// The estimator at its start.
+    /// Returns the estimator at its start.
     ///
     /// # Errors
     /// [`Error::Range`] for times, limits or volts that are not positive.
@@ -88,7 +88,7 @@ impl Recursive {
         Ok(Self { settings, parameters, covariance, lagged, excitation: 0.0, estimate })
     }
 
-    /// The estimate, kg m.
+    /// Returns the estimate, kg m.
     pub fn estimate_kg_m(&self) -> f64 {
         self.estimate
     }

@@ -5,15 +5,13 @@ use counterpoise_lti::zeros;
 
 use super::Ground;
 use crate::Error;
-use crate::tolerance::{SMALLEST_ZERO, WEAKEST_DIRECTION};
+use crate::tolerance::{LARGEST_ZERO, SMALLEST_ZERO, WEAKEST_DIRECTION};
 
 /// Delays of the whole basis: at a millisecond they reach over a sixth of a second.
 const DELAYS: usize = 160;
 /// Real poles of the whole basis, and between what they lie, over half the sample rate in rad/s.
 const POLES: usize = 60;
 const POLES_BETWEEN: [f64; 2] = [1.0e-4, 0.05];
-/// A zero of the plant beyond this radius makes a function that outlasts every other one.
-const LARGEST_ZERO: f64 = 0.99995;
 
 /// A function from which the basis is made.
 struct RawFunction {
@@ -32,17 +30,17 @@ pub(crate) struct Basis {
 }
 
 impl Basis {
-    /// The whole basis.
+    /// Returns the whole basis.
     pub fn whole(ground: &Ground) -> Result<Self, Error> {
         Self::new(ground, DELAYS, POLES)
     }
 
-    /// Half of it.
+    /// Returns half of the basis.
     pub fn half(ground: &Ground) -> Result<Self, Error> {
         Self::new(ground, DELAYS / 2, POLES / 2)
     }
 
-    /// Number of functions.
+    /// Returns the number of functions.
     pub fn size(&self) -> usize {
         self.columns.len()
     }

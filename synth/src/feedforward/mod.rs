@@ -10,12 +10,12 @@
 //! The module holds a copy of plant and weights, all stable: a feedforward cannot make a stable loop unstable. It is
 //! linear in the columns E: a disturbance that grows with the out-of-balance scales the module's output, nothing else.
 
-mod measured;
+mod measured_disturbance;
 
 use counterpoise_linalg::{Mat, Riccati, care, inverse, lyap, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::augmented::Augmented;
+use crate::augmented_plant::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{Channel, DesignPlant, Error, FeedforwardWeights, Knowledge};

@@ -162,7 +162,7 @@ impl<'a> Judge<'a> {
         Ok(series(&self.held, &K)?)
     }
 
-    /// Whether the loop of a controller with the plant certainly exceeds the required sensitivity: a few frequencies about an aim show it.
+    /// Returns whether the loop of a controller with the plant certainly exceeds the required sensitivity: a few frequencies about an aim show it.
     ///
     /// # Errors
     /// Those of the discretisation.

@@ -5,7 +5,7 @@
 //! noises that make the observer a few times as quick. For each aim the *sampled* loop is judged ([`judgement`]): margins,
 //! the same margins with every lightly damped mode shifted ([`neighbours`]), the control that noise and quantisation cost,
 //! and the control that a step of the demand takes. The highest aim that keeps everything is the answer. Every limit
-//! is told with the bandwidth up to which it alone would have allowed the loop, and with the bandwidth if it alone were lifted ([`lifted`]):
+//! is told with the bandwidth up to which it alone would have allowed the loop, and with the bandwidth if it alone were lifted ([`lifted_limits`]):
 //! what limits is what raises the bandwidth when it is lifted.
 //!
 //! In a cascade the weights aim at the bandwidth of the rate loop, the position loop has a fixed share of it, and the judged loop is
@@ -23,7 +23,7 @@
 mod candidate;
 mod feedforwards;
 mod judgement;
-mod lifted;
+mod lifted_limits;
 mod neighbours;
 mod scan;
 
@@ -119,7 +119,8 @@ pub fn first_design_on(
         let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
         return Err(Error::refusal(vec![finding]));
     };
-    let lifted::BandwidthWithLoops { bandwidth, shown_by } = lifted::bandwidth(&mut scan, &found)?;
+    let lifted_limits::BandwidthWithLoops { bandwidth, shown_by } =
+        lifted_limits::bandwidth(&mut scan, &found)?;
     let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;
     let loops = scan.loops(&found)?;
     let sample_period_s = circumstances.sampling.period_s;

@@ -12,7 +12,7 @@ use super::neighbours::{light_modes, shifted_modes};
 use crate::bandwidth::{Limit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
-use crate::tolerance::{CAUTION, CEILING};
+use crate::tolerance::{CAUTION, CEILING, CLOCK_SHARE, FAR_ABOVE_CEILING};
 use crate::{Error, FeedbackWeights, ParallelRun, Reference, feedback};
 
 /// A feedback to be tried.
@@ -50,10 +50,6 @@ const REACH: f64 = 3.0;
 const DECADES: i32 = 5;
 /// Halvings of the stretch between the answer and the aim above it: a tenth of a decade becomes 0.7 %.
 const HALVINGS: usize = 5;
-/// Above this many times the ceiling only the usual shape is tried: such aims serve to tell the other limits.
-const FAR_ABOVE: f64 = 1.5;
-/// A loop that reaches less than this share of what the clock allows is not limited by the clock; the more so at any quicker one.
-const CLOCK_SHARE: f64 = 0.5;
 /// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
 const DELAY_REACH: f64 = 2.0;
 
@@ -178,7 +174,7 @@ impl<'a> Scan<'a> {
         self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
     }
 
-    /// The highest aim that is looked at, rad/s.
+    /// Returns the highest aim that is looked at, rad/s.
     pub fn highest_aim(&self) -> f64 {
         let sampling = &self.circumstances.sampling;
         let samples_s = sampling.delay_samples as f64 * sampling.period_s;
@@ -188,7 +184,7 @@ impl<'a> Scan<'a> {
 
     /// Aims from the highest downwards, each with the shapes that are tried there.
     fn descent(&self, highest: f64) -> Vec<Candidate> {
-        let far = FAR_ABOVE * self.ceiling();
+        let far = FAR_ABOVE_CEILING * self.ceiling();
         let aim = |k: i32| highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
         let shapes = |aim_rad_s: f64| {
             let count = if aim_rad_s > far { 1 } else { MORE_PHASE };
@@ -318,7 +314,7 @@ impl<'a> Scan<'a> {
         found.bandwidth_rad_s <= self.ceiling() && KINDS.into_iter().all(|kind| self.keeps(kind, found))
     }
 
-    /// The limits that a loop does not keep.
+    /// Returns the limits that a loop does not keep.
     pub fn missed_limits(&self, found: &LoopJudgement) -> Vec<LimitKind> {
         let kinds = KINDS.into_iter().chain([LimitKind::Asked]);
         kinds.filter(|kind| !self.keeps(*kind, found)).collect()
@@ -340,7 +336,7 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// The answer; `None` if nothing keeps everything.
+    /// Returns the answer; `None` if nothing keeps everything.
     pub fn best_design(&self) -> Option<Tried> {
         self.best.clone()
     }
@@ -388,7 +384,7 @@ impl<'a> Scan<'a> {
         self.judge.nominal_loop(&self.controller(&tried.weights, tried.position_gain)?)
     }
 
-    /// Every limit, the lowest first.
+    /// Returns every limit, the lowest first.
     pub fn summary(&self) -> Vec<Limit> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
         let limit = |kind| Limit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };

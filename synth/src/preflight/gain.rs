@@ -29,7 +29,7 @@ impl Gain {
         Ok(Self { response, moduli, largest })
     }
 
-    /// The modulus at a frequency over the largest; 1 where it is infinite, 0 where the system is zero.
+    /// Returns the modulus at a frequency over the largest; 1 where it is infinite, 0 where the system is zero.
     pub fn relative(&self, rate: f64) -> Result<f64, Error> {
         if self.largest == 0.0 {
             return Ok(0.0);
@@ -37,7 +37,7 @@ impl Gain {
         Ok((modulus(&self.response, rate) / self.largest).min(1.0))
     }
 
-    /// The highest frequency of the grid at which error weight times gain exceeds the control weight.
+    /// Returns the highest frequency of the grid at which error weight times gain exceeds the control weight.
     pub fn crossover(&self, error: &Weight, control: &Weight) -> Option<f64> {
         let (error, control): (Rational, Rational) = (error.rational(), control.rational());
         let exceeds = |rate: f64, gain: f64| {

@@ -16,7 +16,7 @@ use crate::finding::{Finding, Part};
 use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
 use crate::{Channel, DesignPlant, Error, FeedbackWeights, Reference, Specification, Weight};
 
-/// Every finding about a plant and a specification, refusals first; empty where nothing stands in the way.
+/// Returns every finding about a plant and a specification, refusals first; empty where nothing stands in the way.
 ///
 /// # Errors
 /// [`Error`] where the plant itself is not one (wrong indices, a sensor with two inputs).

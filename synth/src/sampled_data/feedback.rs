@@ -5,7 +5,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
-use super::held::{Problem, bilinear, discretise_under_hold, remove_delay};
+use super::held_plant::{Problem, bilinear, discretise_under_hold, remove_delay};
 use super::rows::Rows;
 use crate::certificate::{Certified, Cost};
 use crate::finding::Part;

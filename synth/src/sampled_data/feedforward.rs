@@ -4,7 +4,7 @@ use counterpoise_linalg::{Mat, dsylvester};
 use counterpoise_lti::{StateSpace, delay_samples};
 
 use super::Drafted;
-use super::held::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
+use super::held_plant::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
 use super::rows::Rows;
 use crate::certificate::{Certified, Cost, Equation};
 use crate::feedforward::with_derivatives;
@@ -71,6 +71,16 @@ struct Solution {
     filter: Option<Equation>,
 }
 
+/// Returns the plant with its measurements, without delay and, if the loop's sensor is outside, without the hub's sensor.
+fn measured_without_delay(plant: &DesignPlant, hub_sensor: HubSensor) -> Result<StateSpace, Error> {
+    let bare = remove_delay(plant);
+    let bare = match hub_sensor {
+        HubSensor::Inside => bare,
+        HubSensor::Outside => DesignPlant { hub_sensor: None, ..bare },
+    };
+    bare.measured_plant()
+}
+
 impl Driven {
     fn new(
         plant: &DesignPlant,
@@ -79,12 +89,7 @@ impl Driven {
         hub_sensor: HubSensor,
         sampling: &Sampling,
     ) -> Result<Self, Error> {
-        let bare = remove_delay(plant);
-        let bare = match hub_sensor {
-            HubSensor::Inside => bare,
-            HubSensor::Outside => DesignPlant { hub_sensor: None, ..bare },
-        };
-        let system = bare.measured_plant()?;
+        let system = measured_without_delay(plant, hub_sensor)?;
         let weighed = 1 + weights.output.unwrap_or(plant.rate);
         let columns = plant.columns(channel);
         let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;

@@ -11,7 +11,7 @@
 
 mod feedback;
 mod feedforward;
-mod held;
+mod held_plant;
 mod rows;
 
 use counterpoise_lti::StateSpace;

@@ -28,7 +28,7 @@ pub(crate) struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
-    /// The family; a parameter without a range gets one that suits the grid and the nominal plant.
+    /// Returns the family; a parameter without a range gets one that suits the grid and the nominal plant.
     ///
     /// # Errors
     /// [`Error::System`] for a structure without open parameters.
@@ -55,7 +55,7 @@ impl<'a> Blocks<'a> {
         Ok(Self { structure, open, sampling, ranges })
     }
 
-    /// The values of all parameters at a point.
+    /// Returns the values of all parameters at a point.
     pub fn values(&self, at: &[f64]) -> Vec<Vec<f64>> {
         let stated = |parameter: &Parameter| parameter.value.unwrap_or(1.0);
         let blocks = &self.structure.blocks;
@@ -67,12 +67,12 @@ impl<'a> Blocks<'a> {
         all
     }
 
-    /// K at s, for given values.
+    /// Returns K at s, for given values.
     pub fn at(&self, values: &[Vec<f64>], s: C64) -> C64 {
         self.structure.blocks.iter().zip(values).map(|(block, p)| block.kind.at(p, s)).product()
     }
 
-    /// The structure with every parameter fixed at a point.
+    /// Returns the structure with every parameter fixed at a point.
     pub fn fix_parameters(&self, at: &[f64]) -> FixedStructure {
         let mut structure = self.structure.clone();
         for (block, values) in structure.blocks.iter_mut().zip(self.values(at)) {

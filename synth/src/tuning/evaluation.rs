@@ -9,7 +9,7 @@ use super::limits::{decays, pole_region};
 use super::loop_response::{LoopResponse, Row};
 use super::problem::Problem;
 use crate::Error;
-use crate::tolerance::POLE_STEP;
+use crate::tolerance::{FAR_BELOW_LIMIT, POLE_STEP};
 
 /// A loop at a point.
 #[derive(Debug, Clone)]
@@ -23,19 +23,17 @@ pub(crate) struct Evaluation {
 }
 
 impl Evaluation {
-    /// The objective on the worst plant.
+    /// Returns the objective on the worst plant.
     pub fn objective(&self) -> f64 {
         self.objectives.iter().map(|row| row.value).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What the worst limit is exceeded by; 0 where all are kept.
+    /// Returns what the worst limit is exceeded by; 0 where all are kept.
     pub fn worst_exceedance(&self) -> f64 {
         self.limits.iter().map(|row| row.value).fold(0.0, f64::max)
     }
 }
 
-/// Peaks lower than this below their limit, as a natural logarithm, have no row: no step of the trust region reaches them.
-const FAR: f64 = -0.7;
 /// Poles with a row of their own: as many as have been seen to share a limit, and one more.
 const SLOWEST: usize = 5;
 
@@ -115,7 +113,7 @@ impl Problem<'_> {
                 let is_peak =
                     (k == 0 || sizes[k] >= sizes[k - 1]) && (k + 1 == count || sizes[k] >= sizes[k + 1]);
                 let value = (sizes[k] / limit).ln();
-                if !is_peak || value < FAR {
+                if !is_peak || value < FAR_BELOW_LIMIT {
                     continue;
                 }
                 let factor = if which == 0 { -response.L[k] * response.S[k] } else { response.S[k] };

@@ -60,8 +60,8 @@ const HIGHEST: f64 = 0.998;
 /// Further frequencies on either side of a lightly damped root, in units of its half-width, dense near it.
 const AROUND: [f64; 8] = [0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0];
 impl LoopGrid {
-    /// The grid for plants under one sampling: a logarithmic scale, the neighbourhood of every lightly damped root, and the lines of the
-    /// disturbance.
+    /// Returns the grid for plants under one sampling: a logarithmic scale, the neighbourhood of every lightly damped root, and the
+    /// lines of the disturbance.
     pub fn new(
         plants: &[StateSpace],
         disturbance: &Disturbance,

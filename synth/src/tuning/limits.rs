@@ -145,7 +145,7 @@ impl LoopLimits {
     }
 }
 
-/// The figures of the loop of a sampled plant (control to reading) and a sampled controller (error to control).
+/// Returns the figures of the loop of a sampled plant (control to reading) and a sampled controller (error to control).
 ///
 /// # Errors
 /// [`Error::Lti`].
@@ -187,7 +187,7 @@ pub fn measure_loop(
     })
 }
 
-/// The figures of the feedback loop of any controller on a plant; feedforwards play no part in them.
+/// Returns the figures of the feedback loop of any controller on a plant; feedforwards play no part in them.
 ///
 /// # Errors
 /// [`Error::Lti`], [`Error::Controller`].

@@ -130,7 +130,7 @@ pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
     search.keep_limits()
 }
 
-/// The sampled controller of a structure from the error to the control.
+/// Returns the sampled controller of a structure from the error to the control.
 ///
 /// # Errors
 /// As [`FixedStructure::rational`], and those of the conversion.

@@ -58,13 +58,13 @@ impl<'a> Problem<'a> {
         Ok(Self { task, family, grid, plants, held, limits: task.limits })
     }
 
-    /// The poles of the closed loop on each plant with a feedback.
+    /// Returns the poles of the closed loop on each plant with a feedback.
     pub fn closed_poles(&self, K: &StateSpace) -> Result<Vec<Vec<C64>>, Error> {
         self.plants.iter().map(|plant| closed_poles(&plant.system, K)).collect()
     }
 
-    /// Whether every loop is stable at a point. A realisation or connection that fails counts as unstable: its numbers are
-    /// beyond what a controller could hold.
+    /// Returns whether every loop is stable at a point. A realisation or connection that fails counts as unstable: its numbers
+    /// are beyond what a controller could hold.
     pub fn is_stable(&self, at: &[f64]) -> bool {
         let inside = |all: Vec<Vec<C64>>| all.iter().flatten().all(|pole| pole.norm() < 1.0);
         let Ok(K) = self.family.sampled_feedback(at) else { return false };

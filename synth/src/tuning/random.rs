@@ -4,7 +4,7 @@
 pub(crate) struct Random(pub u64);
 
 impl Random {
-    /// A number from -1 to 1.
+    /// Returns a number from -1 to 1.
     pub fn symmetric(&mut self, salt: usize) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_add(salt as u64);
         let mut z = self.0;

@@ -66,7 +66,7 @@ impl Shape {
         Weight::ZeroPoleGain { zeros: roots(&self.zeros), poles: roots(&self.poles), gain: self.modulus }
     }
 
-    /// The parameters that may move, as logarithms with their ranges; the modulus is not among them.
+    /// Returns the parameters that may move, as logarithms with their ranges; the modulus is not among them.
     pub fn parameters(&self, half: f64) -> Vec<(f64, [f64; 2])> {
         let rate = |value: f64| {
             let range = [(ROOTS[0] * half).min(value), (ROOTS[1] * half).max(value)];
@@ -80,7 +80,7 @@ impl Shape {
         self.zeros.iter().chain(&self.poles).flat_map(of).collect()
     }
 
-    /// The shape with its parameters taken from `values`, in the order of [`Shape::parameters`].
+    /// Returns the shape with its parameters taken from `values`, in the order of [`Shape::parameters`].
     pub fn with_parameters(&self, values: &mut impl Iterator<Item = f64>) -> Self {
         let mut next = || values.next().unwrap_or(0.0);
         let mut move_root = |root: &Root| match *root {
@@ -93,7 +93,7 @@ impl Shape {
         Self { modulus: self.modulus, zeros, poles }
     }
 
-    /// Geometric mean of the corners; `None` without any.
+    /// Returns the geometric mean of the corners; `None` without any.
     pub fn corner(&self) -> Option<f64> {
         let rate = |root: &Root| match *root {
             Root::Origin => None,

@@ -96,7 +96,7 @@ fn kept(
 }
 
 impl<'a> Weights<'a> {
-    /// The family about the weights of a specification.
+    /// Returns the family about the weights of a specification.
     ///
     /// # Errors
     /// [`Error::System`] if the feedback does not see the error alone, or noise and weights are not above 0.

@@ -105,14 +105,14 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// How far a table's function is from its points at most, dB; 0 for every other form.
+    /// Returns how far a table's function is from its points at most, dB; 0 for every other form.
     pub fn worst_db(&self) -> f64 {
         let Weight::Table { points, fitted, .. } = self else { return 0.0 };
         let off = |&[rate, modulus]: &[f64; 2]| 20.0 * (fitted.magnitude(rate) / modulus).log10().abs();
         points.iter().map(off).fold(0.0, f64::max)
     }
 
-    /// The weight as gain, zeros and poles, as it was written: nothing mirrored.
+    /// Returns the weight as gain, zeros and poles, as it was written: nothing mirrored.
     pub fn rational(&self) -> Rational {
         match self {
             Weight::Constant { gain } => Rational::new(&[], &[], *gain),
@@ -135,22 +135,22 @@ impl Weight {
         }
     }
 
-    /// W(jw) as written; infinite at a pole on the axis.
+    /// Returns W(jw) as written; infinite at a pole on the axis.
     pub fn response(&self, rate_rad_s: f64) -> C64 {
         self.rational().at(C64::new(0.0, rate_rad_s))
     }
 
-    /// |W(jw)|.
+    /// Returns |W(jw)|.
     pub fn magnitude(&self, rate_rad_s: f64) -> f64 {
         self.response(rate_rad_s).norm()
     }
 
-    /// The same weight times `factor`.
+    /// Returns the same weight times `factor`.
     pub fn scale_by(&self, factor: f64) -> Self {
         Weight::Product(vec![Weight::Constant { gain: factor }, self.clone()])
     }
 
-    /// A stable system with the modulus |W(jw)|, poles on the axis kept: what an error weight becomes.
+    /// Returns a stable system with the modulus |W(jw)|, poles on the axis kept: what an error weight becomes.
     ///
     /// # Errors
     /// [`Error::Weight`] where the weight has more zeros than poles, or a number that is not finite.
@@ -162,7 +162,7 @@ impl Weight {
         self.realised(&mirrored)
     }
 
-    /// A system with the modulus 1/|W(jw)| and the zeros of W as its poles: what a control weight becomes.
+    /// Returns a system with the modulus 1/|W(jw)| and the zeros of W as its poles: what a control weight becomes.
     ///
     /// With `u = W^-1 v` the weighted control is v exactly; an improper W needs no far poles, and the controller
     /// inherits its roll-off.

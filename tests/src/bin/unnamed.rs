@@ -12,7 +12,7 @@ use counterpoise_models::reference;
 use counterpoise_report::wording::learned::describe_learned;
 use counterpoise_tests::sealed::controller;
 use counterpoise_tests::sealed::row::recording_of;
-use counterpoise_tests::sealed::unnamed::{NOTHING, record_unnamed};
+use counterpoise_tests::sealed::unnamed_machines::{NOTHING, record_unnamed};
 
 /// Noise floors at which a machine counts as modelled.
 const MODELLED: f64 = 1.5;

@@ -273,7 +273,7 @@ impl Machine {
         })
     }
 
-    /// Derivatives of the states.
+    /// Returns the derivatives of the states.
     pub fn slopes(&self, t: f64, x: &[f64; STATES], control: f64, platform: Platform) -> [f64; STATES] {
         let [volts, amps, shaft, spin, hub, hub_rate, beam, beam_rate, motor_dry, pivot_dry, ..] = *x;
         let mut d = [0.0; STATES];
@@ -323,19 +323,26 @@ impl Machine {
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
         d[16] = self.hose(x[16], sliding);
         d[17..].copy_from_slice(&self.slip_slopes(&x[17..], sliding));
+        d[10..16].copy_from_slice(&self.sensor_slopes(x, platform));
+        d
+    }
+
+    /// Derivatives of the states of hub gyroscope, platform gyroscope and accelerometer: a reading and its rate each.
+    fn sensor_slopes(&self, x: &[f64; STATES], platform: Platform) -> [f64; 6] {
         let lever = platform.heave + self.lever_arm * platform.acceleration;
         let sensed =
-            [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];
+            [(&self.hub_gyro, x[5]), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];
+        let mut d = [0.0; 6];
         for (k, (gyro, truth)) in sensed.into_iter().enumerate() {
             let (y, speed) = (x[10 + 2 * k], x[11 + 2 * k]);
-            d[10 + 2 * k] = speed;
-            d[11 + 2 * k] =
+            d[2 * k] = speed;
+            d[2 * k + 1] =
                 gyro.natural * gyro.natural * (truth - y) - 2.0 * gyro.damping * gyro.natural * speed;
         }
         d
     }
 
-    /// One classical Runge-Kutta step of length `h`, the platform given at its start, middle and end.
+    /// Takes one classical Runge-Kutta step of length `h`, the platform given at its start, middle and end.
     pub fn step(
         &self,
         t: f64,
@@ -352,7 +359,7 @@ impl Machine {
         std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// At rest with the motor holding the imbalance, everything level.
+    /// Returns the states at rest with the motor holding the imbalance, everything level.
     pub fn at_rest(&self) -> [f64; STATES] {
         let weight = self.gravity * self.moment - self.spring * self.spring_centre;
         let wound = weight / self.gear_stiffness + 0.5 * self.backlash * weight.signum();

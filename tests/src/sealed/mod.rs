@@ -8,7 +8,7 @@ pub mod oracle;
 pub mod row;
 pub mod table;
 pub mod truth;
-pub mod unnamed;
+pub mod unnamed_machines;
 
 pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record, record_under};
 pub use row::{Row, score};
@@ -34,32 +34,32 @@ pub const KINDS: [Kind; 4] = [Kind::Triangle, Kind::Steps, Kind::Road, Kind::Mul
 /// Proportional and integral gain and bias of the loop in which the machines are recorded.
 pub const GAINS: [f64; 3] = [18.0, 80.0, 2.88];
 
-/// The controller of that loop.
+/// Returns the controller of that loop.
 pub fn controller() -> ProportionalIntegral {
     let [kp_v_s_rad, ki_v_rad, bias_v] = GAINS;
     ProportionalIntegral { kp_v_s_rad, ki_v_rad, bias_v, sample_period_s: PERIOD, integral_v: 0.0 }
 }
 
-/// The machine of a seed, recorded.
+/// Returns the machine of a seed, recorded.
 pub fn case(seed: u64, nominal: &Parameters) -> Case {
     let mut machine = truth::machine(nominal);
     let (sealed, without) = truth::conceal(seed, &mut machine);
     recorded(seed, nominal, &machine, sealed, &without)
 }
 
-/// The machine with one given effect of a given size, recorded: see [`truth::conceal_one`]. `nominal` is as [`nominal_of`] has it.
+/// Returns the machine with one given effect of a given size, recorded: see [`truth::conceal_one`]. `nominal` is as [`nominal_of`] has it.
 pub fn case_of(which: usize, size: f64, nominal: &Parameters) -> Case {
     let mut machine = truth::machine(nominal);
     let (sealed, without) = truth::conceal_one(which, size, &mut machine);
     recorded(1_000 + which as u64, nominal, &machine, sealed, &without)
 }
 
-/// The machine as modelled, recorded under the proportional-integral controller.
+/// Returns the machine as modelled, recorded under the proportional-integral controller.
 pub fn case_of_nothing(nominal: &Parameters) -> Case {
     recorded(1_999, nominal, &truth::machine(nominal), truth::nothing(), &[])
 }
 
-/// The project in which one given effect shows: nearly balanced for those at small torques, the rig otherwise.
+/// Returns the project in which one given effect shows: nearly balanced for those at small torques, the rig otherwise.
 pub fn nominal_of(which: usize) -> Parameters {
     let mut nominal = reference::rig();
     if truth::SHOW_WHEN_BALANCED.contains(&which) {
@@ -104,7 +104,7 @@ fn experiment_of(seed: u64, k: usize) -> (Experiment, Dice) {
     (Experiment::new(KINDS[k], &mut dice), dice)
 }
 
-/// A machine of [`case_of`] recorded under an exported controller; `None` for the effect conceals nothing.
+/// Returns a machine of [`case_of`] recorded under an exported controller; `None` for the effect conceals nothing.
 pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, controller: &Controller) -> Case {
     let mut machine = truth::machine(nominal);
     let (sealed, without) = match which {

@@ -22,7 +22,7 @@ const ORDINARY: [(&str, &str); 8] = [
     ("gearbox", "stiffness"),
 ];
 
-/// Mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters
+/// Returns the mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters
 /// refitted, what was found, and the truth (`None` if the library does not have it).
 ///
 /// # Errors

@@ -86,7 +86,7 @@ fn tried(answer: &Answer) -> Vec<Tried> {
     out
 }
 
-/// What the diagnosis is handed of a machine.
+/// Returns what the diagnosis is handed of a machine.
 pub fn recordings(case: &Case) -> Vec<Recording> {
     let one = |(index, written): (usize, &Written)| {
         let mut recording = recording_of(index, written);
@@ -101,7 +101,7 @@ pub fn recordings(case: &Case) -> Vec<Recording> {
     case.recordings.iter().enumerate().map(one).collect()
 }
 
-/// The recording of the k-th of [`KINDS`], with all sensors.
+/// Returns the recording of the k-th of [`KINDS`], with all sensors.
 pub fn recording_of(index: usize, written: &Written) -> Recording {
     Recording::new(format!("{:?}", KINDS[index]), PERIOD)
         .with(Channel::Demand, written.demand.clone())
@@ -158,7 +158,7 @@ fn is(c: &Concealed, name: Name) -> bool {
     (c.component, c.effect) == name.names() || c.also.contains(&name.names())
 }
 
-/// Whether a finding has the concealed effect's name, or offers it as an alternative.
+/// Returns whether a finding has the concealed effect's name, or offers it as an alternative.
 pub fn offers(c: &Concealed, f: &Finding) -> bool {
     is(c, f.name()) || f.alternatives.iter().any(|a| is(c, *a))
 }

@@ -7,7 +7,7 @@ use super::Row;
 /// Visibility, in floors, from which an effect counts as detectable.
 pub const DETECTABLE: f64 = 1.0;
 
-/// The whole page.
+/// Returns the whole page.
 pub fn page(rows: &[Row]) -> String {
     let mut out = String::from("| figure | value |\n|---|---|\n");
     for (name, value) in figures(rows) {
@@ -31,7 +31,7 @@ pub fn page(rows: &[Row]) -> String {
 /// A kind of answer: its name, and which answers are of it.
 type Kind<'a> = (&'a str, &'a dyn Fn(&Row) -> bool);
 
-/// How often names were true, kind of answer by kind, and (n + 1) / (m + 2) of it: what `diagnose` states of a name without a rival.
+/// Returns how often names were true, kind of answer by kind, and (n + 1) / (m + 2) of it: what `diagnose` states of a name without a rival.
 pub fn calibration(rows: &[Row]) -> String {
     let mut out =
         String::from("| answer | names | true | (n + 1) / (m + 2) | mean stated |\n|---|---|---|---|---|\n");
@@ -132,8 +132,8 @@ fn improvement_figures(rows: &[Row]) -> Vec<(&'static str, String)> {
 /// Chance that is left for as few hits as were seen, or fewer, at the upper bound of their rate.
 const DOUBT: f64 = 0.05;
 
-/// One-sided upper bound of a rate of which `hits` of `all` were seen (Clopper and Pearson 1934): the rate at which so few would
-/// be seen once in twenty times. 1 if nothing was looked at.
+/// Returns the one-sided upper bound of a rate of which `hits` of `all` were seen (Clopper and Pearson 1934): the rate at which
+/// so few would be seen once in twenty times. 1 if nothing was looked at.
 pub fn upper_bound(hits: usize, all: usize) -> f64 {
     if hits >= all {
         return 1.0;

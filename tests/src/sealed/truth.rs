@@ -38,7 +38,7 @@ pub struct Sealed {
     pub hub_position: bool,
 }
 
-/// The machine that a project describes, as this simulator writes it.
+/// Returns the machine that a project describes, as this simulator writes it.
 pub fn machine(p: &Parameters) -> Machine {
     let l = p.lumped.clone().unwrap_or_else(|| panic!("the sealed machines are lumped"));
     Machine {
@@ -118,7 +118,7 @@ fn gyro(s: &Sensor) -> Gyro {
     }
 }
 
-/// The recorder of a project: its controller, converters and the two sensors that may be missing.
+/// Returns the recorder of a project: its controller, converters and the two sensors that may be missing.
 pub fn recorder(p: &Parameters, kp: f64, ki: f64, bias: f64) -> Recorder {
     let ideal = |s: &Option<Sensor>| gyro(s.as_ref().unwrap_or(&Sensor::IDEAL));
     Recorder {
@@ -198,7 +198,7 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, V
     (sealed, without)
 }
 
-/// The answer of a machine that is as its project describes it, with all sensors and the usual noise.
+/// Returns the answer of a machine that is as its project describes it, with all sensors and the usual noise.
 pub fn nothing() -> Sealed {
     let concealed = Vec::new();
     Sealed { family: Family::Nothing, concealed, noise: 1.0, motor_rate: true, hub_position: true }

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use counterpoise_controller::compiled::Compiled;
+use counterpoise_controller::compiled_program::Compiled;
 use counterpoise_controller::{COMMON_READINGS, Controller, READINGS, Readings, SampledController};
 use counterpoise_export::{FixedRunner, Ranges, plan_fixed_point};
 use counterpoise_models::plant::Plant;

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_export::Ranges;
-use counterpoise_export::fixed::{FixedRunner, plan_fixed_point};
+use counterpoise_export::fixed_point::{FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, read_recording, recording_controller};

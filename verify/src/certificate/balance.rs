@@ -12,7 +12,7 @@ use super::elements::{Elements, Linear, ObserverGain, Sinusoid, quasi_linear, wi
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 
 /// A loop with the poles that its describing functions give.

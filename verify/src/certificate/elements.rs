@@ -12,7 +12,7 @@ use super::Case;
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 use crate::structured::places::joint_stiffness;
 use crate::tolerance::{

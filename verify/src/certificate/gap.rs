@@ -1,7 +1,7 @@
 //! The describing function of a gap.
 
-/// Describing function of a gap over the stiffness beside it, for a wind-up that swings about a flank pressed by `pressed_rad`:
-/// first harmonic of the torque over that of the wind-up. 1 while the teeth stay together.
+/// Returns the describing function of a gap over the stiffness beside it, for a wind-up that swings about a flank pressed by
+/// `pressed_rad`: first harmonic of the torque over that of the wind-up. 1 while the teeth stay together.
 pub fn gap_share(wind_up_rad: f64, pressed_rad: f64, gap_rad: f64) -> f64 {
     if wind_up_rad <= pressed_rad || gap_rad == 0.0 {
         return 1.0;

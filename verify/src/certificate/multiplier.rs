@@ -138,7 +138,7 @@ impl Multiplier {
         }
     }
 
-    /// N at a joint over an interval.
+    /// Returns N at a joint over an interval.
     pub fn at(&self, joint: usize, over: Interval) -> Taylor {
         let own = self.terms.iter().filter(|term| term.joint == joint);
         own.fold(Taylor::constant(C64::new(0.0, 0.0), over), |sum, term| {
@@ -159,7 +159,7 @@ impl Multiplier {
         }
     }
 
-    /// The matrix of the condition at a rate.
+    /// Returns the matrix of the condition at a rate.
     pub fn matrix(&self, H: &[Vec<Taylor>], over: Interval) -> CMat {
         let [a, d, b] = self.form(H, over);
         CMat::from_fn(self.joints, self.joints, |i, j| match (i, j) {

@@ -22,7 +22,7 @@ use super::LinearContribution;
 use super::sources::ErrorSource;
 use crate::history::History;
 use crate::line_of_sight::SightAngles;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
 use crate::linear::{Closed, SampledPlant, arrange, disturbance, surge::acting_arrangement};
 use crate::sight_spectrum::{Bands, SightSpectrum};

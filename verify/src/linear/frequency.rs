@@ -51,7 +51,7 @@ pub struct Rejection {
 const POINTS: usize = 700;
 const LOWEST_HZ: f64 = 0.02;
 
-/// A logarithmic grid from 0.02 Hz to just below half the sample rate.
+/// Returns a logarithmic grid from 0.02 Hz to just below half the sample rate.
 pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
     let highest = 0.499 / sample_period_s;
     let ratio = (highest / LOWEST_HZ).ln() / (POINTS - 1) as f64;
@@ -59,7 +59,7 @@ pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
 }
 
 impl Curves {
-    /// The curves of `loops`, one an arrangement (the last one is the whole controller).
+    /// Returns the curves of `loops`, one an arrangement (the last one is the whole controller).
     ///
     /// # Errors
     /// A response that does not exist because of a pole on the axis.
@@ -67,7 +67,7 @@ impl Curves {
         Self::with(plant, &PlantResponse::of(plant, grid_hz(plant.sample_period_s))?, loops)
     }
 
-    /// As [`Curves::of`], with what the plant contributes already at hand.
+    /// Returns the same as [`Curves::of`], with what the plant contributes already at hand.
     ///
     /// # Errors
     /// As [`Curves::of`].
@@ -123,7 +123,7 @@ fn controller_curves(response: &[CMat]) -> Vec<Curve> {
     ]
 }
 
-/// Hub rate over heave and over pitch rate at each frequency, in one arrangement.
+/// Returns the hub rate over heave and over pitch rate at each frequency, in one arrangement.
 ///
 /// A tone of the platform at w reaches the sampled readings as R(jw), exactly, for one tone has no aliases that matter. The control
 /// samples then have the tone u = K R / (1 - K P), and the held control has at w the part H(jw) u, H being the hold. So the hub has
@@ -179,7 +179,7 @@ fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
     through(&|i| R[i]) / (C64::new(1.0, 0.0) - through(&|i| P[(i, 0)]))
 }
 
-/// The rejection ratios in dB at some frequencies.
+/// Returns the rejection ratios in dB at some frequencies.
 ///
 /// # Errors
 /// As [`rejections`].

@@ -3,9 +3,9 @@
 //! Friction observers are taken as sliding and the out-of-balance estimator as standing still (see
 //! [`counterpoise_controller::Controller::linear`]).
 //!
-//! Modules in reading order: [`plant`], [`closed`], [`plant_response`], [`loop_responses`], [`frequency`], [`noise`], [`root_locus`](mod@root_locus), [`loop_shape`](mod@loop_shape), [`time`], [`surge`].
+//! Modules in reading order: [`plant`], [`closed_loop`], [`plant_response`], [`loop_responses`], [`frequency`], [`noise`], [`root_locus`](mod@root_locus), [`loop_shape`](mod@loop_shape), [`time`], [`surge`].
 
-pub mod closed;
+pub mod closed_loop;
 pub mod frequency;
 pub mod loop_responses;
 pub mod loop_shape;
@@ -16,7 +16,7 @@ pub mod root_locus;
 pub mod surge;
 pub mod time;
 
-pub use closed::{ArrangedLoop, Closed, arrange};
+pub use closed_loop::{ArrangedLoop, Closed, arrange};
 pub use frequency::{Curve, Curves, rejection_db};
 pub use loop_responses::{LoopCause, LoopEffect, LoopResponse};
 pub use loop_shape::{

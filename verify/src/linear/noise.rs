@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 
 use super::SampledPlant;
-use super::closed::Closed;
+use super::closed_loop::Closed;
 use super::frequency::break_loop;
 use super::plant::port;
 use super::plant_response::{PlantResponse, hold};

@@ -92,7 +92,7 @@ enum Drivers {
 }
 
 impl SampledPlant {
-    /// The plant with the sensors and the clock of `parameters`.
+    /// Returns the plant with the sensors and the clock of `parameters`.
     ///
     /// # Errors
     /// [`Error::Range`] if the delays together are longer than [`MOST_DELAY_STATES`] samples; those of the models and of the sampling.
@@ -100,7 +100,7 @@ impl SampledPlant {
         Self::driven(plant, parameters, resolver, Drivers::Platform)
     }
 
-    /// The plant on a platform that stands still, with torques on the motor shaft and on the hub in the places of heave and pitch rate.
+    /// Returns the plant on a platform that stands still, with torques on the motor shaft and on the hub in the places of heave and pitch rate.
     ///
     /// # Errors
     /// As [`SampledPlant::new`].

@@ -26,7 +26,7 @@ pub struct PlantResponse {
 }
 
 impl PlantResponse {
-    /// The response of a plant at some frequencies.
+    /// Returns the response of a plant at some frequencies.
     ///
     /// # Errors
     /// A response that does not exist because of a pole on the axis.

@@ -9,7 +9,7 @@ use crate::history::{Experiment, History, integrate};
 use crate::procedure::{Step, Triangle};
 use crate::{Arrangement, Error, HeaveAndPitch, Model, Source};
 
-/// The response to a step of the demand.
+/// Returns the response to a step of the demand.
 ///
 /// # Errors
 /// Those of the simulation.
@@ -17,7 +17,7 @@ pub fn step(plant: &SampledPlant, closed: &Closed, step: Step) -> Result<History
     run(plant, closed, Experiment::Step, step.duration_s, |_| LoopInputs::demand(step.rate_rad_s))
 }
 
-/// The response to a triangle of the demand.
+/// Returns the response to a triangle of the demand.
 ///
 /// # Errors
 /// Those of the simulation.
@@ -31,7 +31,7 @@ pub fn triangle(
     run(plant, closed, Experiment::Triangle, duration_s, |time_s| LoopInputs::demand(demand.at(time_s)))
 }
 
-/// The response to platform motion: `motion` is that motion over time in s.
+/// Returns the response to platform motion: `motion` is that motion over time in s.
 ///
 /// # Errors
 /// Those of the simulation.

@@ -54,7 +54,7 @@ pub struct Layout {
 }
 
 impl Campaign {
-    /// A campaign of a number of mechanisms, laid out from a seed.
+    /// Returns a campaign of a number of mechanisms, laid out from a seed.
     ///
     /// # Errors
     /// [`Error::Range`] for no samples, no variations or an impossible distribution, and those of [`Procedure::check`].
@@ -81,32 +81,32 @@ impl Campaign {
         Ok(Self { nominal, controller, procedure, variations, requirements, points })
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.points.len()
     }
 
-    /// Whether there is no sample: never.
+    /// Returns whether there is no sample: never.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// The variations.
+    /// Returns the variations.
     pub fn variations(&self) -> &[Variation] {
         &self.variations
     }
 
-    /// What the loop controls.
+    /// Returns what the loop controls.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         self.nominal.controlled_quantity()
     }
 
-    /// The requirements, whose figures are measured.
+    /// Returns the requirements, whose figures are measured.
     pub fn requirements(&self) -> &[Requirement] {
         &self.requirements
     }
 
-    /// The quantiles of a sample, one a variation.
+    /// Returns the quantiles of a sample, one a variation.
     ///
     /// # Errors
     /// [`Error::Range`] where there is no such sample.
@@ -119,7 +119,7 @@ impl Campaign {
         self.points.get(index).cloned().ok_or(none)
     }
 
-    /// The factors of a sample.
+    /// Returns the factors of a sample.
     ///
     /// # Errors
     /// [`Error::Range`] where there is no such sample.
@@ -133,7 +133,7 @@ impl Campaign {
             .collect())
     }
 
-    /// The mechanism with each variation's factor.
+    /// Returns the mechanism with each variation's factor.
     ///
     /// # Errors
     /// Factors that make no mechanism.
@@ -177,7 +177,7 @@ impl Campaign {
         Ok(Sample { index, factors, values })
     }
 
-    /// Some figures of the mechanism with the given factors, with the sensor noise of a sample; NaN where there is no such number.
+    /// Returns some figures of the mechanism with the given factors, with the sensor noise of a sample; NaN where there is no such number.
     ///
     /// # Errors
     /// As [`figures_of`].
@@ -193,7 +193,7 @@ impl Campaign {
             .collect())
     }
 
-    /// The numbers of the samples of one shard of `shards`: neighbouring, all together every sample once.
+    /// Returns the numbers of the samples of one shard of `shards`: neighbouring, all together every sample once.
     ///
     /// # Errors
     /// [`Error::Range`] where there is no such shard.
@@ -209,7 +209,7 @@ impl Campaign {
         Ok(edge(shard)..edge(shard + 1))
     }
 
-    /// Whether a sample meets every requirement that could be judged.
+    /// Returns whether a sample meets every requirement that could be judged.
     pub fn passes(&self, sample: &Sample) -> bool {
         let judged = self.requirements.iter().zip(&sample.values);
         judged

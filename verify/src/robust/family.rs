@@ -26,7 +26,7 @@ pub struct Member {
     pub values: Vec<Value>,
 }
 
-/// Figures with each parameter in turn at each factor.
+/// Returns the figures with each parameter in turn at each factor.
 ///
 /// # Errors
 /// As [`figures_of`], and factors that make no mechanism.
@@ -50,7 +50,7 @@ pub fn one_at_a_time(
     Ok(members)
 }
 
-/// Figures in each configuration of the mechanism, the controller being told nothing.
+/// Returns the figures in each configuration of the mechanism, the controller being told nothing.
 ///
 /// # Errors
 /// As [`figures_of`], and configurations that fit masses which are not there.

@@ -41,7 +41,7 @@ pub enum Points {
 }
 
 impl Points {
-    /// The points of the open unit cube.
+    /// Returns the points of the open unit cube.
     ///
     /// # Errors
     /// As [`super::sobol()`].
@@ -54,7 +54,7 @@ impl Points {
 }
 
 impl Distribution {
-    /// The factor below which a share `u` of all factors lies, 0 < u < 1.
+    /// Returns the factor below which a share `u` of all factors lies, 0 < u < 1.
     pub fn quantile(self, u: f64) -> f64 {
         match self {
             Distribution::Uniform { low, high } => low + u * (high - low),
@@ -84,7 +84,7 @@ impl Distribution {
     }
 }
 
-/// `samples` points of the open unit cube, each coordinate once in each of `samples` equal strata: a pure function of its arguments.
+/// Returns `samples` points of the open unit cube, each coordinate once in each of `samples` equal strata: a pure function of its arguments.
 pub fn latin_hypercube(samples: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut points = vec![Vec::with_capacity(dimensions); samples];
     for dimension in 0..dimensions {

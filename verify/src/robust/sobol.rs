@@ -31,8 +31,8 @@ const DIRECTIONS: [(u32, u32, &[u32]); 17] = [
 pub const MOST_DIMENSIONS: usize = DIRECTIONS.len() + 1;
 const BITS: u32 = 32;
 
-/// The first `samples` points of the open unit cube, each coordinate shifted by its own random bits (a digital shift, which keeps
-/// every stratum): a pure function of its arguments. Point k does not depend on how many there are.
+/// Returns the first `samples` points of the open unit cube, each coordinate shifted by its own random bits (a digital shift,
+/// which keeps every stratum): a pure function of its arguments. Point k does not depend on how many there are.
 ///
 /// # Errors
 /// [`Error::Range`] for no dimension, or more than [`MOST_DIMENSIONS`].

@@ -46,7 +46,7 @@ pub enum Sense {
 
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
-/// The requirement's figure over the samples.
+/// Returns the requirement's figure over the samples.
 pub fn summary(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Summary {
     let limit = campaign.requirements()[requirement].limit;
     let judged: Vec<(usize, f64)> = samples
@@ -71,8 +71,9 @@ pub fn summary(campaign: &Campaign, samples: &[Sample], requirement: usize) -> S
     }
 }
 
-/// The parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any departure
-/// from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is compared.
+/// Returns the parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any
+/// departure from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
+/// compared.
 pub fn ranking(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<Ranked> {
     let judged: Vec<&Sample> = samples.iter().filter(|s| !s.values[requirement].is_nan()).collect();
     let figure = ranks(&judged.iter().map(|s| s.values[requirement]).collect::<Vec<f64>>());

@@ -86,7 +86,7 @@ fn reflected(samples: &[f64], pad: usize) -> Vec<f64> {
     before.chain(samples.iter().copied()).chain(after).collect()
 }
 
-/// The samples less their mean, faded in and out over `fade_s` seconds by half a cosine, so that a simulation starts from rest.
+/// Returns the samples less their mean, faded in and out over `fade_s` seconds by half a cosine, so that a simulation starts from rest.
 pub fn from_rest(samples: &[f64], sample_period_s: f64, fade_s: f64) -> Vec<f64> {
     let middle = mean(samples);
     let length = samples.len();

@@ -57,7 +57,7 @@ const SINES: usize = 400;
 const DIFFERENCE_STREAM: u64 = 48;
 
 impl RoadClass {
-    /// Geometric mean of the class's G(n0), m^3.
+    /// Returns the geometric mean of the class's G(n0), m^3.
     pub fn roughness_m3(self) -> f64 {
         let step = match self {
             RoadClass::A => 0,
@@ -69,7 +69,7 @@ impl RoadClass {
         16e-6 * 4f64.powi(step)
     }
 
-    /// The class with a letter A to E.
+    /// Returns the class with a letter A to E.
     pub fn from_letter(letter: &str) -> Option<Self> {
         let all = [("A", Self::A), ("B", Self::B), ("C", Self::C), ("D", Self::D), ("E", Self::E)];
         all.into_iter().find(|row| row.0.eq_ignore_ascii_case(letter)).map(|row| row.1)
@@ -84,8 +84,8 @@ struct Tone {
     phase_rad: f64,
 }
 
-/// The motion of the mechanism's pivot during a drive: heave (m/s^2) and pitch rate (rad/s, nose-up), from rest to rest. A vehicle with two sides
-/// also rolls, and the elevation axis feels gravity's share of that.
+/// Returns the motion of the mechanism's pivot during a drive: heave (m/s^2) and pitch rate (rad/s, nose-up), from rest to rest. A vehicle with
+/// two sides also rolls, and the elevation axis feels gravity's share of that.
 ///
 /// # Errors
 /// [`Error::Range`] for a speed, duration or period that is not positive, and a vehicle without mass.
@@ -151,11 +151,13 @@ fn motion(
     Ok([series(0), series(1)])
 }
 
-fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
+/// Checks a vehicle and its speed, m/s, without realising its motion.
+///
+/// # Errors
+/// [`Error::Range`] for a speed, mass, inertia or stiffness that is not positive, and those of the vehicle's state-space systems.
+pub fn check_vehicle(speed_m_s: f64, vehicle: Vehicle) -> Result<(), Error> {
     for (what, value) in [
-        ("speed in m/s", drive.speed_m_s),
-        ("duration in s", drive.duration_s),
-        ("sample period in s", drive.sample_period_s),
+        ("speed in m/s", speed_m_s),
         ("mass of the vehicle in kg", vehicle.body_mass_kg),
         ("pitch inertia of the vehicle in kg m^2", vehicle.pitch_inertia_kg_m2),
         ("mass of an axle in kg", vehicle.axle_mass_kg),
@@ -163,6 +165,18 @@ fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
         ("track in m", vehicle.sides.map_or(1.0, |sides| sides.track_m)),
         ("roll inertia in kg m^2", vehicle.sides.map_or(1.0, |sides| sides.roll_inertia_kg_m2)),
     ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(Error::Range { what, value, allowed: "positive" });
+        }
+    }
+    dynamics(vehicle)?;
+    vehicle.sides.map_or(Ok(()), |sides| roll_dynamics(vehicle, sides).map(drop))
+}
+
+fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
+    check_vehicle(drive.speed_m_s, vehicle)?;
+    for (what, value) in [("duration in s", drive.duration_s), ("sample period in s", drive.sample_period_s)]
+    {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Error::Range { what, value, allowed: "positive" });
         }

@@ -1,13 +1,10 @@
 //! The period with which a motion repeats itself.
 
 use super::statistics::subtract_mean;
+use crate::tolerance::{REPEATS, SHORTEST_LAG_SHARE};
 
 /// Samples that are correlated at most: longer series are averaged in blocks first.
 const SAMPLES: usize = 4000;
-/// Correlation from which a motion is said to repeat itself.
-const REPEATS: f64 = 0.6;
-/// The shortest lag counts whose correlation reaches this share of the largest: whole multiples of a period correlate as well.
-const SHORTEST: f64 = 0.9;
 
 /// Returns the frequency with which a series repeats itself, Hz: of its fundamental, however strong its harmonics are. `None` if it does not
 /// repeat itself at least twice.
@@ -28,7 +25,7 @@ pub fn fundamental_hz(samples: &[f64], period_s: f64) -> Option<f64> {
     let is_peak = |k: &usize| all[*k] >= all[k - 1] && all[*k] >= all[k + 1];
     let peaks: Vec<usize> = (first.max(1)..all.len().saturating_sub(1)).filter(is_peak).collect();
     let most = peaks.iter().map(|k| all[*k]).fold(REPEATS, f64::max);
-    let lag = *peaks.iter().find(|k| all[**k] >= (SHORTEST * most).max(REPEATS))?;
+    let lag = *peaks.iter().find(|k| all[**k] >= (SHORTEST_LAG_SHARE * most).max(REPEATS))?;
     let bend = all[lag - 1] - 2.0 * all[lag] + all[lag + 1];
     let shift = if bend < 0.0 { 0.5 * (all[lag - 1] - all[lag + 1]) / bend } else { 0.0 };
     Some(1.0 / ((lag as f64 + shift) * block as f64 * period_s))

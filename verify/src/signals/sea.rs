@@ -205,7 +205,11 @@ impl Sea {
         Ok(felt_road(name, &series, self.traverse, gravity_m_s2))
     }
 
-    fn check(&self) -> Result<(), Error> {
+    /// Checks waves and ship, without realising their motion.
+    ///
+    /// # Errors
+    /// [`Error::Range`] for a height, period, size, damping or speed out of range.
+    pub fn check(&self) -> Result<(), Error> {
         let (waves, ship) = (&self.waves, &self.ship);
         for (what, value) in [
             ("significant height in m", waves.significant_height_m),

@@ -11,7 +11,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::spectrum::{
-    PERIOD_S, Realisation, SINES, Tone, check, frequency, power, range_error, sum, tones, window,
+    PERIOD_S, Realisation, SINES, Tone, check, check_density, frequency, power, range_error, sine_tones, sum,
+    window,
 };
 use crate::procedure::FurtherRoad;
 use crate::{Error, Road};
@@ -94,11 +95,9 @@ impl SixAxes {
     /// [`Error::Range`] for a duration, fade, coherence, amplitude, frequency or density out of range.
     pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
         let samples = check(how)?;
-        if !(0.0..=1.0).contains(&self.coherence) {
-            return Err(range_error("coherence", self.coherence, "from 0 to 1"));
-        }
+        self.check()?;
         let mut series = BaseSeries::at_rest(samples, PERIOD_S);
-        for (axis, tones) in self.all_tones(how.seed)?.iter().enumerate() {
+        for (axis, tones) in self.all_tones(how.seed).iter().enumerate() {
             for (k, row) in series.rows.iter_mut().enumerate() {
                 let t = k as f64 * PERIOD_S;
                 row[axis] = window(t, how)[0] * sum(tones, t)[0];
@@ -108,38 +107,48 @@ impl SixAxes {
         Ok(felt_road(name, &series, self.traverse, gravity_m_s2))
     }
 
-    fn all_tones(&self, seed: u64) -> Result<Vec<Vec<Tone>>, Error> {
-        let grid = self.grid()?;
+    /// Checks the motion, without realising it.
+    ///
+    /// # Errors
+    /// [`Error::Range`] for a coherence, amplitude, frequency or density out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        if !(0.0..=1.0).contains(&self.coherence) {
+            return Err(range_error("coherence", self.coherence, "from 0 to 1"));
+        }
+        // what a spectrum alone may not have, it may not have here
+        self.axes.iter().try_for_each(|axis| check_density(&axis.psd))?;
+        for [amplitude, hz] in self.axes.iter().flat_map(|axis| &axis.sines) {
+            if !amplitude.is_finite() {
+                return Err(range_error("amplitude of a sine", *amplitude, "finite"));
+            }
+            frequency(*hz)?;
+        }
+        Ok(())
+    }
+
+    fn all_tones(&self, seed: u64) -> Vec<Vec<Tone>> {
+        let grid = self.grid();
         let common = phases(seed, COMMON_STREAM);
         let mut all = Vec::with_capacity(6);
         for (k, axis) in self.axes.iter().enumerate() {
-            let mut tones = Vec::new();
-            for [amplitude, hz] in &axis.sines {
-                if !amplitude.is_finite() {
-                    return Err(range_error("amplitude of a sine", *amplitude, "finite"));
-                }
-                frequency(*hz)?;
-                tones.push(Tone { rate_rad_s: TAU * hz, amplitude: *amplitude, phase_rad: 0.0 });
-            }
+            let mut tones = sine_tones(&axis.sines);
             if let (Some(grid), false) = (&grid, axis.psd.is_empty()) {
                 let own = phases(seed, COMMON_STREAM + 1 + k as u64);
                 tones.extend(self.realised(&axis.psd, grid, &common, &own));
             }
             all.push(tones);
         }
-        Ok(all)
+        all
     }
 
     /// Lowest frequency of all spectra and the ratio from each line to the next; `None` without a spectrum.
-    fn grid(&self) -> Result<Option<Grid>, Error> {
+    fn grid(&self) -> Option<Grid> {
         let mut band: Option<[f64; 2]> = None;
         for axis in self.axes.iter().filter(|axis| !axis.psd.is_empty()) {
-            // what a spectrum alone may not have, it may not have here
-            tones(&axis.psd, 0, 0)?;
             let (low, high) = (axis.psd[0][0], axis.psd[axis.psd.len() - 1][0]);
             band = Some(band.map_or([low, high], |[l, h]| [l.min(low), h.max(high)]));
         }
-        Ok(band.map(|[low, high]| Grid { low_hz: low, ratio: (high / low).powf(1.0 / SINES as f64) }))
+        band.map(|[low, high]| Grid { low_hz: low, ratio: (high / low).powf(1.0 / SINES as f64) })
     }
 
     fn realised(&self, psd: &[[f64; 2]], grid: &Grid, common: &[f64], own: &[f64]) -> Vec<Tone> {

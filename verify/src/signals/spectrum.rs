@@ -43,8 +43,8 @@ const HIGHEST_HZ: f64 = 50.0;
 /// The pitch's phases are drawn from a sequence of their own.
 const PITCH_STREAM: u64 = 1;
 
-/// Independent heave and pitch with given spectra, from rest to rest; heave in points [Hz, (m/s^2)^2/Hz], pitch rate in points
-/// [Hz, (rad/s)^2/Hz]. No points: no motion.
+/// Returns independent heave and pitch with given spectra, from rest to rest; heave in points [Hz, (m/s^2)^2/Hz], pitch rate in
+/// points [Hz, (rad/s)^2/Hz]. No points: no motion.
 ///
 /// # Errors
 /// As [`tones`], and for a duration or fade out of range.
@@ -67,7 +67,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
     })
 }
 
-/// A platform motion simulator that only pitches, the mechanism's pivot standing `offset_m` in front of its axis:
+/// Returns the motion of a platform motion simulator that only pitches, the mechanism's pivot standing `offset_m` in front of its axis:
 ///
 /// ```text
 ///     theta(t) = fade(t) sum a_k sin(w_k t + phase_k),   pitch rate = theta',   heave = offset theta''
@@ -79,15 +79,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
 /// For a duration, fade, offset, amplitude or frequency out of range.
 pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Result<Road, Error> {
     let samples = check(how)?;
-    if !offset_m.is_finite() {
-        return Err(range_error("offset of the pivot in m", offset_m, "finite"));
-    }
-    for tone in angle {
-        if !tone.amplitude.is_finite() {
-            return Err(range_error("amplitude of the pitch in rad", tone.amplitude, "finite"));
-        }
-        frequency(tone.rate_rad_s / TAU)?;
-    }
+    check_pitch_simulator(angle, offset_m)?;
     let at = |k: usize| {
         let t = k as f64 * PERIOD_S;
         let (w, x) = (window(t, how), sum(angle, t));
@@ -99,14 +91,36 @@ pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Resul
     Ok(Road { name, sample_period_s: PERIOD_S, heave_m_s2, pitch_rate_rad_s, further: None })
 }
 
-/// The sines of a realisation, each with the variance of its band; seeds and streams have phases of their own.
+/// Checks what a motion simulator is given, without realising it: the sines of its pitch angle and its pivot's distance from the axis, m.
+///
+/// # Errors
+/// [`Error::Range`] for an offset or amplitude that is not finite, and for a frequency out of range.
+pub fn check_pitch_simulator(angle: &[Tone], offset_m: f64) -> Result<(), Error> {
+    if !offset_m.is_finite() {
+        return Err(range_error("offset of the pivot in m", offset_m, "finite"));
+    }
+    for tone in angle {
+        if !tone.amplitude.is_finite() {
+            return Err(range_error("amplitude of the pitch in rad", tone.amplitude, "finite"));
+        }
+        frequency(tone.rate_rad_s / TAU)?;
+    }
+    Ok(())
+}
+
+/// Returns the tones of sines that are given by amplitude and frequency in Hz, with phase 0.
+pub fn sine_tones(sines: &[[f64; 2]]) -> Vec<Tone> {
+    let tone = |&[amplitude, hz]: &[f64; 2]| Tone { rate_rad_s: TAU * hz, amplitude, phase_rad: 0.0 };
+    sines.iter().map(tone).collect()
+}
+
+/// Checks the points of a density, without realising it.
 ///
 /// # Errors
 /// [`Error::Range`] for a single point, frequencies that do not rise, are not positive or are above 50 Hz, and densities that are
 /// not positive.
-pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, Error> {
-    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
-    if points.len() < 2 {
+pub fn check_density(points: &[[f64; 2]]) -> Result<(), Error> {
+    if points.len() == 1 {
         return Err(range_error("points of a spectrum", points.len() as f64, "at least 2"));
     }
     for two in points.windows(2) {
@@ -121,6 +135,16 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, E
             return Err(range_error("density of a spectrum", *density, "positive"));
         }
     }
+    Ok(())
+}
+
+/// Returns the sines of a realisation, each with the variance of its band; seeds and streams have phases of their own.
+///
+/// # Errors
+/// As [`check_density`].
+pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, Error> {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
+    check_density(points)?;
     let mut source = ChaCha8Rng::seed_from_u64(seed);
     source.set_stream(stream);
     let ratio = (last[0] / first[0]).powf(1.0 / SINES as f64);
@@ -136,7 +160,7 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, E
     Ok((0..SINES).map(tone).collect())
 }
 
-/// Tones of the angle whose rate the given tones are.
+/// Returns the tones of the angle whose rate the given tones are.
 #[must_use]
 pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
     let turned = |tone: &Tone| Tone {
@@ -147,7 +171,7 @@ pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
     rate.iter().map(turned).collect()
 }
 
-/// Integral of the density over a band, exactly: between two points it is c f^p.
+/// Returns the integral of the density over a band, exactly: between two points it is c f^p.
 pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
     let piece = |two: &[[f64; 2]]| {
         let (from, to) = (two[0][0].max(low_hz), two[1][0].min(high_hz));

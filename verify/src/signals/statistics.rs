@@ -1,11 +1,11 @@
 //! Mean, RMS and peak.
 
-/// Arithmetic mean; 0 of an empty series.
+/// Returns the arithmetic mean; 0 of an empty series.
 pub fn mean(samples: &[f64]) -> f64 {
     if samples.is_empty() { 0.0 } else { samples.iter().sum::<f64>() / samples.len() as f64 }
 }
 
-/// Square root of the mean square; 0 of an empty series.
+/// Returns the square root of the mean square; 0 of an empty series.
 pub fn rms(samples: &[f64]) -> f64 {
     if samples.is_empty() {
         0.0
@@ -14,12 +14,12 @@ pub fn rms(samples: &[f64]) -> f64 {
     }
 }
 
-/// Largest modulus; 0 of an empty series, NaN where a sample is NaN.
+/// Returns the largest modulus; 0 of an empty series, NaN where a sample is NaN.
 pub fn peak(samples: &[f64]) -> f64 {
     samples.iter().map(|v| v.abs()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }
 
-/// The series less its mean.
+/// Returns the series less its mean.
 pub fn subtract_mean(samples: &[f64]) -> Vec<f64> {
     let middle = mean(samples);
     samples.iter().map(|v| v - middle).collect()

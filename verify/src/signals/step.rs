@@ -2,14 +2,7 @@
 
 use super::{check_finite, check_length, mean};
 use crate::Error;
-use crate::tolerance::{EVEN_SPACING, FEWEST_STEP_SAMPLES};
-
-/// The response is settled once it stays within this fraction of the demand.
-pub const SETTLING_BAND: f64 = 0.05;
-/// The steady state is the mean over this last fraction of the record.
-pub const STEADY_FRACTION: f64 = 0.1;
-/// Rise is counted between these fractions of the demand.
-pub const RISE_FROM_TO: (f64, f64) = (0.1, 0.9);
+use crate::tolerance::{EVEN_SPACING, FEWEST_STEP_SAMPLES, RISE_FROM_TO, SETTLING_BAND, STEADY_FRACTION};
 
 /// Figures of the response to a step from rest to `demand`.
 #[derive(Debug, Clone, Copy, PartialEq)]

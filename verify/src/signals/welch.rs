@@ -41,12 +41,12 @@ pub struct Spectra {
 }
 
 impl Spectra {
-    /// 20 log10 |Pxy / Pxx|, dB: the disturbance rejection ratio where x is the platform's motion and y the hub's.
+    /// Returns 20 log10 |Pxy / Pxx|, dB: the disturbance rejection ratio where x is the platform's motion and y the hub's.
     pub fn ratio_db(&self) -> Vec<f64> {
         self.transfer.iter().map(|h| 20.0 * h.norm().log10()).collect()
     }
 
-    /// Lower and upper limit of the ratio in dB; the lower limit is minus infinity where the disk holds 0.
+    /// Returns the lower and upper limit of the ratio in dB; the lower limit is minus infinity where the disk holds 0.
     pub fn interval_db(&self) -> Vec<(f64, f64)> {
         let both = self.transfer.iter().zip(&self.radius);
         both.map(|(h, r)| (20.0 * (h.norm() - r).max(0.0).log10(), 20.0 * (h.norm() + r).log10())).collect()

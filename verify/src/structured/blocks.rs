@@ -15,7 +15,7 @@ pub enum Block {
 }
 
 impl Block {
-    /// Rows and columns of the block.
+    /// Returns the rows and columns of the block.
     pub fn order(self) -> usize {
         match self {
             Block::Real { repeated } => repeated,
@@ -32,17 +32,17 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// The structure of the given blocks.
+    /// Returns the structure of the given blocks.
     pub fn of(blocks: &[Block]) -> Self {
         Self { blocks: blocks.to_vec() }
     }
 
-    /// Rows and columns of the whole perturbation.
+    /// Returns the rows and columns of the whole perturbation.
     pub fn order(&self) -> usize {
         self.blocks.iter().map(|block| block.order()).sum()
     }
 
-    /// Each block with the rows that it takes.
+    /// Returns each block with the rows that it takes.
     pub fn place_blocks(&self) -> Vec<(Block, Range<usize>)> {
         let mut from = 0;
         let mut place = |block: &Block| {

@@ -12,7 +12,7 @@ use counterpoise_models::plant::{
 use super::places::Dry;
 use crate::Error;
 use crate::linear::SampledPlant;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::tolerance::NEUTRAL;
 
 /// Errors of the plant's gain at one frequency: what the loop is closed with is an all-pass of first order with that value there.
@@ -78,8 +78,8 @@ pub fn close_perturbed_loop(
     })
 }
 
-/// The closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of presliding,
-/// poles of constants that nothing changes are left out.
+/// Returns the closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of
+/// presliding, poles of constants that nothing changes are left out.
 ///
 /// # Errors
 /// Parameters that make no mechanism, and those of the sampling and of the connection.

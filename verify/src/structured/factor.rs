@@ -31,7 +31,7 @@ pub struct Reach {
 }
 
 impl Factor {
-    /// The factor over the range of a distribution.
+    /// Returns the factor over the range of a distribution.
     pub fn of(distribution: Distribution) -> Self {
         let (low, high) = match distribution {
             Distribution::Uniform { low, high } | Distribution::LogUniform { low, high } => (low, high),
@@ -46,14 +46,14 @@ impl Factor {
         Self { centre, a: h * (1.0 + b) - 1.0, b }
     }
 
-    /// The factor at a deviation, which is taken as the nearest within [`Self::reach`].
+    /// Returns the factor at a deviation, which is taken as the nearest within [`Self::reach`].
     pub fn at(self, delta: f64) -> f64 {
         let Reach { least, most } = self.reach();
         let delta = delta.clamp(least, most);
         self.centre * (1.0 + self.a * delta) / (1.0 + self.b * delta)
     }
 
-    /// The deviations at which the factor is positive and finite: no parameter is 0 or less, however far its range is widened.
+    /// Returns the deviations at which the factor is positive and finite: no parameter is 0 or less, however far its range is widened.
     pub fn reach(self) -> Reach {
         let least = if self.a > 0.0 { -1.0 / self.a } else { f64::NEG_INFINITY };
         let most = if self.b < 0.0 { -1.0 / self.b } else { f64::INFINITY };

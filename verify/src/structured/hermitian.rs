@@ -9,8 +9,8 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// The factor of a Hermitian matrix, of which the lower triangle is read; `None` if it is not positive definite. n^3 / 3
-    /// multiplications.
+    /// Returns the factor of a Hermitian matrix, of which the lower triangle is read; `None` if it is not positive definite. n^3
+    /// / 3 multiplications.
     pub fn of(F: &CMat) -> Option<Self> {
         let n = F.nrows();
         let mut L = CMat::zeros(n, n);
@@ -29,12 +29,12 @@ impl Factor {
         Some(Self { L })
     }
 
-    /// log det F.
+    /// Returns log det F.
     pub fn log_det(&self) -> f64 {
         (0..self.L.nrows()).map(|k| 2.0 * self.L[(k, k)].re.ln()).sum()
     }
 
-    /// inv(F).
+    /// Returns inv(F).
     pub fn inverse(&self) -> CMat {
         let n = self.L.nrows();
         let mut X = CMat::eye(n);
@@ -44,7 +44,7 @@ impl Factor {
         X
     }
 
-    /// inv(F) b in the place of b.
+    /// Puts inv(F) b in the place of b.
     pub fn solve_in_place(&self, b: &mut [C64]) {
         let (L, n) = (&self.L, b.len());
         for i in 0..n {

@@ -28,7 +28,7 @@ use super::factor::Factor;
 use super::places::{Dry, Place};
 use super::taylor::{Evaluated, Interval, Taylor};
 use crate::Error;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 use crate::linear::plant_response::hold;
 use crate::linear::{Closed, SampledPlant};
@@ -170,13 +170,13 @@ impl UncertainLoop {
         }
     }
 
-    /// The sample period, s.
+    /// Returns the sample period, s.
     pub fn sample_period_s(&self) -> f64 {
         self.plant.sample_period_s
     }
 
-    /// The parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole is in the
-    /// middle of the interval, or if the loop is algebraically singular.
+    /// Returns the parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole
+    /// is in the middle of the interval, or if the loop is algebraically singular.
     pub fn pieces_over(&self, interval: Interval) -> Option<Pieces> {
         let m = self.channels;
         let G = self.systems.extended.evaluate_over(interval)?;
@@ -198,7 +198,7 @@ impl UncertainLoop {
         })
     }
 
-    /// M at each rate in rad/s.
+    /// Returns M at each rate in rad/s.
     ///
     /// # Errors
     /// A response that does not exist because of a pole.
@@ -306,7 +306,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::linear::plant::Resolver;
-    use crate::robust::{Distribution, Varied, varied};
+    use crate::robust::{Distribution, Varied, varied_parameters};
     use crate::structured::places::places;
     use counterpoise_models::plant::{Angles, FrictionLinearisation};
 
@@ -346,7 +346,8 @@ mod tests {
         let rig = counterpoise_models::reference::rig();
         let factor = Factor::of(Distribution::Uniform { low: 0.6, high: 1.9 });
         let of_sliding_plant = |varied: &Varied| !varied.is_of_controller();
-        for (varied, key) in varied::ALL.into_iter().filter(|(varied, _)| of_sliding_plant(varied)) {
+        for (varied, key) in varied_parameters::ALL.into_iter().filter(|(varied, _)| of_sliding_plant(varied))
+        {
             for delta in [0.0, 0.8, -0.9] {
                 let mut parameters = rig.clone();
                 varied.scale(&mut parameters, factor.at(delta)).unwrap();

@@ -15,7 +15,7 @@ pub struct Perturbation {
     pub delta: Vec<C64>,
 }
 
-/// The largest bound that the iteration finds from a few fixed starts; `None` if it converges from none of them, or the bound is 0.
+/// Returns the largest bound that the iteration finds from a few fixed starts; `None` if it converges from none of them, or the bound is 0.
 pub fn lower_bound(M: &CMat, structure: &Structure) -> Option<Perturbation> {
     let found = (0..POWER_STARTS).filter_map(|start| Iteration::new(M, structure, start).run());
     found.max_by(|a, b| a.beta.total_cmp(&b.beta))

@@ -40,7 +40,7 @@ pub enum Place {
     PivotPresliding,
 }
 
-/// The places of a parameter; `None` if it does not enter the loop.
+/// Returns the places of a parameter; `None` if it does not enter the loop.
 pub fn places(varied: Varied) -> &'static [Place] {
     match varied {
         Varied::HubInertia => &[Place::HubInertia],
@@ -93,8 +93,8 @@ pub enum Joints {
     Frictionless,
 }
 
-/// The presliding stiffness at motor and pivot, N m/rad: 0 for a law that creeps, that of a joint that is all but stuck for one that
-/// truly sticks.
+/// Returns the presliding stiffness at motor and pivot, N m/rad: 0 for a law that creeps, that of a joint that is all but stuck for
+/// one that truly sticks.
 pub fn presliding(parameters: &Parameters) -> [f64; 2] {
     let inertia = parameters.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2());
     let (gear, ratio) = (joint_stiffness(parameters, inertia), parameters.gearbox.ratio);
@@ -105,8 +105,8 @@ pub fn presliding(parameters: &Parameters) -> [f64; 2] {
     })
 }
 
-/// The stiffness of the joint at the output, N m/rad, against which a stuck one is stiff: that of the transmission. A rigid one has none: a
-/// body of the inertia, kg m^2, and of the rotor's is held as stiffly as half the sample rate shows, `J (pi / T)^2`.
+/// Returns the stiffness of the joint at the output, N m/rad, against which a stuck one is stiff: that of the transmission. A rigid one has
+/// none: a body of the inertia, kg m^2, and of the rotor's is held as stiffly as half the sample rate shows, `J (pi / T)^2`.
 pub fn joint_stiffness(parameters: &Parameters, inertia_kg_m2: f64) -> f64 {
     let gearbox = &parameters.gearbox;
     if !gearbox.is_rigid() {
@@ -116,8 +116,8 @@ pub fn joint_stiffness(parameters: &Parameters, inertia_kg_m2: f64) -> f64 {
     inertia * (std::f64::consts::PI / parameters.interface.sample_period_s).powi(2)
 }
 
-/// The viscous friction that takes as much work as the dry friction at a sinusoidal rate of the hub, N m s/rad at the motor and at
-/// the pivot: c = 4 F / (pi rate), the motor turning by the gear's ratio faster.
+/// Returns the viscous friction that takes as much work as the dry friction at a sinusoidal rate of the hub, N m s/rad at the
+/// motor and at the pivot: c = 4 F / (pi rate), the motor turning by the gear's ratio faster.
 pub fn dry_as_viscous(parameters: &Parameters, hub_rate_rad_s: f64) -> [f64; 2] {
     let damping = |coulomb: f64, rate: f64| 4.0 * coulomb / (std::f64::consts::PI * rate.abs());
     [
@@ -126,7 +126,7 @@ pub fn dry_as_viscous(parameters: &Parameters, hub_rate_rad_s: f64) -> [f64; 2] 
     ]
 }
 
-/// The mechanism with so much viscous friction added at motor and pivot in the place of dry friction.
+/// Returns the mechanism with so much viscous friction added at motor and pivot in the place of dry friction.
 pub fn without_dry(parameters: &Parameters, added: [f64; 2]) -> Parameters {
     let mut out = parameters.clone();
     for (friction, more) in [&mut out.motor_friction, &mut out.pivot_friction].into_iter().zip(added) {

@@ -65,8 +65,9 @@ pub fn robust_stability(
     robust_stability_in(Joints::Sliding, parameters, controller, procedure, uncertainty)
 }
 
-/// As [`robust_stability`], with friction sliding or at rest. At rest `controller` has linear paths in the place of its friction
-/// observers ([`crate::certificate::elements::quasi_linear`]), and the presliding stiffness is a parameter like any other.
+/// Does the same as [`robust_stability`], with friction sliding or at rest. At rest `controller` has linear paths in the place of
+/// its friction observers ([`crate::certificate::elements::quasi_linear`]), and the presliding stiffness is a parameter like any
+/// other.
 ///
 /// # Errors
 /// As [`robust_stability`].

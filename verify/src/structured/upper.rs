@@ -31,7 +31,7 @@ pub struct UpperBound {
 }
 
 impl UpperBound {
-    /// Whether the scalings prove the bound for a matrix: the definition, evaluated.
+    /// Returns whether the scalings prove the bound for a matrix: the definition, evaluated.
     pub fn proves(&self, M: &CMat) -> bool {
         Factor::of(&self.D).is_some() && Slack::of(M, &self.D, &self.G).factor(self.beta.powi(2)).is_some()
     }
@@ -58,7 +58,7 @@ impl<'a> Slack<'a> {
     }
 }
 
-/// An upper bound of mu(M) over a structure, within about a percent of the best that scalings D and G prove.
+/// Returns an upper bound of mu(M) over a structure, within about a percent of the best that scalings D and G prove.
 ///
 /// `near` is the bound of a similar matrix, of a neighbouring frequency, from which the search may start.
 pub fn upper_bound(M: &CMat, structure: &Structure, near: Option<&UpperBound>) -> UpperBound {

@@ -19,8 +19,8 @@ use crate::tolerance::{
     SEARCH_SHRINKS, TRIED_LEVELS, TRIED_PHASES,
 };
 
-/// A perturbation of least size x near 1 / `upper`, from a start of the real parameters, none of which leaves its reach; none without one or two complex blocks, or
-/// where it would be much larger.
+/// Returns a perturbation of least size x near 1 / `upper`, from a start of the real parameters, none of which leaves its reach; none without one or
+/// two complex blocks, or where it would be much larger.
 pub fn vertex_bound(
     M: &CMat,
     structure: &Structure,

@@ -5,10 +5,6 @@
 //! Faults that a gyroscope itself may have (gain, bias, lag, delay) are left to the library of physics, because this sensor is
 //! inside the control loop.
 
-use crate::tolerance::recording::{
-    FACTOR_CERTAINTY, MOTOR_BIAS_RAD_S, PLATFORM_REST_MULTIPLE, RECOMPUTED_CONTROL_MULTIPLE,
-    WRONG_FACTORS_AT_MOST,
-};
 use counterpoise_models::{Measured, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
@@ -20,6 +16,10 @@ use crate::recording::instrument_faults::regression::{delay_series, regress};
 use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
 use crate::recording::noise::measure_white_noise;
 use crate::recording::series::deviation;
+use crate::tolerance::recording::{
+    FACTOR_CERTAINTY, MOTOR_BIAS_RAD_S, NEARLY_WHOLE_SAMPLES, PLATFORM_REST_MULTIPLE,
+    RECOMPUTED_CONTROL_MULTIPLE, RESOLVER_MEAN_SHARE, WRONG_FACTORS_AT_MOST,
+};
 
 /// Recordings without the faults that could be repaired, and the faults.
 #[derive(Debug, Clone, PartialEq)]
@@ -283,14 +283,13 @@ fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usi
     let doubt = motor.left.max(resolver.left);
     let told = apart.abs() > MOTOR_BIAS_RAD_S
         && apart.abs() > doubt
-        && resolver.constant.0.abs() < 0.5 * apart.abs();
+        && resolver.constant.0.abs() < RESOLVER_MEAN_SHARE * apart.abs();
     told.then_some((r, apart * base.gearbox.ratio, doubt * base.gearbox.ratio))
 }
 
 /// Returns a whole number of samples if the number is nearly whole.
 fn whole(samples: f64) -> f64 {
-    const NEARLY: f64 = 0.3;
-    if (samples - samples.round()).abs() < NEARLY { samples.round() } else { samples }
+    if (samples - samples.round()).abs() < NEARLY_WHOLE_SAMPLES { samples.round() } else { samples }
 }
 
 /// Interpolates what is missing by straight lines, with the nearest reading at the ends.

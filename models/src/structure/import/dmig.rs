@@ -39,7 +39,7 @@ impl Dmig {
     }
 }
 
-/// All DMIG matrices in a bulk data text; other entries, comments (`$`) and blank lines are passed over.
+/// Reads all DMIG matrices in a bulk data text; other entries, comments (`$`) and blank lines are passed over.
 ///
 /// # Errors
 /// [`Error::Import`] with the line: a complex or rectangular matrix, an entry before its header, a field that cannot be

@@ -40,12 +40,12 @@ pub struct Imported {
 }
 
 impl Imported {
-    /// Plain matrices in the row order of the node map.
+    /// Takes plain matrices in the row order of the node map.
     pub fn from_row_order(map: &NodeMap, M: Sparse, C: Option<Sparse>, K: Sparse) -> Self {
         Self { M, C, K, rows: map.rows.clone() }
     }
 
-    /// DMIG matrices by their names, in the order of the grids and components that K or M mention.
+    /// Takes DMIG matrices by their names, in the order of the grids and components that K or M mention.
     ///
     /// # Errors
     /// [`Error::Import`] if a name is missing.

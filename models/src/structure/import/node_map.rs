@@ -65,7 +65,7 @@ impl NodeMap {
         out.finish()
     }
 
-    /// Position of a grid, m.
+    /// Returns the position of a grid, m.
     ///
     /// # Errors
     /// [`Error::Import`] for a grid that the map lacks.
@@ -74,7 +74,7 @@ impl NodeMap {
         found.ok_or_else(|| line_error(0, format!("the node map has no position for grid {grid}")))
     }
 
-    /// Height of a grid above the axis, m.
+    /// Returns the height of a grid above the axis, m.
     pub fn height(&self, grid: u64) -> f64 {
         self.heights_m.get(&grid).copied().unwrap_or(0.0)
     }

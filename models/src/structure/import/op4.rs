@@ -13,7 +13,7 @@ pub struct Op4 {
     pub matrix: Sparse,
 }
 
-/// All matrices in an OP4 text.
+/// Reads all matrices in an OP4 text.
 ///
 /// Each begins with NCOL, NROW (negative: bigmat), form and type in fields of 8 columns, its name in 8 and the FORTRAN
 /// format of its values; each column with three whole numbers, each string of a sparse column with one or two; a column

@@ -64,8 +64,7 @@ const NOTHING: &[Entry] = &[];
 /// Most findings that are kept: a file with more is no project file.
 const MOST_FINDINGS: usize = 1000;
 /// What to do if a physical quantity without default is not known.
-const ESTIMATE: &str =
-    "nothing is assumed for it, but an estimate will do, with how far it may be off: { value = ..., tolerance = 0.3 }";
+const ESTIMATE: &str = "nothing is assumed for it, but an estimate will do, with how far it may be off: { value = ..., tolerance = 0.3 }";
 /// Most known keys that a finding lists.
 const MOST_KNOWN: usize = 24;
 

@@ -16,10 +16,9 @@ use super::neighbours::stiffen;
 use super::scan::{Candidate, PER_DECADE, Scan, Tried};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
+use crate::tolerance::HIGHER_BANDWIDTH;
 use crate::{DesignPlant, Error, ParallelRun, Sampling};
 
-/// A bandwidth is higher if it is by this share: the answer itself is known to 0.7 %.
-const HIGHER: f64 = 0.015;
 /// Aims in a row without a loop at which the climb ends.
 const MISSES: usize = 2;
 /// Aims above the answer at most: two decades.
@@ -89,7 +88,7 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithL
 /// Returns a candidate with its loop if its bandwidth is higher than what is reached.
 fn higher(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<HigherLoop>, Error> {
     match tried {
-        Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER) => {
+        Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER_BANDWIDTH) => {
             let rate_rad_s = tried.judgement.bandwidth_rad_s;
             Ok(Some(HigherLoop { rate_rad_s, shown_by: scan.nominal_loop(tried)? }))
         }

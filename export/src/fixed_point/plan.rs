@@ -5,10 +5,10 @@ use counterpoise_controller::program::Slot;
 use counterpoise_lti::poles;
 
 use crate::Ranges;
-use crate::fixed::format::{bits_for, to_integer};
-use crate::fixed::predict::predict;
-use crate::fixed::writer::Writer;
-use crate::fixed::{Fixed, FixedError};
+use crate::fixed_point::format::{bits_for, to_integer};
+use crate::fixed_point::predict::predict;
+use crate::fixed_point::writer::Writer;
+use crate::fixed_point::{Fixed, FixedError};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
 use crate::tolerance::UNSTABLE_MODULUS;

@@ -6,9 +6,9 @@ use minijinja::{Environment, context};
 
 use crate::c99::{assignments, line_with, with_guard};
 use crate::comment::comment_text;
-use crate::fixed::format::{to_integer, unit};
-use crate::fixed::guard::{FixedSettings, SHARE_BITS};
-use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner, FixedTerm};
+use crate::fixed_point::format::{to_integer, unit};
+use crate::fixed_point::guard::{FixedSettings, SHARE_BITS};
+use crate::fixed_point::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner, FixedTerm};
 use crate::guard::{flags, guard_bytes, mark_files};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};

@@ -34,7 +34,7 @@ pub const SHAPES: [&str; 12] = [
     "hysteresis of elements that slip",
 ];
 
-/// The machine of a seed, recorded.
+/// Returns the machine of a seed, recorded.
 pub fn record_unnamed(seed: u64, nominal: &Parameters) -> Unnamed {
     let mut made = machine(nominal);
     let mut dice = Dice::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0xf2ee);

@@ -5,7 +5,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed::{Closed, arrange, resolver_use};
+use counterpoise_verify::linear::closed_loop::{Closed, arrange, resolver_use};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
     Verification, linear_plant,

@@ -4,9 +4,9 @@ use counterpoise_controller::program::Slot;
 use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledController, Sensors, Status};
 
 use crate::Adjustable;
-use crate::fixed::format::{to_integer, unit};
-use crate::fixed::guard::FixedGuard;
-use crate::fixed::{Fixed, FixedOperation, FixedProgram, narrow};
+use crate::fixed_point::format::{to_integer, unit};
+use crate::fixed_point::guard::FixedGuard;
+use crate::fixed_point::{Fixed, FixedOperation, FixedProgram, narrow};
 
 /// A fixed-point controller that runs.
 #[derive(Debug, Clone)]
@@ -134,7 +134,7 @@ enum Which {
 }
 
 impl Fixed {
-    /// Fraction bits of the control.
+    /// Returns the fraction bits of the control.
     pub fn control_bits(&self) -> i32 {
         match self.controller.programs().step.output {
             Some(Slot::Local(i)) => self.step.locals[i],

@@ -19,8 +19,8 @@ pub struct Realisation<'a> {
     pub D: &'a Mat,
 }
 
-/// `C (sI - A)^-1 B + D`, p x m, every entry to about a rounding of a double, unless the linear equations are singular to working
-/// precision.
+/// Returns `C (sI - A)^-1 B + D`, p x m, every entry to about a rounding of a double, unless the linear equations are singular to
+/// working precision.
 ///
 /// The equations are solved by LU, and the residual of the solution, which is kept as a sum of two doubles, is computed in 32 digits from
 /// the entries as they are given, so that systems whose parts nearly cancel keep their digits. Source: Higham, Accuracy and Stability of

@@ -1,6 +1,6 @@
 //! Frequency-weighted balancing (Enns 1984), and the reduction of a controller that keeps its loop.
 
-use crate::balanced::Balanced;
+use crate::balanced_truncation::Balanced;
 use crate::reduction::choose;
 use crate::split::split;
 use crate::tolerance::EXACT_NORM;
@@ -21,7 +21,7 @@ pub struct Weights<'a> {
     pub input: &'a StateSpace,
 }
 
-/// Frequency-weighted balanced reduction of the stable part of `g`; the rest is kept.
+/// Returns the frequency-weighted balanced reduction of the stable part of `g`; the rest is kept.
 ///
 /// The Gramians are the blocks that belong to g in those of `g input` and `output g`. There is no a priori bound: the
 /// weighted error is measured.

@@ -13,7 +13,7 @@ pub(crate) struct Tracked {
 }
 
 impl Tracked {
-    /// Data as given: nothing has cancelled yet.
+    /// Takes data as they are given: nothing has cancelled yet.
     pub fn of(value: Mat) -> Self {
         let size = value.map(f64::abs);
         Self { value, size }
@@ -38,12 +38,12 @@ impl Tracked {
         Self { value: self.value.vstack(&below.value), size: self.size.vstack(&below.size) }
     }
 
-    /// self + left right, entries that cancel set to zero.
+    /// Returns self + left right, entries that cancel set to zero.
     pub fn plus_product(&self, left: &Mat, right: &Self) -> Self {
         self.t().minus_product(&right.t(), &-&left.t()).t()
     }
 
-    /// self - left right, entries that cancel set to zero.
+    /// Returns self - left right, entries that cancel set to zero.
     pub fn minus_product(&self, left: &Self, right: &Mat) -> Self {
         let value = &self.value - &(&left.value * right);
         let size = &self.size + &(&left.size * &right.map(f64::abs));

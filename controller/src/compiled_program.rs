@@ -83,7 +83,7 @@ impl<N: Number> Compiled<N> {
         self.output.map(|place| memory[place].clone())
     }
 
-    /// As [`Compiled::run`], but after each operation `touch` gets its number and what it wrote, to look at or to change.
+    /// Runs the program as [`Compiled::run`] does, but after each operation `touch` gets its number and what it wrote, to look at or to change.
     pub fn run_touched(
         &self,
         memory: &mut [N],

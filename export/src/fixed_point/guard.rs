@@ -11,8 +11,8 @@ use counterpoise_controller::guard::{ALONE, STICKY};
 use counterpoise_controller::signal::{DEMAND, HUB_RATE};
 use counterpoise_controller::{GuardSettings, READINGS, Sensors, Status};
 
-use crate::fixed::format::to_integer;
-use crate::fixed::{FULL, Fixed, narrow};
+use crate::fixed_point::format::to_integer;
+use crate::fixed_point::{FULL, Fixed, narrow};
 
 /// Fraction bits of the share of the other sensors.
 pub(crate) const SHARE_BITS: u32 = 30;

@@ -1,6 +1,6 @@
 //! Formats of integers, and the intervals in which they lie.
 
-use crate::fixed::{ACCUMULATOR_BITS, FULL};
+use crate::fixed_point::{ACCUMULATOR_BITS, FULL};
 
 /// Fraction bits with which +/- `largest` just fits 32 bits.
 pub(crate) fn bits_for(largest: f64) -> i32 {

@@ -4,8 +4,8 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{Operation, Program, Slot, Term};
 
 use crate::Ranges;
-use crate::fixed::format::{ALL, Span, bits_for, to_integer, unit};
-use crate::fixed::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
+use crate::fixed_point::format::{ALL, Span, bits_for, to_integer, unit};
+use crate::fixed_point::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
 
 /// One operation's rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -21,7 +21,7 @@ pub(crate) struct OperationError {
 }
 
 impl OperationError {
-    /// Rounding to nearest.
+    /// Returns the error of rounding to nearest.
     pub fn nearest(half: f64) -> Self {
         Self { worst: half, squares: half * half, ..Self::default() }
     }
@@ -84,7 +84,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Fraction bits of a slot.
+    /// Returns the fraction bits of a slot.
     pub fn bits(&self, slot: Slot) -> i32 {
         match slot {
             Slot::Input(i) => self.inputs[i],

@@ -96,12 +96,12 @@ pub const ALL: [(Varied, &str); 27] = [
 ];
 
 impl Varied {
-    /// The key in a project file.
+    /// Returns the key in a project file.
     pub fn key(self) -> &'static str {
         ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
     }
 
-    /// The parameter with the given key.
+    /// Returns the parameter with the given key.
     pub fn from_key(key: &str) -> Option<Self> {
         ALL.iter().find(|row| row.1 == key).map(|row| row.0)
     }

@@ -3,7 +3,7 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::error::{Error, check_shape, check_square};
-use crate::extended::Extended;
+use crate::extended_precision::Extended;
 use crate::mat::Mat;
 use crate::sylvester::sylvester;
 use crate::tolerance::{EPS, GENERALISED_SYLVESTER_REFINEMENTS};

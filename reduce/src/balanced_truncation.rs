@@ -125,7 +125,7 @@ fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
     )?)
 }
 
-/// Balanced reduction of any system: integrators, poles on the border and unstable poles are kept, the stable part is
+/// Returns the balanced reduction of any system: integrators, poles on the border and unstable poles are kept, the stable part is
 /// reduced.
 ///
 /// The H-infinity error is at most twice the sum of the Hankel values dropped. O(n^3).

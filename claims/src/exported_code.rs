@@ -7,12 +7,11 @@ use counterpoise_verify::{Arrangement, Experiment, Source};
 
 use super::drawing::{Curve, drawing, panel};
 use super::{Bench, Claim, Criterion};
+use crate::tolerance::SAME_LOOP_DB;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::export::run_targets;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
-/// The closed loop is the same where smaller numbers cost no more of its error than this, dB.
-const SAME_DB: f64 = 0.1;
 /// The experiment that is drawn.
 const DRAWN: Experiment = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
 
@@ -59,7 +58,7 @@ pub fn exported_controller(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 "most that smaller numbers cost, dB",
                 "the same closed loop",
                 most_db,
-                SAME_DB,
+                SAME_LOOP_DB,
                 "a hundredth of the hub rate",
             ),
             Criterion::at_least(

@@ -80,8 +80,8 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// The name of the block with most of a direction, of which the moduli are given, an entry a state; without names
-    /// the state with most of it.
+    /// Returns the name of the block with most of a direction, of which the moduli are given, an entry a state; without names the
+    /// state with most of it.
     pub fn block_of(&self, moduli: &[f64]) -> String {
         let mut shares: Vec<(f64, String)> = Vec::new();
         let mut from = 0;
@@ -98,7 +98,7 @@ impl Blocks {
         most.map_or_else(|| "the plant".to_owned(), |share| share.1)
     }
 
-    /// A controller whose states estimate the scaled states, with states that estimate the plant's own: exact.
+    /// Returns a controller whose states estimate the scaled states, with states that estimate the plant's own: exact.
     pub fn convert_to_plant_states(&self, K: StateSpace) -> StateSpace {
         let T = &self.scale;
         let A = Mat::from_fn(K.order(), K.order(), |i, j| K.A[(i, j)] * (T[i] / T[j]));
@@ -109,7 +109,7 @@ impl Blocks {
 }
 
 impl Generalised {
-    /// The generalised plant with its last `controls` inputs and `measurements` outputs.
+    /// Returns the generalised plant with its last `controls` inputs and `measurements` outputs.
     ///
     /// # Errors
     /// [`Error::System`] for a sampled system or one with an entry that is not finite, [`Error::Index`] where it has fewer inputs or outputs.
@@ -128,7 +128,7 @@ impl Generalised {
         Ok(Self { system, controls, measurements, origins: Vec::new() })
     }
 
-    /// With the blocks named that the states belong to, in order: refusals name them.
+    /// Returns the plant with the blocks named that the states belong to, in order: refusals name them.
     ///
     /// # Errors
     /// [`Error::Index`] where the blocks have more states than the plant.
@@ -157,7 +157,7 @@ impl Generalised {
             .of_blocks(blocks.iter().map(origin).collect())
     }
 
-    /// The closed loop from w to z with the controller u = K y.
+    /// Returns the closed loop from w to z with the controller u = K y.
     ///
     /// # Errors
     /// [`Error::Lti`] where K does not fit, or the algebraic loop is singular.

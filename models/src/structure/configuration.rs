@@ -3,7 +3,7 @@
 use super::damping::{modal_with_stiffness, rayleigh, rayleigh_coefficients};
 use super::fe::{FeModel, FeOptions, Fitted};
 use super::modes::{Support, modes};
-use super::reduced::{PinnedStructure, pinned_modes, reduce_to_lumped};
+use super::reduction::{PinnedStructure, pinned_modes, reduce_to_lumped};
 use crate::Error;
 use crate::parameters::{Beam, Configuration, Parameters, StructuralDamping};
 

@@ -4,9 +4,9 @@ use counterpoise_controller::READINGS;
 use counterpoise_controller::program::{Operation, Program, Slot};
 
 use crate::Ranges;
-use crate::fixed::format::{to_integer, unit};
-use crate::fixed::writer::{OperationError, Writer};
-use crate::fixed::{Fixed, FixedOperation, FixedProgram};
+use crate::fixed_point::format::{to_integer, unit};
+use crate::fixed_point::writer::{OperationError, Writer};
+use crate::fixed_point::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::{Run, RunState, RunVisitor, play};
 use crate::rounding::{
     Arithmetic, Deviation, ExecutedOperation, Line, Rounded, deviation, is_kept, setting_errors,

@@ -58,7 +58,7 @@ impl Closed {
         Ok(Self { poles: poles(&system)?, system, broken: None, controller: None })
     }
 
-    /// The largest modulus of a pole; below 1 the loop is stable.
+    /// Returns the largest modulus of a pole; below 1 the loop is stable.
     pub fn pole_radius(&self) -> f64 {
         self.poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max)
     }
@@ -72,7 +72,7 @@ fn same_period(controller: &Controller, interface_s: f64) -> Result<(), Error> {
     Err(Error::Period { controller_s, interface_s })
 }
 
-/// The controller in an arrangement: as it is, or without the paths that see the platform's motion alone; none without control.
+/// Returns the controller in an arrangement: as it is, or without the paths that see the platform's motion alone; none without control.
 ///
 /// # Errors
 /// Those of the controller.
@@ -86,12 +86,12 @@ pub fn arrange(controller: &Controller, arrangement: Arrangement) -> Result<Opti
     }
 }
 
-/// Whether a path sees nothing but the platform's motion.
+/// Returns whether a path sees nothing but the platform's motion.
 pub fn is_feedforward(path: &Path) -> bool {
     path.inputs.iter().all(|signal| matches!(signal, Signal::PlatformRate | Signal::PlatformAcceleration))
 }
 
-/// Whether any part of the controller reads the hub's angle.
+/// Returns whether any part of the controller reads the hub's angle.
 pub fn resolver_use(controller: &Controller) -> Resolver {
     let reads = controller.parts().paths.iter().any(|path| path.inputs.contains(&Signal::HubPosition));
     if reads { Resolver::Read } else { Resolver::Unread }

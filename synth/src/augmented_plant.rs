@@ -31,13 +31,13 @@ impl Augmented {
         (self.A.nrows(), self.error.order(), self.control.order())
     }
 
-    /// n + e + u.
+    /// Returns n + e + u.
     pub fn order(&self) -> usize {
         let (n, e, u) = self.sizes();
         n + e + u
     }
 
-    /// The state matrix on \[x_p; x_e; x_u\].
+    /// Returns the state matrix on \[x_p; x_e; x_u\].
     pub fn state(&self) -> Mat {
         let (n, e, u) = self.sizes();
         let (E, U) = (&self.error, &self.control);
@@ -48,13 +48,13 @@ impl Augmented {
         ])
     }
 
-    /// The column of v.
+    /// Returns the column of v.
     pub fn input(&self) -> Mat {
         let (_, e, _) = self.sizes();
         Mat::from_blocks(&[&[&(&self.B * &self.control.D)], &[&Mat::zeros(e, 1)], &[&self.control.B]])
     }
 
-    /// The rows of z1 and z3 (z2 is v).
+    /// Returns the rows of z1 and z3 (z2 is v).
     pub fn output(&self) -> Mat {
         let (_, e, u) = self.sizes();
         let q = self.further.nrows();
@@ -64,7 +64,7 @@ impl Augmented {
         ])
     }
 
-    /// The row of u: C_u x_u + D_u v with v = `v` times the state (and whatever follows it).
+    /// Returns the row of u: C_u x_u + D_u v with v = `v` times the state (and whatever follows it).
     pub fn control_row(&self, v: &Mat) -> Mat {
         let (n, e, u) = self.sizes();
         let mut row = Mat::zeros(1, v.ncols());

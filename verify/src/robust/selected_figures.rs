@@ -7,7 +7,7 @@ use counterpoise_simulate::Simulator;
 
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
-use crate::linear::closed::resolver_use;
+use crate::linear::closed_loop::resolver_use;
 use crate::linear::{ArrangedLoop, Closed, SampledPlant, arrange, surge};
 use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
