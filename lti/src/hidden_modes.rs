@@ -6,7 +6,7 @@ use crate::components::components;
 use crate::error::During;
 use crate::roots::poles_on_boundary;
 use crate::tolerance::{
-    ABSENT_RESIDUE, CONTOUR_POINTS, CONTOUR_RADIUS, MOST_HIDDEN_MODES, SAME_BOUNDARY_POLE,
+    ABSENT_RESIDUE, CONTOUR_POINTS, CONTOUR_RADIUS, MOST_HIDDEN_MODES, NEAR_CENTRE, SAME_BOUNDARY_POLE,
 };
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation, Schur};
@@ -61,7 +61,7 @@ fn is_absent(g: &StateSpace, centre: C64, kept: &[C64], hidden: &[C64]) -> bool 
     let nearest = far.iter().copied().fold(f64::INFINITY, f64::min);
     let radius = CONTOUR_RADIUS * if nearest.is_finite() { nearest } else { largest.max(1.0) };
     let spread = hidden.iter().map(distance).filter(|&d| d < nearest).fold(0.0, f64::max);
-    if spread > 0.5 * radius {
+    if spread > NEAR_CENTRE * radius {
         return false;
     }
     let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };

@@ -4,8 +4,8 @@ use crate::error::During;
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::tolerance::{
-    CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, HIGHEST_RISE, LEVEL_SAME_RATE, LOW_SUMMIT, NEAR_AXIS,
-    NEAR_AXIS_NORM, PRECISE_SIZE, SAME_POINT, SUMMITS,
+    CLIMB_ROUNDS, DOUBTFUL_NORM, DOUBTFUL_SHARE, ENCLOSED_WIDTH, HIGHEST_RISE, LEVEL_SAME_RATE, LOW_SUMMIT,
+    NEAR_AXIS, NEAR_AXIS_NORM, PRECISE_SIZE, SAME_POINT, SUMMITS,
 };
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg::{self as linalg, Boundary};
@@ -149,7 +149,7 @@ fn climb(response: &Response, low: f64, high: f64, top: Peak, wanted: f64) -> Re
             break;
         }
         // A round about a vertex that does not enclose the peak closely is followed by an even one.
-        is_guided = hill.width() <= 0.25 * width;
+        is_guided = hill.width() <= ENCLOSED_WIDTH * width;
     }
     Ok(hill.top)
 }

@@ -11,7 +11,7 @@ use crate::peak::Peak;
 use crate::response::Response;
 use crate::roots::{is_stable, poles};
 use crate::tolerance::{
-    GOLDEN_STEPS, MULTILOOP_BEYOND, MULTILOOP_NORM, MULTILOOP_PER_DECADE, MULTILOOP_ROUNDS,
+    GOLDEN_STEPS, HIGH_SUMMIT, MULTILOOP_BEYOND, MULTILOOP_NORM, MULTILOOP_PER_DECADE, MULTILOOP_ROUNDS,
     MULTILOOP_SETTLED, MULTILOOP_SWEEPS,
 };
 use crate::{CMat, Error, Mat, StateSpace, Timebase};
@@ -99,7 +99,7 @@ fn structured(g: &StateSpace) -> Result<Structured, Error> {
     let direct = smallest_norm(&g.D.to_complex())?;
     let mut out =
         Structured { peak: Peak { value: direct.norm, rate_rad_s: f64::INFINITY }, scales: direct.scales };
-    let near = |k: &usize| value(*k) >= 0.9 * value(best) && is_summit(&values, *k);
+    let near = |k: &usize| value(*k) >= HIGH_SUMMIT * value(best) && is_summit(&values, *k);
     for k in (0..rates.len()).filter(near) {
         let ends = [rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]];
         let top = Structured {

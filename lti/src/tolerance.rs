@@ -324,3 +324,15 @@ pub const FIRST_SAME_RATE: f64 = 1e-3;
 
 /// Points of a response in time at most: a response of one signal takes 160 MB at this size.
 pub const MOST_POINTS: f64 = 1e7;
+
+/// Share of a contour's radius within which the poles about its centre must lie: farther out they come too near to the contour's points.
+pub const NEAR_CENTRE: f64 = 0.5;
+
+/// Share of the largest norm of a grid from which on a summit is climbed: lower ones do not rise by so much between two points.
+pub const HIGH_SUMMIT: f64 = 0.9;
+
+/// A round about a vertex encloses the peak closely if it leaves at most this share of the width: an even round leaves about as much.
+pub const ENCLOSED_WIDTH: f64 = 0.25;
+
+/// Relative distance from every zero and pole at which a gain may be read: nearer, the response is rounding.
+pub const APART_FROM_ROOTS: f64 = 0.1;

@@ -6,7 +6,7 @@ use crate::response::Response;
 use crate::root_order::sort_roots;
 use crate::roots::{poles, zeros};
 use crate::scaling::balance;
-use crate::tolerance::{CONJUGATE, GAIN_POINTS, KNOWN_GAIN};
+use crate::tolerance::{APART_FROM_ROOTS, CONJUGATE, GAIN_POINTS, KNOWN_GAIN};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -80,7 +80,7 @@ impl Zpk {
         if error(first) <= KNOWN_GAIN {
             return first;
         }
-        let is_apart = |s: &C64| roots().all(|root| (s - root).norm() > 0.1 * s.norm());
+        let is_apart = |s: &C64| roots().all(|root| (s - root).norm() > APART_FROM_ROOTS * s.norm());
         let inward = (0..GAIN_POINTS).map(|k| away * 0.25_f64.powi(k));
         let outward = (1..GAIN_POINTS).map(|k| away * 4f64.powi(k)).take_while(|s| *s <= 4.0 * coupling);
         let points = inward.chain(outward).map(|s| C64::new(s, 0.0)).filter(is_apart);

@@ -196,3 +196,13 @@ pub const CLOCK_SHARE: f64 = 0.5;
 
 /// Peaks lower than this below their limit, as a natural logarithm, have no row in the program of a tuning step: no step of the trust region reaches them.
 pub const FAR_BELOW_LIMIT: f64 = -0.7;
+
+/// Ratio of the two frequencies at which a gain is compared to see whether it has a zero at zero frequency: see [`BLIND_FALL`].
+pub const BLIND_SPAN: f64 = 1e-2;
+
+/// A gain that falls to less than this over [`BLIND_SPAN`] has a zero at zero frequency: one of order one falls to a hundredth, and one that
+/// stays does not fall.
+pub const BLIND_FALL: f64 = 0.1;
+
+/// Crossovers up to which the damping of a pole counts: faster poles do not shape the loop's response.
+pub const REGION_REACH: f64 = 2.0;

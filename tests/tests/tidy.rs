@@ -1,4 +1,4 @@
-//! The code stays tidy: short functions, names of functions that say what is done, `lib.rs` pages that list their modules, no dependency that is not used.
+//! The code stays tidy: short functions, names of functions and modules that say what is done and what is there, `lib.rs` pages that list their modules, no dependency that is not used.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;

@@ -186,6 +186,13 @@ pub const MU_REFINEMENTS: usize = 6;
 /// One percent of the bound is what is printed.
 pub const MU_STEEP: f64 = 0.01;
 
+/// Share of the highest peak from which on a peak is refined: lower ones hardly become the highest by a refinement.
+pub const MU_HIGH_PEAK: f64 = 0.8;
+
+/// Ratio of neighbouring frequencies about a peak above which a further one is put between them: two percent resolve a mode of one percent of
+/// damping.
+pub const MU_SPARSE: f64 = 1.02;
+
 /// Frequencies at which the parameters are searched.
 /// A bound on the effort: fewer give a smaller lower bound, never a wrong one.
 pub const MU_SEARCHED: usize = 16;
@@ -245,6 +252,10 @@ pub const CROSSING_RAISES: (usize, f64) = (60, 1.03);
 /// The search begins at these multiples of 1 / `upper`: the larger, the more a parameter moves.
 /// The largest is beyond the most by which ranges are usually widened.
 pub const SEARCH_BEGINNINGS: [f64; 3] = [1.0, 1.5, 2.3];
+
+/// Factor on x at which the parameters ascend again, and above which a further crossing gains nothing: a tenth of a percent is below what is
+/// printed of a bound.
+pub const SEARCH_SHRINK: f64 = 0.999;
 
 /// Most times that x is shrunk from one beginning.
 /// A bound on the effort: fewer shrinks give a smaller lower bound, never a wrong one.

@@ -18,7 +18,7 @@ use crate::selection::outcome::SearchOutcome;
 use crate::selection::signature::EffectSignature;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
-use crate::tolerance::findings::LEAST_INFORMATION;
+use crate::tolerance::findings::{EXCITED_MULTIPLE, LEAST_DISTANCE, LEAST_INFORMATION};
 use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD};
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
@@ -101,7 +101,7 @@ impl Evidence<'_> {
             // far above the floor, what matters is how much of the error is gone
             return model.power_share(&self.search.baseline.score);
         }
-        let before = self.search.baseline.score.distance().max(1e-3);
+        let before = self.search.baseline.score.distance().max(LEAST_DISTANCE);
         1.0 - model.whole.distance() / before
     }
 
@@ -365,7 +365,7 @@ fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
         let smallest = look.change * (2.0 * GAIN_NEEDED / look.information.max(LEAST_INFORMATION)).sqrt();
         let known =
             out.iter().any(|n| n.effect == look.effect.effect && n.component == look.effect.component);
-        if !known && smallest > 2.0 * look.change {
+        if !known && smallest > EXCITED_MULTIPLE * look.change {
             out.push(NotExcited {
                 effect: look.effect.effect,
                 component: look.effect.component,

@@ -4,6 +4,7 @@
 use counterpoise_linalg::{Mat, inverse, solve};
 use counterpoise_models::{LearnedElement, RegimeVariable};
 
+use crate::tolerance::identification::NORMAL_95;
 use crate::tolerance::learning::FLAT_CURVE;
 use crate::tolerance::learning::FORM_RIDGE;
 use crate::tolerance::learning::{
@@ -122,7 +123,7 @@ pub fn read(element: &LearnedElement) -> Option<Reading> {
     let flat = best.form == Form::Constant;
     let within_noise = best.misfit < count;
     // a level that is not told from the one that changes nothing says nothing
-    let off = (best.linear[0] - element.quantity.neutral()).abs() > 1.96 * best.deviation[0];
+    let off = (best.linear[0] - element.quantity.neutral()).abs() > NORMAL_95 * best.deviation[0];
     (if flat { within_noise && off } else { explained > READ_SHARE || within_noise }).then(|| Reading {
         form: best.form,
         parameters: curve.parameters(&best),
@@ -165,7 +166,7 @@ impl Curve {
             BAND_FLOOR * (top - bottom).max(FLAT_CURVE * top.abs().max(bottom.abs())).max(f64::MIN_POSITIVE);
         let weight = |k: &usize| {
             let half = element.half_width.get(*k).copied().unwrap_or(0.0);
-            (half / 1.96).max(floor).powi(-2)
+            (half / NORMAL_95).max(floor).powi(-2)
         };
         let (low, high) = low_high(&x);
         Some(Self { weight: kept.iter().map(weight).collect(), x, y, low, high })
@@ -251,7 +252,7 @@ impl Curve {
     fn inner_half_width(&self, best: &FittedForm, place: usize) -> f64 {
         let range = self.inner_ranges(best.form)[place];
         let free = self.x.len().saturating_sub(best.linear.len() + best.inner.len()).max(1) as f64;
-        let allowed = best.misfit + 1.96f64.powi(2) * (best.misfit / free).max(1.0);
+        let allowed = best.misfit + NORMAL_95.powi(2) * (best.misfit / free).max(1.0);
         let worse = |by: f64| {
             let mut inner = best.inner.clone();
             inner[place] += by;

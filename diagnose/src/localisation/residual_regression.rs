@@ -4,6 +4,7 @@
 //! What the balances simplify is in both, so that it cancels. What an error at a port would do to the balances is a column of the
 //! regression; how much of the departure the columns explain is measured on held-out stretches.
 
+use crate::tolerance::identification::NORMAL_95;
 use crate::tolerance::localisation::{
     BALANCE_THINNING, EXPLAINED_VARIANCE, REGRESSION_RIDGE, REGRESSION_STRETCHES, REWEIGHTED_FITS,
 };
@@ -214,7 +215,7 @@ impl<'a> ResidualRegression<'a> {
         let longest = self.signals.iter().map(|s| s.hub.len() as f64 * s.period_s).fold(0.0, f64::max);
         let deviation =
             (3.0 * (1.0 - share) / (share * independent.max(4.0))).sqrt() / (std::f64::consts::PI * longest);
-        1.96 * deviation / (frequency_hz * frequency_hz)
+        NORMAL_95 * deviation / (frequency_hz * frequency_hz)
     }
 
     /// Returns the log-likelihood that columns gain on held-out stretches; `None` if they cannot be fitted.

@@ -1,6 +1,7 @@
 //! What an unnamed error looks like: its shape along one regime variable.
 
 use crate::recording::series::{correlation_time, dot, rms};
+use crate::tolerance::identification::NORMAL_95;
 use crate::tolerance::localisation::INDEPENDENT_PAIR;
 use crate::tolerance::localisation::LEAST_SHARE;
 use crate::tolerance::localisation::{
@@ -128,7 +129,7 @@ impl PeriodicTrend {
         let share = share.clamp(LEAST_SHARE, 1.0);
         let independent = (residual.len() as f64 / correlation_time(residual)).max(4.0);
         let deviation = (3.0 * (1.0 - share) / (share * independent)).sqrt() / (std::f64::consts::PI * span);
-        Some(Self { frequency, doubt: 1.96 * deviation / (frequency * frequency), range })
+        Some(Self { frequency, doubt: NORMAL_95 * deviation / (frequency * frequency), range })
     }
 
     /// Returns it as the trend of a function.

@@ -1,5 +1,7 @@
 //! Operations on series of samples: moving means, slopes, deviations, products.
 
+use crate::tolerance::recording::UNCORRELATED;
+
 /// Returns the root of the mean square; 0 for an empty series.
 pub(crate) fn rms(series: &[f64]) -> f64 {
     if series.is_empty() {
@@ -61,7 +63,7 @@ pub(crate) fn correlation_time(series: &[f64]) -> f64 {
     let mut lag = 1;
     while lag < series.len() / 4 {
         let correlation = lagged(lag);
-        if correlation < 0.05 {
+        if correlation < UNCORRELATED {
             break;
         }
         let stride = (lag / 8).max(1);

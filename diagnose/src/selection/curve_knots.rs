@@ -5,7 +5,7 @@
 //! recordings are cut into stretches of a second; each choice is fitted to every second stretch and assessed on the others, and
 //! vice versa. Knots are added, moved and removed while that is worth their price.
 
-use crate::tolerance::selection::{CURVE_PREFERENCE, CURVE_STEP};
+use crate::tolerance::selection::{CURVE_PREFERENCE, CURVE_STEP, SAME_KNOT};
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
@@ -130,7 +130,7 @@ fn fine_inputs(present: &[f64]) -> Vec<f64> {
     // rounded so that the result reads well
     let grid = |k: usize| (1e6 * k as f64 * KNOT_SPACING_V).round() / 1e6;
     let mut inputs: Vec<f64> = (1..=count).map(grid).collect();
-    let close = |a: f64, b: f64| (a - b).abs() < 0.1 * KNOT_SPACING_V;
+    let close = |a: f64, b: f64| (a - b).abs() < SAME_KNOT * KNOT_SPACING_V;
     inputs.retain(|v| !present.iter().any(|p| close(*p, *v)));
     inputs.extend(present);
     inputs.sort_by(f64::total_cmp);

@@ -13,3 +13,7 @@ pub const SMALL_TRAVEL_RAD: f64 = 0.5;
 
 /// Least information of an effect: keeps the smallest change that would show finite where an effect changes nothing at all.
 pub const LEAST_INFORMATION: f64 = 1e-12;
+/// Multiple of an effect's typical size above which the smallest detectable size must lie for the recordings not to excite it.
+pub const EXCITED_MULTIPLE: f64 = 2.0;
+/// Least distance from the noise floors that a share is taken of: below, nothing is left to explain.
+pub const LEAST_DISTANCE: f64 = 1e-3;

@@ -136,3 +136,7 @@ pub const WRONG_SLOPE: f64 = 0.2;
 pub const NEARLY_WHOLE_SAMPLES: f64 = 0.3;
 /// Share of the distance between the means of motor and resolver below which the resolver's own mean must be for the motor to be at fault.
 pub const RESOLVER_MEAN_SHARE: f64 = 0.5;
+/// Correlation of a series with itself below which its further lags count as noise: they would only add their scatter to the correlation time.
+pub const UNCORRELATED: f64 = 0.05;
+/// Doubt of an offset, in [`SMALLEST_OFFSET_S`], from which on it is not used: it is then known less well than what is looked for.
+pub const MOST_OFFSET_DOUBT: f64 = 3.0;

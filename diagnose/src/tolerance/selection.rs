@@ -57,3 +57,5 @@ pub const INDEPENDENT_SIGNATURES: f64 = 1e-6;
 pub const WHOLE_ORDER: f64 = 0.004;
 /// Factor on the cost up to which the fit with the rounded order is preferred.
 pub const ROUNDED_ORDER_COST: f64 = 1.01;
+/// Share of the knots' spacing within which two knots are one: a curve with both would be steep between them by rounding alone.
+pub const SAME_KNOT: f64 = 0.1;

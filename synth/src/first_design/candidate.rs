@@ -6,7 +6,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
 
 use super::Circumstances;
-use crate::tolerance::BLIND_BELOW;
+use crate::tolerance::{BLIND_BELOW, BLIND_FALL, BLIND_SPAN};
 use crate::{Error, FeedbackWeights, Weight};
 
 /// Multiples of the bandwidth that shape the weights.
@@ -86,7 +86,7 @@ impl PlantGain {
         let gain = |rate: f64| response.at(rate).map_or(f64::INFINITY, |value| value.norm_max());
         // Two decades apart far below everything: a gain that falls with frequency towards zero has a zero there.
         let lowest = BLIND_BELOW * circumstances.sampling.highest_rad_s();
-        let is_blind_at_zero = gain(1e-2 * lowest) < 0.1 * gain(lowest);
+        let is_blind_at_zero = gain(BLIND_SPAN * lowest) < BLIND_FALL * gain(lowest);
         Ok(Self { response, is_blind_at_zero, modes })
     }
 

@@ -8,7 +8,7 @@ use counterpoise_lti::{StateSpace, Timebase, feedback, h2norm, linfnorm, margins
 use super::Disturbance;
 use crate::figures::reachable_states;
 use crate::sampling::sampled_plant;
-use crate::tolerance::{CONTROL_PEAK, FASTEST_POLE, LIMIT_TIGHTENING};
+use crate::tolerance::{CONTROL_PEAK, FASTEST_POLE, LIMIT_TIGHTENING, REGION_REACH};
 use crate::{DesignPlant, Error, Sampling};
 
 /// What a loop must keep. An infinite upper or a zero lower limit asks for nothing.
@@ -226,7 +226,7 @@ pub(crate) fn pole_region(poles: &[C64], system: &StateSpace, crossover_rad_s: f
     for pole in poles.iter().filter(|pole| pole.norm() > FASTEST_POLE) {
         let s = pole.ln() / period_s;
         decay = decay.min(-s.re);
-        if s.norm() <= 2.0 * crossover_rad_s {
+        if s.norm() <= REGION_REACH * crossover_rad_s {
             damping = damping.min(-s.re / s.norm().max(f64::MIN_POSITIVE));
         }
     }

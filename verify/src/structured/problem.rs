@@ -10,7 +10,9 @@ use super::loops::{Uncertain, UncertainLoop};
 use super::places::{Dry, Joints, Place, dry_as_viscous, places, presliding, without_dry};
 use super::{Block, Perturbation, UpperBound, lower_bound, upper_bound, vertex_bound};
 use crate::robust::{Variation, Varied};
-use crate::tolerance::{MU_LOWEST_HZ, MU_POINTS, MU_REFINEMENTS, MU_SEARCHED, MU_STEEP};
+use crate::tolerance::{
+    MU_HIGH_PEAK, MU_LOWEST_HZ, MU_POINTS, MU_REFINEMENTS, MU_SEARCHED, MU_SPARSE, MU_STEEP,
+};
 use crate::{Error, Procedure};
 
 /// What is uncertain about a loop.
@@ -285,8 +287,9 @@ fn refined(all: &[Scanned]) -> Vec<f64> {
         let high = upper(k).max(upper(k + 1));
         let around = [k.checked_sub(1), Some(k), Some(k + 1), Some(k + 2)];
         let is_peak = around.into_iter().flatten().filter_map(|i| all.get(i)).all(|at| at.upper.beta <= high);
-        let steep = (upper(k) - upper(k + 1)).abs() > MU_STEEP * high || all[k + 1].hz > 1.02 * all[k].hz;
-        if high > 0.8 * peak && is_peak && steep {
+        let steep =
+            (upper(k) - upper(k + 1)).abs() > MU_STEEP * high || all[k + 1].hz > MU_SPARSE * all[k].hz;
+        if high > MU_HIGH_PEAK * peak && is_peak && steep {
             between.push((all[k].hz * all[k + 1].hz).sqrt());
         }
     }

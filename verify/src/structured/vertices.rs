@@ -16,7 +16,7 @@ use super::factor::Reach;
 use super::{Perturbation, Structure};
 use crate::tolerance::{
     ASCENT_ROUNDS, CROSSING_NEARNESS, CROSSING_RAISES, PHASE_NEARNESS, ROUGH_PHASE, SEARCH_BEGINNINGS,
-    SEARCH_SHRINKS, TRIED_LEVELS, TRIED_PHASES,
+    SEARCH_SHRINK, SEARCH_SHRINKS, TRIED_LEVELS, TRIED_PHASES,
 };
 
 /// Returns a perturbation of least size x near 1 / `upper`, from a start of the real parameters, none of which leaves its reach; none without one or
@@ -67,9 +67,9 @@ impl<'a> Search<'a> {
         self.ascend(&mut q, begin);
         let mut best = (self.crossing(&q, least)?, q.clone());
         for _ in 0..SEARCH_SHRINKS {
-            self.ascend(&mut q, 0.999 * best.0);
+            self.ascend(&mut q, SEARCH_SHRINK * best.0);
             let x = self.crossing(&q, least)?;
-            if x > 0.999 * best.0 {
+            if x > SEARCH_SHRINK * best.0 {
                 break;
             }
             best = (x, q.clone());

@@ -2,8 +2,8 @@
 
 use crate::tolerance::recording::{
     CLOCK_DRIFT_S, COMMON_OFFSET_S, DRIFT_AGREEMENT, DRIFT_BENT_SHARE, KINEMATIC_REMAINDER, LAG_CORRECTIONS,
-    LARGEST_SHIFT, PLATFORM_MOVES_RAD_S, SHIFT_REMAINDER, SMALLEST_MOVING_OFFSET_S, SMALLEST_OFFSET_DOUBTS,
-    SMALLEST_OFFSET_S,
+    LARGEST_SHIFT, MOST_OFFSET_DOUBT, PLATFORM_MOVES_RAD_S, SHIFT_REMAINDER, SMALLEST_MOVING_OFFSET_S,
+    SMALLEST_OFFSET_DOUBTS, SMALLEST_OFFSET_S,
 };
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
@@ -64,7 +64,8 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 /// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     let of = |column| {
-        estimate_lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * SMALLEST_OFFSET_S)
+        estimate_lateness(base, r, column)
+            .filter(|lateness| lateness.doubt_s < MOST_OFFSET_DOUBT * SMALLEST_OFFSET_S)
     };
     let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > PLATFORM_MOVES_RAD_S);
     let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
