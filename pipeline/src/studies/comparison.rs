@@ -355,7 +355,8 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
 fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, PipelineError> {
     let norm = match &made.other {
         Some(other) => other.norm,
-        None if made.has_fixed_structure() => None,
+        // the cost that was solved for is that of the feedback before its order was lowered
+        None if made.has_fixed_structure() || made.lowered.is_some() => None,
         None => made.design.feedback.cost.achieved.map(f64::sqrt),
     };
     let (method, integral) = if made.has_fixed_structure() {
@@ -370,6 +371,9 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
     let problem = match &made.other {
         Some(other) => Some(problem(made, weights, other)?),
         None if made.has_fixed_structure() => None,
+        None if made.lowered.is_some() => {
+            Some(three_part(made, weights, &made.design.feedback_controller())?)
+        }
         None => Some(three_part(made, weights, &made.design.feedback.controller)?),
     };
     Ok(MethodRow {
