@@ -29,8 +29,6 @@ fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
         times: &[],
         proofs: &[],
         costs: &Costs::default(),
-        assumptions: &[],
-        effects: &[],
         first_design: None,
     };
     let page = html_page(&of_design(&designed, &DesignResult::from(&designed), &run));

@@ -271,7 +271,7 @@ fn controllers(designs: &[DesignAt]) -> Result<Drawing, PipelineError> {
         panels.push(panel(Axis::linear(name, "dB"), curves));
     }
     Ok(drawing("Redesigned for each out-of-balance", frequency_axis(), panels)
-        .with_caption("Curves that cannot be told apart lie on each other."))
+        .with_caption("Curves that cannot be distinguished lie on each other."))
 }
 
 fn linear(c: &Controller) -> Result<StateSpace, PipelineError> {

@@ -186,7 +186,7 @@ fn diagnose_of(
         hub_position: has(|r| r.has(Channel::HubPosition)),
     };
     let isolability = balances_of(base, redundant);
-    let whereabouts = where_and_when(base, &simulator, &isolability, pool);
+    let localisation = locate_error(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
     let mut effects = effects_for(sizes, base);
@@ -201,7 +201,7 @@ fn diagnose_of(
         simulator: &simulator,
         base,
         search: &search,
-        map: whereabouts,
+        map: localisation,
         isolability,
         qualification,
         sizes,
@@ -212,7 +212,7 @@ fn diagnose_of(
 }
 
 /// Locates where the recordings depart from the replay of the model as it was: component by regime.
-fn where_and_when(
+fn locate_error(
     base: &Parameters,
     simulator: &RecordingReplays,
     isolability: &[BalanceVisibility],

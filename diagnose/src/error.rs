@@ -53,7 +53,7 @@ pub enum Error {
     },
     /// Motions that cannot be told apart.
     #[error(
-        "weight, friction, rate and acceleration cannot be told apart in these recordings: they need both directions, \
+        "weight, friction, rate and acceleration cannot be separated in these recordings: they need both directions, \
          several rates and several accelerations, as a triangle wave of rate has"
     )]
     NotTold,

@@ -4,7 +4,7 @@
 //!
 //! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
 //!
-//! Modules in reading order: [`terminal`], [`files`], [`folders`], [`json`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
+//! Modules in reading order: [`terminal`], [`clock`], [`files`], [`folders`], [`json`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
 //! [`shards`], [`programs`], [`interrupt`], [`worker`], [`journal_writer`], [`recent_files`], [`file_check`], [`change_watcher`], [`time_left`], [`progress`],
 //! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
 //!
@@ -18,6 +18,7 @@
 
 pub mod campaign_progress;
 pub mod change_watcher;
+pub mod clock;
 pub mod code_files;
 pub mod compilers;
 pub mod file_check;

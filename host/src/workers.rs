@@ -1,5 +1,7 @@
 //! Processors, progress and cancel, handed to the crates that know none of them.
 
+use std::io;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -22,6 +24,51 @@ impl Pool for Processors {
     fn processors(&self) -> usize {
         rayon::current_num_threads()
     }
+}
+
+/// Runs work that may take this many processors.
+///
+/// # Errors
+/// The operating system's, if it gives no threads.
+pub fn run_on<T: Send>(processors: usize, work: impl FnOnce() -> T + Send) -> io::Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(processors).build().map_err(io::Error::other)?;
+    Ok(pool.install(work))
+}
+
+/// Does a job for each number of a range on all processors; returns the answers in order, or the first failure.
+///
+/// # Errors
+/// Those of the jobs.
+pub fn try_map<T: Send, E: Send>(
+    range: Range<usize>,
+    job: impl Fn(usize) -> Result<T, E> + Sync + Send,
+) -> Result<Vec<T>, E> {
+    range.into_par_iter().map(job).collect()
+}
+
+/// Does a job for each item that an iterator yields, as many at once as there are `processors`: while one takes the next item, the others work.
+/// Returns the answers in the order of the items, or the first failure.
+///
+/// # Errors
+/// Those of the jobs, and the operating system's, if it gives no threads.
+pub fn try_map_stream<I: Send, T: Send, E: Send + From<io::Error>>(
+    processors: usize,
+    items: impl Iterator<Item = I> + Send,
+    job: impl Fn(I) -> Result<T, E> + Sync + Send,
+) -> Result<Vec<T>, E> {
+    let mut done: Vec<(usize, T)> = run_on(processors, || {
+        items.enumerate().par_bridge().map(|(k, item)| Ok((k, job(item)?))).collect::<Result<_, E>>()
+    })??;
+    done.sort_by_key(|(k, _)| *k);
+    Ok(done.into_iter().map(|(_, answer)| answer).collect())
+}
+
+/// Starts work on a thread of its own, with a stack of as many bytes.
+///
+/// # Errors
+/// The operating system's, if it gives no thread.
+pub fn start_thread(name: &str, stack_bytes: usize, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+    std::thread::Builder::new().name(name.to_owned()).stack_size(stack_bytes).spawn(work).map(drop)
 }
 
 /// All processors of this machine, with a line that says how far the work is.
@@ -75,5 +122,27 @@ impl Pool for Workers {
             line.bar.set_position((line.left.share() * BAR_PARTS as f64) as u64);
             line.bar.set_message(line.left.line(stage, done, of));
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_come_in_order_whatever_the_threads() {
+        for processors in [1, 2, 5] {
+            let squares = try_map_stream(processors, 0..100_u64, |k| Ok::<_, io::Error>(k * k)).unwrap();
+            assert_eq!(squares, (0..100).map(|k| k * k).collect::<Vec<u64>>());
+        }
+        assert_eq!(try_map(3..6, |k| Ok::<_, ()>(10 * k)), Ok(vec![30, 40, 50]));
+        assert_eq!(run_on(3, || Processors.processors()).unwrap(), 3);
+    }
+
+    #[test]
+    fn a_job_that_fails_ends_the_map() {
+        let odd = |k: usize| if k % 2 == 1 { Err(io::Error::other("odd")) } else { Ok(k) };
+        assert!(try_map_stream(2, 0..10, odd).is_err() && try_map(0..10, odd).is_err());
     }
 }

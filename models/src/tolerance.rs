@@ -8,7 +8,7 @@ pub(crate) const SPENT: f64 = 7.0;
 /// Distance from the yielded torque, relative to the level, below which the slope of |r|^i with i < 1 is held: it is infinite
 /// at 0.
 pub(crate) const YIELDED: f64 = 1e-9;
-/// The least factor on the dry level: keeps laws that divide by it finite.
+/// The least factor on the Coulomb level: keeps laws that divide by it finite.
 pub(crate) const LEAST_LEVEL: f64 = 1e-6;
 /// A displacement beyond this many bonds has forgotten where it started: the excess is left out, so that a long travel does not cost
 /// a snap for each of its bonds.

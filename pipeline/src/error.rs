@@ -139,7 +139,8 @@ pub enum PipelineError {
     /// A control range in which the mechanism cannot be held against gravity.
     #[error(
         "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_v:.3} V to hold, and the control is limited to {limit_v} V: \
-         raise plant.amplifier.input_limit or its gain, or balance the mechanism"
+         balance the mechanism, carry its weight with [plant.equilibrator], state a larger `limit` of [plant.drive], or put a gear before it \
+         (with [plant.amplifier] raise its input_limit or gain)"
     )]
     CannotHold {
         /// The out-of-balance, kg m.

@@ -57,7 +57,7 @@ pub fn with_chosen_weights_on(project: &Project, pool: &dyn Pool) -> Result<Opti
 }
 
 /// Returns whether the weights of a project are to be chosen, because its file states none.
-pub(crate) fn leaves_weights_open(project: &Project) -> bool {
+pub fn leaves_weights_open(project: &Project) -> bool {
     project.synth.as_ref().is_none_or(|asked| asked.weights == WeightSource::Chosen)
 }
 

@@ -62,7 +62,7 @@ use counterpoise_synth::FirstDesign;
 pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};
-pub use first_design::{Chosen, FirstDesignResult, choose_weights, with_chosen_weights};
+pub use first_design::{Chosen, FirstDesignResult, choose_weights, leaves_weights_open, with_chosen_weights};
 pub use identity::ProjectIdentity;
 pub use model::{
     Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,

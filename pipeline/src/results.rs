@@ -2,6 +2,7 @@
 
 mod balance;
 mod certificate;
+mod complete_design;
 mod robustness;
 mod two_axes;
 
@@ -26,6 +27,7 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 pub use certificate::CertificateResult;
+pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
 pub use two_axes::{JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
@@ -35,6 +37,8 @@ use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::Trials;
 use crate::studies::comparison::Comparison;
 use crate::wording::acceptance::Traceable;
+use crate::wording::demanded_rate::describe_demanded_rate;
+use crate::wording::reduction::describe_reduction_warning;
 use crate::{Designed, Modelled, PipelineError, Reduced, Synthesised, TwoAxisStudy};
 
 /// A complex number as real and imaginary part.
@@ -408,7 +412,7 @@ impl From<&Reduced> for ReduceResult {
             ranked: reduced.ranked.clone(),
             bound: reduced.bound,
             error: reduced.error.map(|(value, rate)| [value, rate]),
-            warnings: reduced.warnings.iter().map(ToString::to_string).collect(),
+            warnings: reduced.warnings.iter().map(describe_reduction_warning).collect(),
         }
     }
 }
@@ -443,7 +447,7 @@ impl From<&Synthesised> for SynthResult {
                 .flatten()
                 .max_by(f64::total_cmp),
             costs: costs(made),
-            demanded_rate: made.demanded_rate.as_ref().map(ToString::to_string),
+            demanded_rate: made.demanded_rate.as_ref().map(describe_demanded_rate),
             warnings: made.warnings.iter().map(ToString::to_string).collect(),
         }
     }

@@ -134,3 +134,7 @@ pub(crate) const MOST_BYTES: f64 = 2e9;
 
 /// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
 pub(crate) const MARGINS_TO_SPARE: f64 = 0.02;
+
+/// Multiple of its noise floor from which on a channel has a residual that a model could remove: the level below which the diagnosis calls a
+/// channel explained. Nearer to 1, the power that is removed of pure noise would be counted.
+pub(crate) const RESIDUAL_ABOVE_FLOOR: f64 = 1.5;

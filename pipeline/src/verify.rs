@@ -39,10 +39,10 @@ pub fn verify_on(
     Ok(counterpoise_verify::verify(plant, controller, procedure, &asked.requirements)?)
 }
 
-/// Somebody who looks on: sees what is found so far and says whether to go on.
-pub type Onlooker<'a> = &'a mut dyn FnMut(&Verification) -> bool;
+/// A function that is called with what is found so far and returns whether to go on.
+pub type VerificationObserver<'a> = &'a mut dyn FnMut(&Verification) -> bool;
 
-/// Verifies as [`verify`] does and calls `watch` with what is found so far; returns `None` if `watch` asked to stop.
+/// Verifies as [`verify`] does and calls `observer` with what is found so far; returns `None` if `observer` asked to stop.
 ///
 /// # Errors
 /// As [`verify`].
@@ -51,12 +51,12 @@ pub fn verify_watched(
     modelled: &Modelled,
     synthesised: &Synthesised,
     world: &dyn World,
-    watch: Onlooker<'_>,
+    observer: VerificationObserver<'_>,
 ) -> Result<Option<VerifiedController>, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
     let controller = &synthesised.sampled.controller;
     let by = project_procedure(project, world)?;
-    Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, &by, &asked.requirements, watch)?)
+    Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, &by, &asked.requirements, observer)?)
 }
 
 /// Returns the linear figures alone, on a plant and by a procedure.

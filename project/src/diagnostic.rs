@@ -64,19 +64,15 @@ pub struct Diagnostic {
 }
 
 impl Problem {
-    /// Returns the rank of a kind of finding: what must be put right first has the lowest. Mistakes in what is written come before
-    /// what is missing, because a mistyped key is both; values that do not fit each other come last, because they often follow.
+    /// Returns the rank of a kind of finding: what must be put right first has the lowest. Wrong values come before keys that are not
+    /// known, and these before what is missing, because a mistyped key is both; values that do not fit each other come last, because they often follow.
     fn rank(self) -> u8 {
         match self {
             Self::Syntax | Self::Format => 0,
-            Self::UnknownKey
-            | Self::WrongType
-            | Self::NotFinite
-            | Self::OutOfRange
-            | Self::Duplicate
-            | Self::UnknownName => 1,
-            Self::Missing => 2,
-            Self::Conflict => 3,
+            Self::WrongType | Self::NotFinite | Self::OutOfRange | Self::Duplicate | Self::UnknownName => 1,
+            Self::UnknownKey => 2,
+            Self::Missing => 3,
+            Self::Conflict => 4,
         }
     }
 }

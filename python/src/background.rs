@@ -4,15 +4,13 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
-use std::thread;
 use std::time::Duration;
 
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::files;
-use counterpoise_host::workers::Processors;
+use counterpoise_host::workers::{Processors, start_thread};
 use counterpoise_pipeline::{Step, World};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 
 use crate::failures::exception;
 
@@ -54,7 +52,7 @@ impl World for Surroundings {
 
 impl Pool for Surroundings {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        (0..count).into_par_iter().for_each(job);
+        Processors.run(count, job);
     }
 
     fn is_cancelled(&self) -> bool {
@@ -81,7 +79,7 @@ pub fn run<T: Send + 'static>(
     let (sender, receiver) = channel();
     let is_stopped = Arc::new(AtomicBool::new(false));
     let surroundings = Surroundings { folder, tell: teller(&sender), is_stopped: Arc::clone(&is_stopped) };
-    thread::Builder::new().name("counterpoise".to_owned()).stack_size(STACK).spawn(move || {
+    start_thread("counterpoise", STACK, move || {
         let done = job(&surroundings);
         // nobody listens any more after Ctrl+C
         let _ = sender.send(Message::Done(done));

@@ -1,7 +1,5 @@
 //! What a reduction is asked for and what it answers.
 
-use std::fmt;
-
 use crate::Error;
 use crate::tolerance::PAIRED_VALUES;
 use counterpoise_lti::{Peak, StateSpace};
@@ -56,7 +54,6 @@ pub struct Reduction {
 
 /// What a user should know about a reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum Warning {
     /// The cut lies between two values of almost the same size: one more or one less state is the better choice.
     CutsPair {
@@ -96,40 +93,6 @@ pub enum Warning {
         /// Largest value dropped.
         dropped: f64,
     },
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::CutsPair { kept, dropped } => {
-                write!(
-                    f,
-                    "the cut parts two values of like size, {kept:.4e} and {dropped:.4e}: keep one state more or less"
-                )
-            }
-            Self::FewerThanAsked { asked, kept } => {
-                write!(f, "{asked} states were asked for, only {kept} carry anything above rounding")
-            }
-            Self::MeasuredOnGrid { points } => {
-                write!(f, "the error was measured at {points} frequencies, not bounded between")
-            }
-            Self::LoopUnstable { re, im } => {
-                write!(
-                    f,
-                    "the loop with the reduced controller has the pole {re:.4e} {im:+.4e}i: keep more states"
-                )
-            }
-            Self::GramiansUnfinished { share } => {
-                write!(
-                    f,
-                    "the last step of the balancing still contributed {share:.1e} of the Gramian's factor: the Hankel values may miss modes"
-                )
-            }
-            Self::SmallGap { kept, dropped } => {
-                write!(f, "the order rests on a small gap: {kept:.2e} was kept, {dropped:.2e} dropped")
-            }
-        }
-    }
 }
 
 /// Returns how many of the ranked values to keep, and what there is to say about it.

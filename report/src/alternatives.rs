@@ -132,7 +132,7 @@ fn motions(rows: &[MotionRow], controlled: ControlledQuantity) -> Section {
 /// Returns the controllers over the states of balance.
 fn balance(families: &[ControllerFamily], rows: &[BalanceRow], controlled: ControlledQuantity) -> Section {
     let section = Section::new("Over the out-of-balance")
-        .saying("Each state of balance has its own full design; curves that cannot be told apart lie on each other.")
+        .saying("Each state of balance has its own full design; curves that cannot be distinguished lie on each other.")
         .showing(families.iter().map(family));
     section.listing(changes(rows, controlled)).listing(laws(rows))
 }

@@ -5,7 +5,7 @@ use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
-use counterpoise_pipeline::studies::assumptions::AssumptionEffect;
+use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
@@ -18,7 +18,6 @@ use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, alternatives};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
-use counterpoise_project::Assumption;
 
 /// What a design's report shows that was found outside the pipeline.
 #[derive(Debug, Clone, Copy)]
@@ -31,10 +30,6 @@ pub struct DesignRun<'a> {
     pub proofs: &'a [Proof],
     /// Instructions and memory of a step.
     pub costs: &'a Costs,
-    /// What is assumed because the project file does not state it.
-    pub assumptions: &'a [Assumption],
-    /// How much the assumptions with a usual range matter, the largest effect first.
-    pub effects: &'a [AssumptionEffect],
     /// Why the weights are what they are, if they were chosen.
     pub first_design: Option<&'a FirstDesignResult>,
 }
@@ -56,7 +51,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     ));
     more.extend(designed.two_axes.as_ref().map(crate::two_axes::two_axes_section));
     more.push(order_section(result));
-    more.push(crate::check::assumptions_section(run.assumptions, run.effects));
+    more.push(crate::check::assumptions_section(&result.model.assumptions, &result.model.assumption_effects));
     let controlled = stages.synthesised.controlled;
     let evidence =
         TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs, controlled };
@@ -122,7 +117,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: Co
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
         .showing(plants.iter().map(figure));
-    section.text.extend(reduced.warnings.iter().map(ToString::to_string));
+    section.text.extend(reduced.warnings.iter().map(describe_reduction_warning));
     section
 }
 

@@ -1,9 +1,9 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, the localisation, and the candidates.
 
-use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
-use crate::wording::name_in_words;
+use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
+use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::Verdict;
-use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_diagnose::findings::channel_fits::{Channels, largest_ratio};
 
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -53,18 +53,16 @@ fn headline(answer: &AnswerText) -> Headline {
         .iter()
         .map(|f| format!("{} {}", f.component, name_in_words(f.effect.name())))
         .collect();
-    let named = names.join(", ");
-    let (tone, text) = match answer.verdict {
-        Verdict::Consistent => (Tone::Good, "The model explains the recordings: nothing found".to_owned()),
-        Verdict::Named => (Tone::Good, format!("Left out: {named}")),
-        Verdict::Ambiguous => {
-            (Tone::Neutral, format!("Left out: {named}, or something these recordings cannot tell from it"))
-        }
-        Verdict::Incomplete => {
-            (Tone::Neutral, format!("Part of what was left out: {named}; something remains"))
-        }
-        Verdict::Unknown => {
-            (Tone::Bad, "Something was left out that is none of the known effects".to_owned())
+    let sentence = capitalise_first(describe_verdict(answer.verdict).sentence);
+    let tone = match answer.verdict {
+        Verdict::Consistent | Verdict::Named => Tone::Good,
+        Verdict::Ambiguous | Verdict::Incomplete => Tone::Neutral,
+        Verdict::Unknown => Tone::Bad,
+    };
+    let text = match answer.verdict {
+        Verdict::Consistent | Verdict::Unknown => sentence,
+        Verdict::Named | Verdict::Ambiguous | Verdict::Incomplete => {
+            format!("{sentence}: {}", names.join(", "))
         }
     };
     let detail = answer.findings.first().map_or_else(String::new, |f| f.explanation.clone());
@@ -72,13 +70,12 @@ fn headline(answer: &AnswerText) -> Headline {
 }
 
 fn tiles(answer: &AnswerText) -> Vec<Tile> {
-    let worst = |channels: &Channels| channels.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
     let mut out = vec![
-        Tile::plain("error over floor, before", format!("{:.1}", worst(&answer.fit.before)), "")
+        Tile::plain("error over floor, before", format!("{:.1}", largest_ratio(&answer.fit.before)), "")
             .with_note("worst channel, all recordings"),
-        Tile::plain("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "")
+        Tile::plain("error over floor, after", format!("{:.2}", largest_ratio(&answer.fit.after)), "")
             .with_note("1 is perfect"),
-        Tile::plain("on held-out data", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
+        Tile::plain("on held-out data", format!("{:.2}", largest_ratio(&answer.fit.held_out_after)), "")
             .with_note("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
@@ -94,7 +91,7 @@ fn findings_table(findings: &[FindingText]) -> Table {
         Column::Text("effect"),
         Column::Number("probability"),
         Column::Text("parameters (95 % interval)"),
-        Column::Text("cannot be told from"),
+        Column::Text("equivalent effects"),
     ];
     let mut table = Table::new("Findings, most important first", &columns);
     for finding in findings {
@@ -209,13 +206,8 @@ fn cannot_tell(answer: &AnswerText) -> Section {
 
 /// Returns the track whose error was largest against the measurement.
 pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
-    let error = |t: &Track| {
-        let sum: f64 = t.measured.iter().zip(&t.before).map(|(m, b)| (m - b).powi(2)).sum();
-        let power: f64 = t.measured.iter().map(|m| m * m).sum();
-        sum / power.max(f64::MIN_POSITIVE)
-    };
     let drawn = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
-    drawn.max_by(|a, b| error(a).total_cmp(&error(b)))
+    drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
 }
 
 /// Measured and simulated above, the errors below.

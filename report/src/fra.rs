@@ -1,6 +1,7 @@
 //! The report of the frequency response analyser: gain and phase over frequency for every amplitude, beside the linear models.
 
-use counterpoise_pipeline::studies::fra::{Map, Point};
+use counterpoise_pipeline::studies::fra::{Around, Map, Point};
+use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, Sticking};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
@@ -30,7 +31,7 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let name = first.map_or("", |map| map.name.as_str());
     Report {
         title: format!("Frequency responses of {name}"),
-        subtitle: first.map(|map| map.words()).unwrap_or_default(),
+        subtitle: first.map(map_title).unwrap_or_default(),
         headline: headline(maps),
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
@@ -44,75 +45,51 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
 }
 
 fn headline(maps: &[Map]) -> Headline {
-    let points: Vec<&Point> = maps.iter().flat_map(|map| &map.points).collect();
-    let unsettled = points.iter().filter(|p| !p.settled).count();
+    let count: usize = maps.iter().map(|map| map.points.len()).sum();
+    let unsettled: usize = maps.iter().map(Map::unsettled_count).sum();
     let text = match unsettled {
-        0 => format!("{} points measured, every one settled", points.len()),
-        n => format!("{} points measured, {n} not settled or not excited", points.len()),
+        0 => format!("{count} points measured, every one settled"),
+        n => format!("{count} points measured, {n} not settled or not excited"),
     };
-    let spread = maps.first().map_or(0.0, widest_spread);
+    let spread = maps.first().map_or(0.0, Map::widest_spread_db);
     let detail =
         format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
 }
 
+/// Describes what a map relates and what surrounds the measurement, for example "demand to hub rate, with the controller".
+pub fn map_title(map: &Map) -> String {
+    let surroundings = match map.around {
+        Around::Plant => "without controller",
+        Around::Closed | Around::Disturbance => "with the controller",
+        Around::Disconnected => "balanced, the motor disconnected",
+    };
+    format!("{} to {}, {surroundings}", map.signals.input, map.signals.output)
+}
+
 /// Returns a sentence for each amplitude at which the joint sticks, with the next amplitude of the map that moves it at all of those frequencies.
 pub fn sticking_lines(map: &Map) -> Vec<String> {
+    map.sticking_amplitudes().iter().map(|sticking| sticking_line(map, sticking)).collect()
+}
+
+fn sticking_line(map: &Map, sticking: &Sticking) -> String {
     let unit = &map.signals.input_unit;
-    let all = families(map);
-    let line = |family: &Family<'_>| {
-        let stuck: Vec<f64> = family.points.iter().filter(|p| sticks(p)).map(|p| p.frequency_hz).collect();
-        let (first, last) = (stuck.first()?, stuck.last()?);
-        let moves = |other: &&Family<'_>| {
-            let moving = |p: &&Point| !(sticks(p) && stuck.contains(&p.frequency_hz));
-            other.amplitude > family.amplitude && other.points.iter().all(moving)
-        };
-        let larger = all.iter().filter(moves).map(|other| other.amplitude).min_by(f64::total_cmp);
-        let next = match larger {
-            Some(size) => format!("{} {unit} moves it", short_number(size)),
-            None => "no larger amplitude of this map moves it: measure with larger --amplitudes".to_owned(),
-        };
-        let place = match first == last {
-            true => format!("{} Hz", short_number(*first)),
-            false => format!(
-                "{} of its frequencies from {} to {} Hz",
-                stuck.len(),
-                short_number(*first),
-                short_number(*last)
-            ),
-        };
-        let (size, output) = (short_number(family.amplitude), map.signals.output);
-        Some(format!(
-            "the joint sticks at {size} {unit}, at {place}, and the {output} does not respond; {next}"
-        ))
+    let next = match sticking.moved_by {
+        Some(size) => format!("{} {unit} moves it", short_number(size)),
+        None => "no larger amplitude of this map moves it: measure with larger --amplitudes".to_owned(),
     };
-    all.iter().filter_map(line).collect()
-}
-
-/// Returns whether nothing moves at a point: there is no response whose gain could be told in dB.
-pub fn sticks(point: &Point) -> bool {
-    point.gain_db == f64::NEG_INFINITY
-}
-
-/// The points of one amplitude; of a recording the amplitude is NaN.
-struct Family<'a> {
-    amplitude: f64,
-    points: Vec<&'a Point>,
-}
-
-/// Returns the points of each amplitude, in the order of the map.
-fn families(map: &Map) -> Vec<Family<'_>> {
-    let mut out: Vec<Family<'_>> = Vec::new();
-    if map.recording.is_some() {
-        return vec![Family { amplitude: f64::NAN, points: map.points.iter().collect() }];
-    }
-    for point in &map.points {
-        match out.last_mut() {
-            Some(family) if family.amplitude == point.amplitude => family.points.push(point),
-            _ => out.push(Family { amplitude: point.amplitude, points: vec![point] }),
-        }
-    }
-    out
+    let place = match sticking.frequencies_hz[..] {
+        [one] => format!("{} Hz", short_number(one)),
+        [first, .., last] => format!(
+            "{} of its frequencies from {} to {} Hz",
+            sticking.frequencies_hz.len(),
+            short_number(first),
+            short_number(last)
+        ),
+        [] => "no frequency".to_owned(),
+    };
+    let (size, output) = (short_number(sticking.amplitude), map.signals.output);
+    format!("the joint sticks at {size} {unit}, at {place}, and the {output} does not respond; {next}")
 }
 
 fn label(map: &Map, amplitude: f64) -> String {
@@ -130,7 +107,7 @@ fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option
 
 /// Returns all amplitudes in one diagram, the linear model dashed.
 fn overview(map: &Map, command: &str) -> Figure {
-    let families = families(map);
+    let families = map.points_by_amplitude();
     let mut curves: Vec<BodeCurve> = families
         .iter()
         .zip(Colour::CYCLE)
@@ -138,7 +115,7 @@ fn overview(map: &Map, command: &str) -> Figure {
             curve(&label(map, family.amplitude), colour, &family.points, |p| Some(p.response))
         })
         .collect();
-    if let Some(Family { points, .. }) = families.first() {
+    if let Some(AmplitudePoints { points, .. }) = families.first() {
         curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).with_dashes());
     }
     let figure = bode_figure(
@@ -159,7 +136,7 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
             "Each amplitude beside the linear model with dry friction replaced by its describing function, at the swing of the hub \
              that this model gives itself. It leaves out harmonics, the bias that the weight gives to friction, and backlash.",
         )
-        .showing(families(map).iter().zip(Colour::CYCLE).map(|(family, colour)| {
+        .showing(map.points_by_amplitude().iter().zip(Colour::CYCLE).map(|(family, colour)| {
             let figure = beside_models(map, family, colour);
             Figure { command: command.to_owned(), ..figure }
         }));
@@ -196,7 +173,7 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
     (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
 }
 
-fn beside_models(map: &Map, family: &Family<'_>, colour: Colour) -> Figure {
+fn beside_models(map: &Map, family: &AmplitudePoints<'_>, colour: Colour) -> Figure {
     let (name, points) = (label(map, family.amplitude), &family.points);
     let mut described = curve("describing function", Colour::Second, points, |p| p.describing);
     described.dash = Dash::Dotted;
@@ -214,11 +191,12 @@ fn beside_models(map: &Map, family: &Family<'_>, colour: Colour) -> Figure {
 
 fn harmonics(map: &Map, command: &str) -> Figure {
     let of = |y: fn(&Point) -> f64| -> Vec<Series> {
-        let families = families(map);
-        let series = families.iter().zip(Colour::CYCLE).map(|(Family { amplitude, points }, colour)| {
-            let line = points.iter().map(|p| (p.frequency_hz, y(p)));
-            Series::solid_line(&label(map, *amplitude), colour, line)
-        });
+        let families = map.points_by_amplitude();
+        let series =
+            families.iter().zip(Colour::CYCLE).map(|(AmplitudePoints { amplitude, points }, colour)| {
+                let line = points.iter().map(|p| (p.frequency_hz, y(p)));
+                Series::solid_line(&label(map, *amplitude), colour, line)
+            });
         series.collect()
     };
     let panels = vec![
@@ -233,32 +211,15 @@ fn harmonics(map: &Map, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn db(h: [f64; 2]) -> f64 {
-    20.0 * h[0].hypot(h[1]).log10()
-}
-
-/// Returns the largest difference of gain between amplitudes at one frequency, dB.
-fn widest_spread(map: &Map) -> f64 {
-    let families = families(map);
-    let count = families.iter().map(|family| family.points.len()).min().unwrap_or(0);
-    let spread = |k: usize| {
-        let gains = families.iter().map(|family| family.points[k].gain_db);
-        gains.clone().fold(f64::MIN, f64::max) - gains.fold(f64::MAX, f64::min)
-    };
-    (0..count).map(spread).fold(0.0, f64::max)
-}
-
 fn tiles(map: &Map) -> Vec<Tile> {
-    let largest = map.points.iter().map(|p| p.gain_db).fold(f64::MIN, f64::max);
-    let distortion = map.points.iter().map(|p| p.distortion).fold(0.0, f64::max);
     let relative = map.signals.gain_unit();
     let unit = if relative.is_empty() { "dB".to_owned() } else { format!("dB re {relative}") };
     vec![
         Tile::plain("points", map.points.len().to_string(), ""),
-        Tile::plain("largest gain", short_number(largest), &unit),
-        Tile::plain("spread over amplitudes", short_number(widest_spread(map)), "dB")
+        Tile::plain("largest gain", short_number(map.largest_gain_db()), &unit),
+        Tile::plain("spread over amplitudes", short_number(map.widest_spread_db()), "dB")
             .with_note("0 on a linear machine"),
-        Tile::plain("largest harmonics", short_number(100.0 * distortion), "%")
+        Tile::plain("largest harmonics", short_number(100.0 * map.largest_distortion()), "%")
             .with_note("of the fundamental"),
     ]
 }
@@ -276,26 +237,17 @@ fn extremes(map: &Map) -> Table {
         "Each amplitude; linear, describing: how far those models are off, median of the gain",
         &columns,
     );
-    for Family { amplitude, points } in families(map) {
-        let highest = points.iter().max_by(|a, b| a.gain_db.total_cmp(&b.gain_db));
-        let off = |of: fn(&Point) -> Option<[f64; 2]>| {
-            let distance = |p: &&Point| of(p).map(|h| (db(h) - p.gain_db).abs());
-            median(points.iter().filter_map(distance).collect())
-        };
+    for group in map.points_by_amplitude() {
+        let highest = group.highest_point();
         table.rows.push(vec![
-            Cell::text(label(map, amplitude)),
+            Cell::text(label(map, group.amplitude)),
             Cell::number(highest.map_or(f64::NAN, |p| p.gain_db)),
             Cell::number(highest.map_or(f64::NAN, |p| p.frequency_hz)),
-            Cell::number(off(|p| Some(p.linear))),
-            Cell::number(off(|p| p.describing)),
+            Cell::number(group.linear_error_db()),
+            Cell::number(group.describing_error_db()),
         ]);
     }
     table
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 fn points_table(map: &Map) -> Table {

@@ -41,7 +41,7 @@ pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section
         };
         out.push(
             Section::new("Frequency response, measured and simulated")
-                .saying(RESPONSES.replace("the hub's rate", &of_hub).replace("measured rate", &of_reading))
+                .saying(responses_sentence(&of_hub, &of_reading))
                 .showing(responses),
         );
     }
@@ -54,8 +54,14 @@ pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section
 }
 
 const LOOPS: &str = "Offset: out-of-balance; step at rate zero: dry friction; slope: viscous friction and back-EMF; width: inertia.";
-const RESPONSES: &str = "From the control to the hub's rate, by averaged spectra, where measured rate and control are coherent. The runs are in closed loop \
-     or under its control, so noise biases the curves; it biases all of them alike.";
+
+/// Returns what the frequency responses show, with what the hub's motion and its reading are called.
+fn responses_sentence(of_hub: &str, of_reading: &str) -> String {
+    format!(
+        "From the control to {of_hub}, by averaged spectra, where {of_reading} and control are coherent. The runs are in closed loop \
+         or under its control, so noise biases the curves; it biases all of them alike."
+    )
+}
 
 fn recordings(tracks: &[Track]) -> Vec<&str> {
     let mut names: Vec<&str> = tracks.iter().map(|t| t.recording.as_str()).collect();

@@ -16,7 +16,11 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         headline: Headline {
             tone: if answer.verdict == StructureVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
             text: answer.explanation.clone(),
-            detail: answer.alternatives.iter().map(|a| format!("Cannot be told from {a}. ")).collect(),
+            detail: answer
+                .alternatives
+                .iter()
+                .map(|a| format!("Cannot be distinguished from {a}. "))
+                .collect(),
         },
         tiles: answer.tried.iter().take(1 + DRAWN).map(tile).collect(),
         verdicts: frequencies(answer),

@@ -52,7 +52,7 @@ fn statistics(found: &CampaignResult) -> Vec<Section> {
         .saying(format!(
             "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. \
              \"Either way\" compares the factor's distance from 1, where that says more. Left out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
-            chance(found)
+            found.chance_correlation()
         ))
         .listing(sensitivity(found));
     let members = Section::new("One at a time, and each configuration")
@@ -241,31 +241,29 @@ fn shares(found: &CampaignResult) -> Table {
 
 /// Returns the share of mechanisms below each value.
 fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
-    let mut values: Vec<f64> =
-        found.values.column(requirement).iter().copied().filter(|v| v.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    let all = found.samples().max(1) as f64;
-    let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all));
+    let distribution = found.distribution(requirement);
     let figure = found.requirements[requirement].figure;
     let name = figure.name(found.controlled);
     let limit = found.requirements[requirement].limit.value();
     let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short_number(limit)) }];
     let panel = Panel::new(
         Axis::linear("mechanisms below", "%").with_range(0.0, 100.0),
-        vec![Series::solid_line("", Colour::First, points)],
+        vec![Series::solid_line(
+            "",
+            Colour::First,
+            distribution.iter().map(|[value, share]| (*value, *share)),
+        )],
     );
-    let (low, high) = (values.first().copied().unwrap_or(limit), values.last().copied().unwrap_or(limit));
+    let (low, high) = (
+        distribution.first().map_or(limit, |[value, _]| *value),
+        distribution.last().map_or(limit, |[value, _]| *value),
+    );
     let span = high.max(limit) - low.min(limit);
     let span = if span > 0.0 { span } else { limit.abs().max(1.0) };
     let room = 0.03 * span;
     let axis = Axis::linear(&name, figure.unit(found.controlled))
         .with_range(low.min(limit) - room, high.max(limit) + room);
     Figure::new(&name, axis, vec![panel.with_marks(marks).with_height(150.0)])
-}
-
-/// Returns the rank correlation that chance alone exceeds in about one case of twenty.
-fn chance(found: &CampaignResult) -> f64 {
-    2.0 / (found.samples().max(1) as f64).sqrt()
 }
 
 fn sensitivity(found: &CampaignResult) -> Table {
@@ -282,9 +280,7 @@ const MOST_NAMED: usize = 3;
 
 /// At most so many factors that stand out from chance, with their rank correlation.
 fn matters(found: &CampaignResult, requirement: usize, most: usize) -> String {
-    let ranked = &found.rankings[requirement];
-    let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(found));
-    let words = clear.take(most).map(|one| {
+    let words = found.clear_rankings(requirement).take(most).map(|one| {
         let key = found.variations[one.variation].parameter.key();
         let either = if one.sense == Sense::EitherWay { "either way " } else { "" };
         format!("{key} {either}{:+.2}", one.correlation).replace('-', "\u{2212}")

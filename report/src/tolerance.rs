@@ -5,9 +5,6 @@ pub(crate) const NO_EFFECT: f64 = 0.005;
 /// Relative change up to which a figure counts as the same in a comparison of two verifications: the results of two processors differ by less.
 pub(crate) const SAME_FIGURE: f64 = 1e-6;
 
-/// Multiple of its noise floor from which on a channel has a residual that a model could remove: at 1.5 more than
-/// half of the residual's power is none of the noise.
-pub(crate) const ABOVE_FLOOR: f64 = 1.5;
-
-/// RMS residual over noise floor up to which a model is said to fit: the same as [`ABOVE_FLOOR`], so that what does not fit can be improved.
+/// RMS residual over noise floor up to which a model is said to fit: the level below which the diagnosis calls a channel explained. At 1.5 more
+/// than half of the residual's power is none of the noise.
 pub(crate) const FITS_FLOORS: f64 = 1.5;

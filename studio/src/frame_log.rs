@@ -1,8 +1,9 @@
 //! The time that redrawn designs take, as CSV.
 
+use counterpoise_host::clock::Moment;
 use std::io::Write;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use counterpoise_host::files::create_log;
 
@@ -25,7 +26,7 @@ pub struct FrameTiming {
 pub struct FrameLog {
     file: Option<Box<dyn Write>>,
     drawn: Option<u64>,
-    changed: Instant,
+    changed: Moment,
 }
 
 impl FrameLog {
@@ -35,16 +36,16 @@ impl FrameLog {
         if let Some(file) = &mut file {
             let _ = writeln!(file, "revision,pipeline_ms,change_to_drawn_ms,frame_ms");
         }
-        Self { file, drawn: None, changed: Instant::now() }
+        Self { file, drawn: None, changed: Moment::now() }
     }
 
     /// Records that the project is changed now.
     pub fn mark_change(&mut self) {
-        self.changed = Instant::now();
+        self.changed = Moment::now();
     }
 
     /// Records a frame that began at a time and has just ended; returns its timing if it shows another design than the one before.
-    pub fn record_frame(&mut self, studio: &Studio, begun: Instant) -> Option<FrameTiming> {
+    pub fn record_frame(&mut self, studio: &Studio, begun: Moment) -> Option<FrameTiming> {
         let of = studio.results.design.as_ref().filter(|of| self.drawn != Some(of.revision))?;
         self.drawn = Some(of.revision);
         let ms = |d: Duration| d.as_secs_f64() * 1e3;

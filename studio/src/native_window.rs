@@ -1,8 +1,9 @@
 //! The native window.
 
+use counterpoise_host::clock::Moment;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use counterpoise_host::code_files::Library;
 use counterpoise_host::files;
@@ -234,7 +235,7 @@ impl NativeWindow {
 
 impl eframe::App for NativeWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-        let begun = Instant::now();
+        let begun = Moment::now();
         if self.theme != Some(self.studio.view.theme) {
             self.studio.view.theme.apply(ui.ctx());
             self.theme = Some(self.studio.view.theme);

@@ -2,10 +2,11 @@
 //!
 //! It carries out scripts on machines without a screen, and measures times without a renderer.
 
+use counterpoise_host::clock::Moment;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::command::Command;
 use crate::frame_log::{FrameLog, FrameTiming};
@@ -34,7 +35,7 @@ pub struct OffscreenStudio {
     /// Changes of the textures in frames of scripts.
     pub textures: egui::TexturesDelta,
     woken: Receiver<()>,
-    begun: Instant,
+    begun: Moment,
 }
 
 impl OffscreenStudio {
@@ -54,7 +55,7 @@ impl OffscreenStudio {
             theme: None,
             textures: egui::TexturesDelta::default(),
             woken,
-            begun: Instant::now(),
+            begun: Moment::now(),
         }
     }
 
@@ -88,7 +89,7 @@ impl OffscreenStudio {
     pub fn run_script(&mut self, commands: Vec<Command>, log: &mut FrameLog) -> Vec<FrameTiming> {
         let (mut script, mut timings) = (Script::new(commands), Vec::new());
         loop {
-            let begun = Instant::now();
+            let begun = Moment::now();
             let drawn = self.draw_frame(Vec::new());
             self.textures.append(drawn.textures);
             timings.extend(log.record_frame(&self.studio, begun));

@@ -26,7 +26,7 @@ fn seeds() -> std::ops::Range<u64> {
     bounds.and_then(parse).unwrap_or(5..6)
 }
 
-/// Whether every concealed effect was named and nothing else, by its name or one that cannot be told from it.
+/// Whether every concealed effect was named and nothing else, by its name or by that of an equivalent effect.
 fn right(sealed: &Sealed, answer: &Answer) -> bool {
     let named = |c: &counterpoise_tests::sealed::Concealed| {
         answer.findings.iter().any(|f| {

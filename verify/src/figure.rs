@@ -478,25 +478,6 @@ impl Figure {
             Figure::Sight(figure) => words(&SIGHT, figure).unit,
         }
     }
-
-    /// Returns what the figure tells in a loop of rate, in one sentence.
-    pub fn meaning(&self) -> &'static str {
-        match self {
-            Figure::Loop(_) => "how far the sampled loop, broken at the plant's input, is from instability",
-            Figure::Step(..) => "how the hub follows a step of the demanded rate",
-            Figure::Triangle(..) => {
-                "how the hub follows a triangle of the demanded rate; friction shows where it turns"
-            }
-            Figure::Disturbance(..) => {
-                "what the platform's motion leaves in the mechanism, and what it costs"
-            }
-            Figure::Rejection { .. } => "hub rate over platform motion at one frequency; low is good",
-            Figure::Rest(_) => "what the loop does when nothing is asked of it",
-            Figure::Sight(_) => {
-                "how far the stabilised axis points from where it should while the platform moves"
-            }
-        }
-    }
 }
 
 impl fmt::Display for Figure {
@@ -536,7 +517,7 @@ mod tests {
         let mut keys: Vec<String> = all.iter().map(Figure::key).collect();
         for figure in &all {
             assert_eq!(Figure::from_key(&figure.key()).unwrap(), *figure);
-            assert!(!figure.name(ControlledQuantity::RATE).is_empty() && !figure.meaning().is_empty());
+            assert!(!figure.name(ControlledQuantity::RATE).is_empty());
         }
         keys.sort();
         keys.dedup();

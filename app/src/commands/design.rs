@@ -8,11 +8,10 @@ use counterpoise_export::File;
 use counterpoise_host::code_files;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::terminal::print_message;
-use counterpoise_pipeline::exchange::{ControllerResult, error_budget_result};
+use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
-use counterpoise_pipeline::results::{DesignResult, TwoAxesResult};
+use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::Kept;
-use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, design};
 use counterpoise_project::Purpose;
@@ -60,15 +59,17 @@ pub fn run(options: &DesignOptions) -> Done {
     output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
-    let mut result = results_of(options, &designed)?;
+    let contents = ResultContents {
+        assumptions: &loaded.assumptions,
+        systems: options.results.loop_systems(),
+        kept: if options.histories { Kept::Histories } else { Kept::Systems },
+    };
+    let mut result = DesignResult::complete(&loaded.project, &designed, &contents)?;
     let code = &designed.targets.code;
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
     result.targets = result.targets.with_answers(&proofs, &costs);
     let compiled = compiled(&proofs, &costs);
-    let systems = options.results.loop_systems();
-    let ranked = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions, systems);
-    let assumptions = with_those_of_design(&loaded.assumptions, &designed.stages.synthesised);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
         origin: &Origin {
@@ -78,13 +79,9 @@ pub fn run(options: &DesignOptions) -> Done {
         times: &world.times(),
         proofs: &proofs,
         costs: &costs,
-        assumptions: &assumptions,
-        effects: &ranked.effects,
         first_design: first_design.as_ref(),
     };
     let page = html_page(&of_design(&designed, &result, &run));
-    result.model.assumptions = assumptions;
-    (result.model.assumption_effects, result.model.assumed_loop) = (ranked.effects, ranked.assumed_loop);
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
     let report = File { name: "report.html".to_owned(), text: page };
     code_files::write_with_controller(&options.output, &designed.stages.files, &controller, &[report])?;
@@ -105,24 +102,6 @@ pub fn run(options: &DesignOptions) -> Done {
     let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
     let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
-}
-
-/// Returns the results of a design, with the histories if they are asked for.
-fn results_of(
-    options: &DesignOptions,
-    designed: &counterpoise_pipeline::Designed,
-) -> anyhow::Result<DesignResult> {
-    let mut result = DesignResult::from(designed);
-    let both = designed.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
-    result.verify = result.verify.with_two_axes(both);
-    if options.histories {
-        let (verified, plant) = (&designed.stages.verified, &designed.stages.modelled.plant);
-        result.verify.error_budget =
-            error_budget_result(verified.verification(), plant, verified.controller(), Kept::Histories)?;
-    } else {
-        result.leave_histories_out();
-    }
-    Ok(result)
 }
 
 fn print_two_axes(designed: &counterpoise_pipeline::Designed) {

@@ -12,7 +12,7 @@ use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{Consequence, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
-    AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
+    AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict, unit_suffix,
 };
 use counterpoise_report::wording::held_out::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
@@ -167,7 +167,8 @@ fn print(answer: &AnswerText) {
         );
     }
     say!();
-    say!("{}", sentence(answer.verdict));
+    let verdict = describe_verdict(answer.verdict);
+    say!("{}: {}", verdict.name, verdict.sentence);
     answer.findings.iter().for_each(print_finding);
     answer.learned.iter().for_each(print_learned);
     print_candidates(answer);
@@ -194,7 +195,7 @@ fn print_finding(finding: &FindingText) {
         );
     }
     for other in &finding.alternatives {
-        say!("    cannot be told from {} {}", other.component, other.effect);
+        say!("    cannot be distinguished from {} {}", other.component, other.effect);
     }
 }
 
@@ -256,15 +257,5 @@ fn print_fit(fit: &FitTable) {
             number(&fit.held_out_before),
             number(&fit.held_out_after)
         );
-    }
-}
-
-fn sentence(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Consistent => "consistent: the model explains the recordings",
-        Verdict::Named => "named: with this, the model explains the recordings",
-        Verdict::Ambiguous => "ambiguous: one of several that these recordings cannot tell apart",
-        Verdict::Incomplete => "incomplete: this is part of it, something is left over",
-        Verdict::Unknown => "unknown: something was left out that is none of the known effects",
     }
 }

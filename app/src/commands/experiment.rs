@@ -64,7 +64,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(options: &ExperimentOptions) -> Done {
-    let loaded = projects::load_project(&options.project, Purpose::Replay)?;
+    let loaded = projects::load_project(&options.project, Purpose::Experiment)?;
     output::print_warnings(&loaded, options.results.progress());
     let findings = options.findings.as_ref().map(|path| -> anyhow::Result<Findings> {
         let bytes = files::read_file(path).with_context(|| format!("cannot read {}", path.display()))?;

@@ -1,7 +1,6 @@
 //! `counterpoise fra`: the frequency response analyser, on the simulated mechanism or on recordings.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
@@ -10,7 +9,7 @@ use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, fra_report, sticking_lines, sticks};
+use counterpoise_report::fra::{Pace, fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
@@ -18,9 +17,11 @@ use counterpoise_simulate::fra::Measurement;
 use crate::exit::{Done, Exit};
 use crate::options::Outputs;
 use crate::output::{self, say};
+use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_host::clock::Moment;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
-use counterpoise_host::workers::Workers;
+use counterpoise_host::workers::{Processors, Workers, run_on};
 
 /// Arguments of `fra`.
 #[derive(Args)]
@@ -96,7 +97,7 @@ pub fn run(options: &FraOptions) -> Done {
     let mut loaded = projects::load_project(&options.project, Purpose::Model)?;
     let around = options.around.map_or_else(|| Around::usual_of(&loaded.project), Around::from);
     let has_controller = matches!(around, Around::Closed | Around::Disturbance);
-    if has_controller && options.recording.is_empty() && loaded.project.synth.is_none() {
+    if has_controller && options.recording.is_empty() && pipeline::leaves_weights_open(&loaded.project) {
         loaded = projects::load_project(&options.project, Purpose::Synth)?;
     }
     output::print_warnings(&loaded, options.outputs.results.progress());
@@ -152,12 +153,12 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
         }
     };
     let workers = Workers::new(options.outputs.results.progress());
-    let start = Instant::now();
+    let start = Moment::now();
     let measured = analyser.measure(plan, &workers);
     let seconds = start.elapsed().as_secs_f64();
     workers.finish();
     let measured = measured?;
-    let mut speed = vec![Pace { threads: rayon::current_num_threads(), seconds }];
+    let mut speed = vec![Pace { threads: Processors.processors(), seconds }];
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
@@ -168,13 +169,12 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
 /// last bit.
 fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
-    let all = rayon::current_num_threads();
+    let all = Processors.processors();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
     let mut paces = Vec::new();
     for threads in doubling.chain([all]) {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        let start = Instant::now();
-        let measured = pool.install(|| analyser.measure(plan, &Workers::new(Progress::Quiet)))?;
+        let start = Moment::now();
+        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(Progress::Quiet)))??;
         paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
         if measured != expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
@@ -254,7 +254,7 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
 
 fn print(map: &Map) {
     let from = map.recording.as_deref().unwrap_or("simulated");
-    say!("{}: {} ({from})", map.name, map.words());
+    say!("{}: {} ({from})", map.name, map_title(map));
     say!(
         "{:>10} {:>10} {:>9} {:>9} {:>11} {:>11} {:>9} {:>11}",
         map.signals.input_unit,
@@ -266,10 +266,9 @@ fn print(map: &Map) {
         "harmonics",
         format!("mean {}", map.signals.output_unit)
     );
-    let db = |h: [f64; 2]| 20.0 * h[0].hypot(h[1]).log10();
     for p in &map.points {
-        let described = p.describing.map_or("-".to_owned(), |h| format!("{:.2}", db(h)));
-        let [gain, phase] = match sticks(p) {
+        let described = p.describing_gain_db().map_or("-".to_owned(), |gain| format!("{gain:.2}"));
+        let [gain, phase] = match p.sticks() {
             true => ["sticks".to_owned(), "-".to_owned()],
             false => [format!("{:.2}", p.gain_db), format!("{:.2}", p.phase_deg)],
         };
@@ -277,7 +276,7 @@ fn print(map: &Map) {
             "{:10.4} {:10.4} {gain:>9} {phase:>9} {:11.2} {described:>11} {:8.2}% {:11.2e}{}",
             p.amplitude,
             p.frequency_hz,
-            db(p.linear),
+            p.linear_gain_db(),
             100.0 * p.distortion,
             p.mean_rad_s,
             match (p.settled, &map.recording) {

@@ -2,11 +2,13 @@
 
 use anyhow::Error;
 use clap::Args;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::large_recordings::{
     BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, split_by_size,
 };
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::terminal::print_message;
+use counterpoise_host::workers::{Processors, try_map_stream};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
@@ -19,7 +21,6 @@ use counterpoise_report::wording::recordings::{
 };
 use counterpoise_simulate::replay::RecordedController;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 use crate::exit::{Done, Exit};
@@ -120,14 +121,9 @@ fn replay_in_parts(
         Ok(replayed.iter().map(describe_replay).collect())
     };
     // While one processor reads the next part, the others replay those before it.
-    let processors = rayon::current_num_threads().min(PARTS_AT_ONCE);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(processors).build()?;
-    let mut done: Vec<(usize, Vec<RecordingResult>)> = pool.install(|| {
-        let parts = parts.enumerate().par_bridge();
-        parts.map(|(k, table)| Ok((k, one(table?)?))).collect::<anyhow::Result<_>>()
-    })?;
-    done.sort_by_key(|(k, _)| *k);
-    Ok(done.into_iter().flat_map(|(_, results)| results).collect())
+    let processors = Processors.processors().min(PARTS_AT_ONCE);
+    let done = try_map_stream(processors, parts, |table| one(table?))?;
+    Ok(done.into_iter().flatten().collect())
 }
 
 /// Says so if the controller of the recordings was exported from another state of the project.

@@ -2,10 +2,11 @@
 
 use anyhow::bail;
 use counterpoise_pipeline::recordings::measured_modes::{
-    StructureAnswer, StructureVerdict, diagnose_structure, support_in_words,
+    StructureAnswer, StructureVerdict, diagnose_structure,
 };
 use counterpoise_report::html_page;
 use counterpoise_report::structure::structure_report;
+use counterpoise_report::wording::structure::{describe_support, structure_verdict_name};
 
 use crate::exit::{Done, Exit};
 use crate::options::DiagnoseOptions;
@@ -35,7 +36,7 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
         say!(
             "{} natural frequencies, structure {}",
             measured.modes_hz.len(),
-            support_in_words(measured.support)
+            describe_support(measured.support)
         );
         print(&found.answer);
     }
@@ -45,7 +46,7 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
 fn print(answer: &StructureAnswer) {
     let named = answer.verdict != StructureVerdict::Consistent;
     let best = answer.tried.get(1).filter(|_| named);
-    say!("{}: {}", word(answer.verdict), answer.explanation);
+    say!("{}: {}", structure_verdict_name(answer.verdict), answer.explanation);
     let head = best.map_or(String::new(), |t| format!("with {}", t.what));
     say!("  {:>4} {:>12} {:>12} {:>8}   {head}", "mode", "measured Hz", "model Hz", "error %");
     for (k, measured) in answer.measured_hz.iter().enumerate() {
@@ -62,15 +63,5 @@ fn print(answer: &StructureAnswer) {
             t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
         say!("  {:<64} {:10.2} {:14.2}  {}", t.what, t.rms_percent, t.left_out_percent, numbers.join(", "));
     }
-    answer.alternatives.iter().for_each(|other| say!("  cannot be told from {other}"));
-}
-
-fn word(verdict: StructureVerdict) -> &'static str {
-    match verdict {
-        StructureVerdict::Consistent => "consistent",
-        StructureVerdict::Named => "named",
-        StructureVerdict::Incomplete => "incomplete",
-        StructureVerdict::Ambiguous => "ambiguous",
-        StructureVerdict::Unknown => "unknown",
-    }
+    answer.alternatives.iter().for_each(|other| say!("  cannot be distinguished from {other}"));
 }

@@ -11,7 +11,6 @@ use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::{Context as PageContext, ProvenanceEntry, html_page, robust, sweep};
 use counterpoise_verify::robust::{Campaign, Member, Sample, merge};
 use counterpoise_verify::structured::RobustStability;
-use rayon::prelude::*;
 use std::path::Path;
 
 use crate::exit::{Done, Exit, verdict_code};
@@ -21,7 +20,7 @@ use counterpoise_host::campaign_progress::Pace;
 use counterpoise_host::interrupt::Interrupted;
 use counterpoise_host::projects::{self, Surroundings};
 use counterpoise_host::stages::Progress;
-use counterpoise_host::workers::Workers;
+use counterpoise_host::workers::{Workers, try_map};
 use counterpoise_host::{interrupt, shards};
 
 /// Arguments of `sweep`.
@@ -152,7 +151,7 @@ fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &Pace) -> Result<
         pace.count_run();
         sample
     };
-    let samples = range.into_par_iter().map(one).collect::<Result<Vec<Sample>, _>>()?;
+    let samples = try_map(range, one)?;
     shards::write_shard(&path, &named.campaign, &named.name, &samples)
 }
 

@@ -25,7 +25,7 @@ pub enum Verdict {
     Incomplete,
     /// One of several equivalent effects, which these recordings cannot tell apart.
     Ambiguous,
-    /// None of the known effects.
+    /// No effect of the library explains the recordings.
     Unknown,
 }
 
@@ -70,7 +70,7 @@ pub enum Basis {
         /// The same with the fitted model.
         worst_after: f64,
     },
-    /// None of the known effects explains the mismatch.
+    /// No effect of the library explains the residual.
     NoKnownEffect {
         /// What the mismatch depends on; `None` if that was not found.
         pattern: Option<Pattern>,

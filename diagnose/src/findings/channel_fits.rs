@@ -18,6 +18,11 @@ pub struct ChannelFit {
 /// Fit of every channel, over all recordings.
 pub type Channels = BTreeMap<&'static str, ChannelFit>;
 
+/// Returns the largest RMS error over its noise floor of all channels; 0 without channels.
+pub fn largest_ratio(channels: &Channels) -> f64 {
+    channels.values().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+}
+
 /// Returns the RMS over the recordings, channel by channel.
 pub(crate) fn fits_by_channel(score: &Score) -> Channels {
     let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();

@@ -118,7 +118,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         starts: &[],
     },
     Effect {
-        // dry level F_c (1 + a sgn(w_m)) at the motor shaft (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
+        // dry friction F_c (1 + a sgn(w_m)) at the motor shaft (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
         effect: EffectName::AsymmetricFriction,
         component: Component::Motor,
         kind: Kind::MissingPhysics,
@@ -141,7 +141,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         starts: &[],
     },
     Effect {
-        // dry level F_c (1 + (ratio - 1) exp(-(w_m / v_s)^2)) at the motor shaft (Stribeck 1902; Armstrong-Helouvry 1991)
+        // dry friction F_c (1 + (ratio - 1) exp(-(w_m / v_s)^2)) at the motor shaft (Stribeck 1902; Armstrong-Helouvry 1991)
         effect: EffectName::Stribeck,
         component: Component::Motor,
         kind: Kind::MissingPhysics,

@@ -238,7 +238,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[],
     },
     Effect {
-        // dry level F_c (1 + (ratio - 1) exp(-(w / v_s)^2)) (Stribeck 1902; Bo and Pavelescu 1982; Armstrong-Helouvry 1991)
+        // dry friction F_c (1 + (ratio - 1) exp(-(w / v_s)^2)) (Stribeck 1902; Bo and Pavelescu 1982; Armstrong-Helouvry 1991)
         effect: EffectName::Stribeck,
         component: Component::Pivot,
         kind: Kind::MissingPhysics,
@@ -249,7 +249,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[&[1.3, 0.01], &[1.3, 0.003], &[1.3, 0.04]],
     },
     Effect {
-        // dry level F_c (1 + a sgn(w)) (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
+        // dry friction F_c (1 + a sgn(w)) (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
         effect: EffectName::AsymmetricFriction,
         component: Component::Pivot,
         kind: Kind::MissingPhysics,
@@ -272,7 +272,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[],
     },
     Effect {
-        // dry level F_c (1 + a sin(n theta + phase)), theta the hub's angle on the platform (Armstrong-Helouvry 1991; Popovic and Goldenberg 1998)
+        // dry friction F_c (1 + a sin(n theta + phase)), theta the hub's angle on the platform (Armstrong-Helouvry 1991; Popovic and Goldenberg 1998)
         effect: EffectName::PositionDependentFriction,
         component: Component::Pivot,
         kind: Kind::MissingPhysics,
@@ -316,7 +316,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[],
     },
     Effect {
-        // dry level F_c + c |T|, T the torque carried (Pelchen, Schweiger, Otter 2002; Hamon et al. 2011)
+        // dry friction F_c + c |T|, T the torque carried (Pelchen, Schweiger, Otter 2002; Hamon et al. 2011)
         effect: EffectName::LoadDependentFriction,
         component: Component::Pivot,
         kind: Kind::MissingPhysics,

@@ -22,7 +22,7 @@ use nalgebra::SMatrix;
 pub struct Joint<'a> {
     /// Its friction.
     pub friction: &'a FrictionModel,
-    /// The factor on the dry level.
+    /// The factor on the Coulomb level.
     pub level: f64,
     /// Rate at the beginning of the step, rad/s.
     pub rate_rad_s: f64,

@@ -84,7 +84,7 @@ impl FrictionModel {
         &self.law
     }
 
-    /// Returns half the difference of the dry level between the two directions, as a fraction.
+    /// Returns half the difference of the Coulomb level between the two directions, as a fraction.
     pub fn asymmetry(&self) -> f64 {
         self.asymmetry
     }
@@ -106,7 +106,7 @@ impl FrictionModel {
         self.ripple.amplitude != 0.0 || self.load_per_coulomb != 0.0 || self.warm_up != 0.0
     }
 
-    /// Returns the factor on the dry level.
+    /// Returns the factor on the Coulomb level.
     pub fn level(&self, at: &Surroundings) -> f64 {
         if !self.is_modulated() {
             return 1.0;

@@ -42,12 +42,12 @@ pub const STATIC_RATIO: Range = Range::POSITIVE;
 pub const STATIC_RATIO_OF_BREAKAWAY: Range = Range::AtLeast(1.0);
 /// Rate at which the Stribeck effect has fallen, rad/s.
 pub const STRIBECK_RATE: Range = Range::POSITIVE;
-/// Half the difference between the directions, as a fraction, of the dry level or of the viscous coefficient. A fraction of
+/// Half the difference between the directions, as a fraction, of the Coulomb level or of the viscous coefficient. A fraction of
 /// 1 leaves no friction in one direction, and laws divide by the level; hence the thousandth.
 pub const ASYMMETRY: Range = Range::Between(-0.999, 0.999);
-/// Amplitude of the variation of the dry level with the angle, as a fraction; limited as [`ASYMMETRY`] is.
+/// Amplitude of the variation of the Coulomb level with the angle, as a fraction; limited as [`ASYMMETRY`] is.
 pub const RIPPLE_AMPLITUDE: Range = Range::Between(-0.999, 0.999);
-/// Growth of the dry level per N m of load.
+/// Growth of the Coulomb level per N m of load.
 pub const LOAD_COEFFICIENT: Range = Range::NOT_NEGATIVE;
 /// Relative change of the level as the joint warms up. At 1 no friction is left when the joint is warm; below -2 the level
 /// would more than triple, which no lubricant does: such a number is taken for a wrong sign or unit.

@@ -9,19 +9,19 @@ pub struct Friction {
     pub law: FrictionLaw,
     /// Viscous coefficient, N m s/rad.
     pub viscous_nm_s_rad: f64,
-    /// Relative growth of the dry level above its Coulomb value at rest: 1 means none (Stribeck).
+    /// Level of dry friction at rest over its Coulomb level: 1 means that it does not grow (Stribeck).
     pub static_ratio: f64,
     /// Rate at which the Stribeck effect has fallen to 1/e, rad/s.
     pub stribeck_rate_rad_s: f64,
-    /// Half the difference of the dry level between the two directions, as a fraction.
+    /// Half the difference of the Coulomb level between the two directions, as a fraction.
     pub asymmetry: f64,
     /// Half the difference of the viscous coefficient between the two directions, as a fraction.
     pub viscous_asymmetry: f64,
     /// Quadratic drag, N m s^2/rad^2.
     pub quadratic_nm_s2_rad2: f64,
-    /// Relative variation of the dry level with the angle.
+    /// Relative variation of the Coulomb level with the angle.
     pub position_ripple: Ripple,
-    /// Growth of the dry level per N m of load carried, 1 (N m per N m).
+    /// Growth of the Coulomb level per N m of load carried, 1 (N m per N m).
     pub load_coefficient: f64,
     /// Relative change of the friction level as it warms up: level x (1 + warm_up (exp(-t / warm_up_time) - 1)).
     pub warm_up: f64,
@@ -107,7 +107,7 @@ impl FrictionLaw {
     }
 }
 
-/// How the dry level falls from its static value to its Coulomb value as the rate grows;
+/// How dry friction falls from its level at rest to its Coulomb level as the rate grows;
 /// x is the rate over `stribeck_rate_rad_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StribeckCurve {

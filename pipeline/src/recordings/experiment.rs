@@ -34,7 +34,7 @@ pub struct FoundEffect {
     /// Its fitted parameters.
     #[serde(default)]
     pub parameters: Vec<NamedValue>,
-    /// Effects that cannot be told from it.
+    /// Effects that cannot be distinguished from it.
     #[serde(default)]
     pub alternatives: Vec<NamedEffect>,
 }

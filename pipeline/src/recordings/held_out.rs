@@ -1,5 +1,7 @@
 //! Recordings that were not part of a diagnosis, replayed by the model as it was and by the improved one.
 
+use std::collections::BTreeMap;
+
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
@@ -9,6 +11,7 @@ use super::read::{Gaps, RecordingFile, control_for, read, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
+use crate::tolerance::RESIDUAL_ABOVE_FLOOR;
 
 /// One held-out recording by both models, over the same length.
 #[derive(Debug, Clone)]
@@ -34,6 +37,60 @@ pub struct HeldOutFit {
     pub before: f64,
     /// RMS of the residual of the improved model.
     pub after: f64,
+}
+
+/// How much better the improved model predicts a held-out recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOutComparison {
+    /// Largest RMS of a channel's residual over its noise floor, with the model as it was.
+    pub before: f64,
+    /// The same with the improved model.
+    pub after: f64,
+    /// Share of the residual's power that the improved model removes, mean over the channels that were above their noise floor; 0 if
+    /// none was.
+    pub power_removed: f64,
+    /// What follows.
+    pub outcome: HeldOutOutcome,
+}
+
+/// What a held-out recording says of the improved model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeldOutOutcome {
+    /// The model as it was explains the recording: there is nothing to improve.
+    ExplainedBefore,
+    /// The fit improves.
+    Improved,
+    /// It does not.
+    NotImproved,
+}
+
+impl HeldOutRecording {
+    /// Returns the channels that show how good a model is, by name. Those of the platform drive the model, so they are the same in every replay.
+    pub fn judged_channels(&self) -> BTreeMap<&'static str, HeldOutFit> {
+        let judged = self.channels.iter().filter(|fit| !fit.channel.starts_with("platform"));
+        judged.map(|fit| (fit.channel, *fit)).collect()
+    }
+
+    /// Compares both models over the judged channels.
+    pub fn comparison(&self) -> HeldOutComparison {
+        let channels = self.judged_channels();
+        let worst =
+            |of: fn(&HeldOutFit) -> f64| channels.values().map(|c| of(c) / c.floor).fold(0.0, f64::max);
+        let [before, after] = [worst(|c| c.before), worst(|c| c.after)];
+        let removed: Vec<f64> = channels
+            .values()
+            .filter(|c| c.before > RESIDUAL_ABOVE_FLOOR * c.floor)
+            .map(|c| 1.0 - (c.after / c.before).powi(2))
+            .collect();
+        let power_removed =
+            if removed.is_empty() { 0.0 } else { removed.iter().sum::<f64>() / removed.len() as f64 };
+        let outcome = match (removed.is_empty(), after < before) {
+            (true, _) => HeldOutOutcome::ExplainedBefore,
+            (false, true) => HeldOutOutcome::Improved,
+            (false, false) => HeldOutOutcome::NotImproved,
+        };
+        HeldOutComparison { before, after, power_removed, outcome }
+    }
 }
 
 /// Returns the channels that both replays compare.

@@ -3,11 +3,12 @@
 //! Every hypothesis changes the finite elements of the project's beam by at most two numbers. It is fitted to all modes but
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Support, Theory, modes};
+use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, modes};
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
 use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
+use crate::wording::structure::{MASS, STIFFNESS_FACTOR, describe_hypothesis, describe_structure};
 use crate::{PipelineError, finite_elements};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::measured_modes::MeasuredModes;
@@ -20,30 +21,41 @@ const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
 
 /// One thing that the model may lack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Change {
+pub(crate) enum Change {
+    /// Nothing: the model as it is.
     Nothing,
+    /// More elements.
     Mesh,
+    /// Shear and rotary inertia.
     Shear,
+    /// A mass at an end of the beam.
     EndMass(End),
 }
 
+/// An end of the beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum End {
+pub(crate) enum End {
+    /// The end where the sections begin.
     Near,
+    /// The tip.
     Tip,
 }
 
 /// A hypothesis: a change, with or without another stiffness of the whole beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Hypothesis {
-    change: Change,
-    scaled: Scale,
+pub(crate) struct Hypothesis {
+    /// The change.
+    pub(crate) change: Change,
+    /// Whether the stiffness is fitted with it.
+    pub(crate) scaled: Scale,
 }
 
 /// Whether the stiffness of the whole beam is fitted as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Scale {
+pub(crate) enum Scale {
+    /// The stiffness is that of the project.
     AsItIs,
+    /// A factor on the stiffness is fitted.
     Fitted,
 }
 
@@ -144,21 +156,6 @@ impl Hypothesis {
     fn parameters(self) -> usize {
         usize::from(self.scaled == Scale::Fitted) + usize::from(matches!(self.change, Change::EndMass(_)))
     }
-
-    fn words(self) -> String {
-        let change = match self.change {
-            Change::Nothing => "the model as it is",
-            Change::Mesh => "more elements",
-            Change::Shear => "shear and rotary inertia",
-            Change::EndMass(End::Near) => "a mass at the near end",
-            Change::EndMass(End::Tip) => "a mass at the tip",
-        };
-        match (self.change, self.scaled) {
-            (_, Scale::AsItIs) => change.to_owned(),
-            (Change::Nothing, Scale::Fitted) => "another stiffness of the whole beam".to_owned(),
-            (_, Scale::Fitted) => format!("{change}, and another stiffness of the whole beam"),
-        }
-    }
 }
 
 /// A variant of a change of the structure.
@@ -196,13 +193,13 @@ impl Bench<'_> {
         let left_out = rms((0..count).map(|k| (fit(Some(k)).modes_hz[k] / self.measured.modes_hz[k]).ln()));
         let mut parameters = Vec::new();
         if matches!(hypothesis.change, Change::EndMass(_)) {
-            parameters.push(("mass [kg]".to_owned(), added_kg));
+            parameters.push((MASS.to_owned(), added_kg));
         }
         if hypothesis.scaled == Scale::Fitted {
-            parameters.push(("factor on Young's modulus".to_owned(), scale * scale));
+            parameters.push((STIFFNESS_FACTOR.to_owned(), scale * scale));
         }
         Ok(Some(TriedStructure {
-            what: hypothesis.words(),
+            what: describe_hypothesis(hypothesis),
             parameters,
             rms_percent: 100.0 * errors(&modes_hz),
             left_out_percent: 100.0 * if hypothesis.parameters() == 0 { errors(&modes_hz) } else { left_out },
@@ -292,7 +289,7 @@ impl Bench<'_> {
             Change::Mesh => *elements = finer(elements).unwrap_or_else(|| elements.clone()),
             Change::Nothing | Change::EndMass(_) => {}
         }
-        let factor = found.parameters.iter().find(|(name, _)| name.starts_with("factor"));
+        let factor = found.parameters.iter().find(|(name, _)| name == STIFFNESS_FACTOR);
         if let (Some(beam), Some((_, factor))) = (&mut project.plant.beam, factor) {
             beam.youngs_modulus_pa *= factor;
         }
@@ -375,33 +372,10 @@ fn answer(
     all.extend(tried.iter().map(|one| one.structure.clone()));
     StructureAnswer {
         verdict,
-        explanation: explanation(verdict, as_it_is, chosen),
+        explanation: describe_structure(verdict, as_it_is, chosen.map(|found| &found.structure)),
         measured_hz: measured.modes_hz.clone(),
         model_hz: as_it_is.modes_hz.clone(),
         tried: all,
         alternatives,
-    }
-}
-
-fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Option<&Tried>) -> String {
-    let before = as_it_is.left_out_percent;
-    match (verdict, chosen) {
-        (StructureVerdict::Consistent, _) => {
-            format!("the model has the measured modes within {before:.2} % RMS")
-        }
-        (_, Some(Tried { structure: found, .. })) => format!(
-            "the model lacks {}: with it, held-out modes are off by {:.2} % RMS, without it by {before:.2} %",
-            found.what, found.left_out_percent
-        ),
-        _ => format!("the modes are off by {before:.2} % RMS, and nothing that was tried explains that"),
-    }
-}
-
-/// Returns in words how the structure was supported when its modes were measured.
-pub fn support_in_words(support: Support) -> &'static str {
-    match support {
-        Support::Free => "free",
-        Support::Pinned => "pinned at its hub",
-        Support::Clamped => "clamped at its hub",
     }
 }

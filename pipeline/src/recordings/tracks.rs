@@ -31,6 +31,13 @@ impl Track {
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.unit)
     }
+
+    /// Returns the power of the residual of the model as it was, relative to that of what was measured.
+    pub fn relative_residual_power(&self) -> f64 {
+        let sum: f64 = self.measured.iter().zip(&self.before).map(|(m, b)| (m - b).powi(2)).sum();
+        let power: f64 = self.measured.iter().map(|m| m * m).sum();
+        sum / power.max(f64::MIN_POSITIVE)
+    }
 }
 
 /// Channels that are compared with the simulation.

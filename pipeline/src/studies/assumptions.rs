@@ -7,6 +7,7 @@ use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, fr
 use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
+use crate::wording::demanded_rate::assumption_of_demanded_rate;
 use crate::{Modelled, PipelineError, Stages, Synthesised, model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
@@ -122,7 +123,7 @@ pub fn assumption_effects(
 
 /// Returns what a file leaves open, and what its design assumes beside.
 pub fn with_those_of_design(assumptions: &[Assumption], synthesised: &Synthesised) -> Vec<Assumption> {
-    let of_design = synthesised.demanded_rate.and_then(|rate| rate.assumption());
+    let of_design = synthesised.demanded_rate.as_ref().and_then(assumption_of_demanded_rate);
     assumptions.iter().cloned().chain(of_design).collect()
 }
 

@@ -138,13 +138,6 @@ pub struct Map<Remark = String> {
     pub remarks: Vec<Remark>,
 }
 
-impl<Remark> Map<Remark> {
-    /// Returns what was measured, in words: for example "demand to hub rate, with the controller".
-    pub fn words(&self) -> String {
-        format!("{} to {}, {}", self.signals.input, self.signals.output, self.around.surroundings())
-    }
-}
-
 /// A map that was measured on a recording, and what was found about the columns of that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedMap {
@@ -211,15 +204,6 @@ impl Around {
             Self::Disturbance | Self::Disconnected => ("platform rate", "rad/s"),
         };
         MapSignals { input, input_unit, output: controlled.name(), output_unit: controlled.unit() }
-    }
-
-    /// Returns what surrounds the measurement, in words.
-    fn surroundings(self) -> &'static str {
-        match self {
-            Self::Plant => "without controller",
-            Self::Closed | Self::Disturbance => "with the controller",
-            Self::Disconnected => "balanced, the motor disconnected",
-        }
     }
 
     fn test(self) -> Test {

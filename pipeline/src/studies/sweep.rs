@@ -77,6 +77,26 @@ impl CampaignResult {
     pub fn samples(&self) -> usize {
         self.values.nrows()
     }
+
+    /// Returns the rank correlation that chance alone exceeds in about one case of twenty.
+    pub fn chance_correlation(&self) -> f64 {
+        2.0 / (self.samples().max(1) as f64).sqrt()
+    }
+
+    /// Returns the variations whose rank correlation with the figure of a requirement stands out from chance, strongest first.
+    pub fn clear_rankings(&self, requirement: usize) -> impl Iterator<Item = &Ranked> {
+        let chance = self.chance_correlation();
+        self.rankings[requirement].iter().filter(move |one| one.correlation.abs() >= chance)
+    }
+
+    /// Returns the distribution of the figure of a requirement: each value with the percentage of mechanisms at or below it.
+    pub fn distribution(&self, requirement: usize) -> Vec<[f64; 2]> {
+        let mut values: Vec<f64> =
+            self.values.column(requirement).iter().copied().filter(|v| v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        let all = self.samples().max(1) as f64;
+        values.iter().enumerate().map(|(k, value)| [*value, 100.0 * (k + 1) as f64 / all]).collect()
+    }
 }
 
 /// Checks that a project says what a campaign varies and judges: asked before the design, which takes longer.

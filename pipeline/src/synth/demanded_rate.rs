@@ -8,7 +8,6 @@
 use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
 use counterpoise_models::{AmplifierDynamics, Axis};
-use counterpoise_project::Assumption;
 use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
 
@@ -44,31 +43,6 @@ pub enum RateOrigin {
     Stated,
     /// It follows from what the drive can take up and brake.
     Drive,
-}
-
-impl std::fmt::Display for DemandedRate {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let origin = match self.origin {
-            RateOrigin::Stated => "as the file states",
-            RateOrigin::Drive => "half of what the drive can take up and brake without saturating",
-        };
-        write!(f, "demanded rate at most {:.4} {}: {origin}", self.rate, self.unit)
-    }
-}
-
-impl DemandedRate {
-    /// Returns the assumption that it is, if the file does not state it.
-    pub fn assumption(&self) -> Option<Assumption> {
-        (self.origin == RateOrigin::Drive).then_some(Assumption {
-            key: "synth.rate_limit".to_owned(),
-            value: self.rate,
-            unit: self.unit,
-            meaning: "largest rate that the loop of position demands",
-            rule: "half of what the drive can take up and brake without saturating, on a ramp of the demand",
-            source: "a loop that saturates is not the one that was verified",
-            usual: None,
-        })
-    }
 }
 
 /// Returns the largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.

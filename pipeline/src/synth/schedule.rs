@@ -1,12 +1,12 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
 use counterpoise_models::plant::{Body, Plant};
-use counterpoise_synth::tolerance::EQUAL;
-use counterpoise_synth::{Conditions, Configuration, Entry, Law, schedule};
+use counterpoise_synth::{Configuration, Entry, Law, schedule};
 use serde::Serialize;
 
 use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
+use crate::wording::schedule::{describe_conditions, describe_law};
 use crate::{Modelled, PipelineError, model, reduce};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::Synthesis;
@@ -139,43 +139,13 @@ fn row(entry: &Entry) -> BalanceRow {
     BalanceRow {
         name: entry.name.clone(),
         out_of_balance_kg_m: entry.out_of_balance_kg_m,
-        conditions: conditions(&entry.conditions),
-        law: law(&entry.law),
+        conditions: describe_conditions(&entry.conditions),
+        law: describe_law(&entry.law),
         feedback_db: both(entry.feedback_db),
         heave_db: entry.heave_db.map(both),
         pitch_db: entry.pitch_db.map(both),
         error_before_rad_s: entry.error_before,
         error_gain_law_rad_s: entry.error_gain_law,
         error_after_rad_s: entry.error_after,
-    }
-}
-
-fn conditions(found: &Conditions) -> String {
-    if found.hold() && found.feedback_stays() {
-        return "inertia kept, heave torque in proportion: all conditions of the gain law hold".to_owned();
-    }
-    let mut words = Vec::new();
-    let mut say = |what: &str, deviation: f64| {
-        if deviation > EQUAL {
-            words.push(format!("{what} differs by {:.2} %", 100.0 * deviation));
-        }
-    };
-    say("the path from control to rates (inertia, structure)", found.path_deviation);
-    say("the pitch path", found.pitch_deviation);
-    say("the heave path, scaled by the out-of-balance,", found.proportion_deviation);
-    say("the noise that the feedback assumes", found.noise_deviation);
-    words.join("; ")
-}
-
-fn law(law: &Law) -> String {
-    match law {
-        Law::ExactGain { factor } => format!("gain {factor:.4}, exact by theory"),
-        Law::NearlyGain { factor, deviation } => {
-            format!("gain {factor:.4}, within {:.2} % of the redesign", 100.0 * deviation)
-        }
-        Law::Redesign { deviation } if deviation.is_finite() => {
-            format!("redesign: a gain would be {:.1} % off", 100.0 * deviation)
-        }
-        Law::Redesign { .. } => "redesign: there is no gain from a nominal imbalance of 0".to_owned(),
     }
 }

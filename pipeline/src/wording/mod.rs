@@ -1,8 +1,14 @@
-//! Sentences about specifications and requirements that results, reports and exported code share.
+//! Sentences that stand in result files and in generated code.
 //!
-//! The crates below state numbers and enums; what is said about them is put into words here.
+//! The crates below state numbers and enums. What a JSON result or the header of exported code says about them is put into words here; what
+//! people read on the terminal, in a report or in the studio is worded in the crate `report`.
 //!
-//! Modules in reading order: [`weights`], [`acceptance`].
+//! Modules in reading order: [`weights`], `schedule`, [`demanded_rate`], [`reduction`], [`acceptance`], `feedback_alone`, `structure`.
 
 pub mod acceptance;
+pub mod demanded_rate;
+pub(crate) mod feedback_alone;
+pub mod reduction;
+pub(crate) mod schedule;
+pub(crate) mod structure;
 pub mod weights;

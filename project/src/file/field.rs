@@ -18,6 +18,16 @@ pub(crate) struct Field {
     pub assumed: Option<Assumed>,
     /// What to do if the value of a required key is not known.
     pub unknown: &'static str,
+    /// Units of another quantity that people write here, each with what to add.
+    pub instead: &'static [Instead],
+}
+
+/// A unit of another quantity, which means another choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Instead {
+    pub unit: &'static str,
+    /// What to add if a value has this unit.
+    pub add: &'static str,
 }
 
 /// By which rule a default stands in for a value that is not known.
@@ -101,7 +111,14 @@ impl Field {
             second_unit: None,
             assumed: None,
             unknown: "",
+            instead: &[],
         }
+    }
+
+    /// Declares what a value in the unit of another quantity means.
+    pub const fn instead(mut self, others: &'static [Instead]) -> Self {
+        self.instead = others;
+        self
     }
 
     pub const fn unit(mut self, unit: &'static str) -> Self {

@@ -235,8 +235,8 @@ impl Visit for Guide {
         let names = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         self.row(field, names);
         let Some(frame) = self.stack.last_mut().filter(|_| !allowed.is_empty()) else { return };
-        let is_kept = self.turn < TURNS && frame.path == KEPT_FIRST;
-        let at = if is_kept { 0 } else { self.turn % TURNS / frame.digit % allowed.len() };
+        let turn = if frame.path == KEPT_FIRST { self.turn / TURNS } else { self.turn % TURNS };
+        let at = turn / frame.digit % allowed.len();
         *value = allowed[at];
         frame.digit *= allowed.len();
         frame.chosen.push((field.key, allowed.len(), value));
@@ -264,6 +264,10 @@ impl Visit for Guide {
 
     fn leave(&mut self) {
         self.stack.pop();
+    }
+
+    fn sees_every_section(&self) -> bool {
+        true
     }
 
     /// Enters a list and returns the number of its items to show: one, which shows what an item is, or none if the list is nested in

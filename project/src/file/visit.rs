@@ -57,6 +57,10 @@ pub(crate) trait Visit {
     fn has(&self, _key: &str) -> bool {
         false
     }
+    /// Returns whether the walk sees sections that exclude each other, as the reference does.
+    fn sees_every_section(&self) -> bool {
+        false
+    }
     /// Records that a value is assumed because nothing is written: used where a whole section is absent. An absent key of a section
     /// that is there is recorded without a call.
     fn assume(&mut self, _field: &Field, _value: f64) {}

@@ -115,6 +115,10 @@ impl Visit for Words<'_> {
         self.inner.has(key)
     }
 
+    fn sees_every_section(&self) -> bool {
+        self.inner.sees_every_section()
+    }
+
     fn assume(&mut self, field: &Field, value: f64) {
         self.inner.assume(&self.field(field), value);
     }

@@ -5,7 +5,7 @@
 
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
-use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::field::{Field, Instead, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
@@ -18,6 +18,13 @@ const FULL_V: f64 = 10.0;
 const FULL_SCALE: f64 = 1000.0;
 /// Torque of such a drive if no inertia is stated as a number, N m.
 const UNKNOWN_TORQUE: f64 = 10.0;
+
+/// What a limit in the unit of another kind of drive means.
+const OF_CURRENT: Instead =
+    Instead { unit: "A", add: "a drive with a largest current is a current loop: add kind = \"current\"" };
+const OF_VOLTAGE: Instead =
+    Instead { unit: "V", add: "a drive with a largest voltage: add kind = \"voltage\"" };
+const OF_TORQUE: Instead = Instead { unit: "N m", add: "a drive that takes a torque: kind = \"torque\"" };
 
 /// What a drive takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +79,9 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
         }
         amplifier(v, &mut plant.amplifier);
         v.leave();
-        return;
+        if !v.sees_every_section() {
+            return;
+        }
     }
     let mut word = String::new();
     if v.shorthand("drive", &mut word) {
@@ -129,11 +138,13 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
     }
     match takes {
         Takes::Torque => {
-            let limit = Field::new("limit", "largest torque of the motor, at 10 V of control").unit("N m");
+            let limit = Field::new("limit", "largest torque of the motor, at 10 V of control; with `kind` current the largest current in A, with voltage the largest voltage in V").unit("N m");
+            let limit = limit.instead(&[OF_CURRENT, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
         }
         Takes::Current => {
             let limit = Field::new("limit", "largest current, at 10 V of control").unit("A");
+            let limit = limit.instead(&[OF_TORQUE, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
             let bandwidth = Field::new("bandwidth", "of the current loop").unit("rad/s").limit(ABOVE_0);
             v.number(&bandwidth.or(f64::INFINITY), &mut stated.bandwidth_rad_s);
@@ -176,7 +187,7 @@ fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
     let rotor = ratio * ratio * plant.motor.inertia_kg_m2;
     let of_inertia = |l: &counterpoise_models::Lumped| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
     let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
-    let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
+    let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control; with `kind` current the largest current in A, with voltage the largest voltage in V").unit("N m");
     let limit = limit.with_assumption(
         "unlimited; 10 V of control command the torque that accelerates the load by 1000 rad/s^2",
         "what is left out is ideal",

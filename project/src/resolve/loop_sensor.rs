@@ -75,7 +75,8 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         choose(v, &PLACE, &mut place);
         if plant.axis == Axis::Linear && place == Place::Load && v.has("counts") {
             let allowed = "must be \"motor\" for an encoder with counts a turn";
-            v.complain("place", allowed, Some("a scale along a slide has a `resolution`".to_owned()));
+            let hint = "an encoder on the motor: place = \"motor\"; a scale along the slide: resolution = \"1 um\" in place of `counts`";
+            v.complain("place", allowed, Some(hint.to_owned()));
             place = Place::Motor;
         }
         if key == "encoder" {
@@ -90,9 +91,9 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     not_alone(v);
     if found > 1 {
         v.complain(
-            "sensors",
+            "",
             "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
-            None,
+            Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
         );
     }
 }
@@ -149,7 +150,15 @@ fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
     let scale_of_a_slide = place == Place::Load && plant.axis == Axis::Linear;
     let known = plant.sensors.hub_gyro.resolution;
     if scale_of_a_slide {
-        let step = Field::new("resolution", "step of the linear scale").unit("m").limit(Limit::Above(0.0));
+        let step = Field::new("resolution", "step of the linear scale")
+            .unit("m")
+            .limit(Limit::Above(0.0))
+            .or(IDEAL_STEP_M)
+            .with_assumption(
+                "1 pm: steps that nothing feels",
+                "an ideal scale",
+                UsualRange::Values(1e-9, 1e-5),
+            );
         v.number(&step, &mut plant.sensors.hub_gyro.resolution);
         return;
     }
@@ -167,5 +176,7 @@ fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
 
 /// Unit of an encoder's steps a turn, which may also be written in bits, "16 bit".
 const COUNTS: &str = "counts";
+/// Step of a linear scale of which nothing is known, m.
+const IDEAL_STEP_M: f64 = 1e-12;
 /// Counts a turn of an encoder of which nothing is known.
 const IDEAL_COUNTS: f64 = 4_294_967_296.0;

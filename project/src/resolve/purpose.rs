@@ -16,6 +16,8 @@ pub enum Purpose {
     Identify,
     /// Replay of recordings in closed loop.
     Replay,
+    /// Plan of an experiment from recordings.
+    Experiment,
     /// Diagnosis of recordings.
     Diagnose,
     /// The design of a controller, without judging it.
@@ -32,11 +34,14 @@ pub enum Purpose {
     Sweep,
 }
 
+/// What to add to a file that does not say under which controller its recordings are made.
+const RECORDED_UNDER: &str = "for recordings under this project's own design add recording_controller = { kind = \"project\" }, under an exported one { kind = \"exported\", file = \"controller.json\" }";
+
 impl Purpose {
     /// Returns the sections that must be there; the others have usual values.
     pub fn sections(self) -> &'static [&'static str] {
         match self {
-            Self::Replay => &["plant", "recording_controller"],
+            Self::Replay | Self::Experiment => &["plant", "recording_controller"],
             _ => &["plant"],
         }
     }
@@ -54,6 +59,7 @@ impl Purpose {
             Self::Reduce => "reduce",
             Self::Identify => "identify",
             Self::Replay => "replay",
+            Self::Experiment => "experiment",
             Self::Diagnose => "diagnose",
             Self::Synth => "synth",
             Self::Compare => "compare",
@@ -76,7 +82,8 @@ impl Project {
         let absent = purpose.sections().iter().filter(|section| !there(section));
         let remark = |section: &&str| {
             let allowed = format!("section [{section}] is missing; `{}` needs it", purpose.name());
-            document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed))
+            let hint = (*section == "recording_controller").then(|| RECORDED_UNDER.to_owned());
+            document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed).hint(hint))
         };
         absent.map(remark).collect()
     }

@@ -108,6 +108,31 @@ pub struct DescribedDiagnosis {
     pub diagnosis: Diagnosis,
 }
 
+/// A verdict in words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VerdictText {
+    /// Its name, as the glossary has it.
+    pub name: &'static str,
+    /// What it says of the model and the recordings, without a capital and a full stop.
+    pub sentence: &'static str,
+}
+
+/// Describes a verdict: the one wording of the terminal, the report and the studio. The JSON result keeps its own words.
+pub fn describe_verdict(verdict: Verdict) -> VerdictText {
+    let (name, sentence) = match verdict {
+        Verdict::Consistent => ("consistent", "the model explains the recordings"),
+        Verdict::Named => ("identified", "with the effects found, the model explains the recordings"),
+        Verdict::Ambiguous => {
+            ("ambiguous", "several effects explain the recordings, which cannot distinguish between them")
+        }
+        Verdict::Incomplete => {
+            ("incomplete", "the effects found explain part of the residual; something else remains")
+        }
+        Verdict::Unknown => ("unidentified", "the model lacks an effect that is not in the library"),
+    };
+    VerdictText { name, sentence }
+}
+
 /// Describes a diagnosis of files: what was found on reading them comes first among the remarks about the recordings.
 pub fn describe_diagnosed_recordings(diagnosed: &DiagnosedRecordings) -> DescribedDiagnosis {
     let diagnosis = diagnosed.diagnosis.clone();
@@ -170,13 +195,13 @@ pub fn describe_finding(finding: &Finding) -> FindingText {
         Basis::NoKnownEffect { pattern, nearest } => {
             let nearest = nearest.map_or_else(String::new, |nearest| {
                 format!(
-                    " The nearest, {}: {}, explains {:.0} % of the distance.",
+                    " The nearest, {} {}, explains {:.0} % of it.",
                     nearest.name.component,
                     nearest.name.effect,
                     100.0 * nearest.share.max(0.0)
                 )
             });
-            let explanation = format!("None of the known effects explains the mismatch.{nearest}");
+            let explanation = format!("No effect of the library explains the residual.{nearest}");
             (describe_pattern(pattern.as_ref()), explanation)
         }
         Basis::InstrumentFault(fault) => {
@@ -222,7 +247,7 @@ fn describe_experiment(experiment: NextExperiment) -> ExperimentText {
         NextExperiment::Separate { found, alternative } => ExperimentText {
             what: experiment_for(found.component, found.effect).unwrap_or_default().to_owned(),
             why: format!(
-                "tells {} {} from {} {}",
+                "distinguishes {} {} from {} {}",
                 found.component, found.effect, alternative.component, alternative.effect
             ),
         },

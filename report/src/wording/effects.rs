@@ -90,7 +90,7 @@ const EFFECTS: &[EffectText] = &[
         parameter: "stiffness",
         equation: "T = -k (theta_h - theta_p - centre): a cable or hose between hub and platform",
         regime: "in proportion to the hub's position on the platform",
-        experiment: "slow travel over the whole range; tilt of the platform tells it from gravity",
+        experiment: "slow travel over the whole range; tilt of the platform distinguishes it from gravity",
     },
     EffectText {
         component: Component::Structure,

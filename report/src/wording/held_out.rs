@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use counterpoise_pipeline::recordings::HeldOutRecording;
-use counterpoise_pipeline::recordings::held_out::HeldOutFit;
+use counterpoise_pipeline::recordings::held_out::{HeldOutComparison, HeldOutFit, HeldOutOutcome};
 use serde::Serialize;
 
 use super::recordings::describe_column_remark;
-use crate::tolerance::ABOVE_FLOOR;
 
 /// One held-out recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,39 +41,32 @@ pub fn describe_held_out(recordings: &[HeldOutRecording]) -> Vec<HeldOutText> {
 }
 
 fn describe(recording: &HeldOutRecording) -> HeldOutText {
-    let channel = |fit: &HeldOutFit| {
-        (fit.channel, HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after })
+    let channel = |(name, fit): (&'static str, HeldOutFit)| {
+        (name, HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after })
     };
-    // the platform's channels drive the model: they are the same in every replay
-    let compared = recording.channels.iter().filter(|fit| !fit.channel.starts_with("platform"));
-    let channels: BTreeMap<_, _> = compared.map(channel).collect();
-    let worst =
-        |of: fn(&HeldOutChannel) -> f64| channels.values().map(|c| of(c) / c.floor).fold(0.0, f64::max);
-    let [before, after] = [worst(|c| c.before), worst(|c| c.after)];
-    let removed: Vec<f64> = channels
-        .values()
-        .filter(|c| c.before > ABOVE_FLOOR * c.floor)
-        .map(|c| 1.0 - (c.after / c.before).powi(2))
-        .collect();
-    let power_removed =
-        if removed.is_empty() { 0.0 } else { removed.iter().sum::<f64>() / removed.len() as f64 };
-    let verdict = match (removed.is_empty(), after < before) {
-        (true, _) => format!(
+    let comparison = recording.comparison();
+    let remarks = recording.remarks.iter().map(describe_column_remark);
+    HeldOutText {
+        file: recording.file.clone(),
+        channels: recording.judged_channels().into_iter().map(channel).collect(),
+        window_s: recording.window_s,
+        power_removed: comparison.power_removed,
+        remarks: std::iter::once(describe_comparison(&comparison)).chain(remarks).collect(),
+    }
+}
+
+fn describe_comparison(comparison: &HeldOutComparison) -> String {
+    let HeldOutComparison { before, after, power_removed, outcome } = comparison;
+    match outcome {
+        HeldOutOutcome::ExplainedBefore => format!(
             "the model as it was already explains it: {before:.2} noise floors before, {after:.2} after"
         ),
-        (_, true) => format!(
+        HeldOutOutcome::Improved => format!(
             "the fit improves: from {before:.2} to {after:.2} noise floors in the worst channel, {:.0} % of the residual's power removed",
             100.0 * power_removed
         ),
-        (_, false) => format!("the fit does not improve: {before:.2} noise floors before, {after:.2} after"),
-    };
-    let remarks =
-        std::iter::once(verdict).chain(recording.remarks.iter().map(describe_column_remark)).collect();
-    HeldOutText {
-        file: recording.file.clone(),
-        channels,
-        window_s: recording.window_s,
-        power_removed,
-        remarks,
+        HeldOutOutcome::NotImproved => {
+            format!("the fit does not improve: {before:.2} noise floors before, {after:.2} after")
+        }
     }
 }

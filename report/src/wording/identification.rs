@@ -122,10 +122,10 @@ fn describe_amplifier(amplifier: &Amplifier) -> AmplifierText {
                     "the control stays where the amplifier is taken as linear; recordings near balance take it through small values"
                 }
                 Unidentifiable::ConfusedWithFriction => {
-                    "the curve cannot be told from friction here; recordings at another out-of-balance can"
+                    "the curve cannot be distinguished from friction here; recordings at another out-of-balance can"
                 }
                 Unidentifiable::TooUncertain => {
-                    "the curve cannot be told from friction to 15 % here; recordings at another out-of-balance can"
+                    "the curve cannot be distinguished from friction to 15 % here; recordings at another out-of-balance can"
                 }
             };
             AmplifierText::NotIdentifiable { why }
@@ -136,7 +136,7 @@ fn describe_amplifier(amplifier: &Amplifier) -> AmplifierText {
 fn describe_note(note: Note) -> String {
     match note {
         Note::FrictionIsASum => {
-            "friction is the sum of pivot and motor, at the hub: one state of the rig does not tell them apart"
+            "friction is the sum of pivot and motor, at the hub: one state of the rig does not separate them"
                 .to_owned()
         }
         Note::KnownTakenAsExact => {
@@ -161,7 +161,7 @@ fn describe_note(note: Note) -> String {
             "neither gravity nor heave acts on this axis, so that the out-of-balance makes no torque and is not identified".to_owned()
         }
         Note::CurveFromOneState => {
-            "the gain curve comes from one state of balance: recordings at a second one would tell it from friction for sure"
+            "the gain curve comes from one state of balance: recordings at a second one would distinguish it from friction with certainty"
                 .to_owned()
         }
     }

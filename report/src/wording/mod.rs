@@ -1,8 +1,10 @@
 //! The English sentences of results: what the diagnosis and the identification find, as a person reads it.
 //!
-//! The crates below compute enums and numbers. Here, and nowhere else, they become sentences: [`answer`], a diagnosis; `effects`, the effects
-//! of the library; [`localisation`], which component in which regime; [`recordings`], what is wrong with recordings; [`learned`], a model without a name; [`experiment`], the plan of the next one; [`held_out`], recordings
-//! that a diagnosis was not given; [`identification`].
+//! The crates below compute enums and numbers. What people read on the terminal, in a report and in the studio is put into words here: [`answer`],
+//! a diagnosis; `effects`, the effects of the library; [`localisation`], which component in which regime; [`recordings`], what is wrong with
+//! recordings; [`learned`], a model without a name; [`experiment`], the plan of the next one; [`held_out`], recordings that a diagnosis was not given;
+//! [`structure`], the diagnosis of a structure; [`identification`]. Sentences that stand in result files or in generated code are made in
+//! `pipeline::wording`, below this crate.
 
 pub mod answer;
 mod effects;
@@ -12,6 +14,7 @@ pub mod identification;
 pub mod learned;
 pub mod localisation;
 pub mod recordings;
+pub mod structure;
 
 pub use effects::{EffectText, describe_effect, experiment_for};
 

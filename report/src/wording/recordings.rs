@@ -271,7 +271,7 @@ pub fn describe_fault(fault: &InstrumentFault) -> String {
     let others: Vec<&str> = fault.or.iter().map(|column| column.name()).collect();
     let others = match others.len() {
         0 => String::new(),
-        _ => format!("; these recordings cannot tell it from a fault of {}", others.join(" or ")),
+        _ => format!("; these recordings cannot distinguish it from a fault of {}", others.join(" or ")),
     };
     let kind = describe_fault_kind(&fault.kind);
     format!("{} {kind}{place}{others}; {}", fault.column.name(), describe_treatment(fault.treatment))

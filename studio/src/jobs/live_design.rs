@@ -1,6 +1,7 @@
 //! The design that follows a dragged weight: a preview of the pipeline, with the time that it took.
 
-use std::time::{Duration, Instant};
+use counterpoise_host::clock::Moment;
+use std::time::Duration;
 
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::preview::{
@@ -29,7 +30,7 @@ pub fn preview_timed(
     cache: &mut PreviewCache,
     pool: &dyn Pool,
 ) -> Result<TimedPreview, ErrorLines> {
-    let started = Instant::now();
+    let started = Moment::now();
     let plant = preview_plant(request, cache).map_err(|error| error_lines(&error))?;
     let has_controller = request.project.synth.is_some();
     let design = has_controller

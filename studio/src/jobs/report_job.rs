@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::files::{self, Folder};
-use counterpoise_pipeline::results::DesignResult;
-use counterpoise_pipeline::studies::assumptions::{LoopSystems, effects_on_design, with_those_of_design};
+use counterpoise_pipeline::results::{DesignResult, ResultContents};
+use counterpoise_pipeline::studies::advice::Kept;
+use counterpoise_pipeline::studies::assumptions::LoopSystems;
 use counterpoise_pipeline::{FirstDesignResult, design};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
@@ -36,17 +37,20 @@ pub struct ReportRequest {
 pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
     let designed =
         design(&request.project, &request.folder).map_err(|error| error_lines(&error).join("; "))?;
-    let result = DesignResult::from(&designed);
+    let contents = ResultContents {
+        assumptions: &request.assumptions,
+        systems: LoopSystems::LeftOut,
+        kept: Kept::Systems,
+    };
+    let result = DesignResult::complete(&request.project, &designed, &contents)
+        .map_err(|error| error_lines(&error).join("; "))?;
     let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
     let first_design = designed.first_design.as_ref().map(FirstDesignResult::from);
-    let (stages, left_out) = (&designed.stages, LoopSystems::LeftOut);
     let run = DesignRun {
         origin: &Origin { command: format!("counterpoise design {project}"), project },
         times: &[],
         proofs: &proofs::prove_code(code, &designed.targets.compared),
         costs: &processor::measure_costs(code),
-        assumptions: &with_those_of_design(&request.assumptions, &designed.stages.synthesised),
-        effects: &effects_on_design(&request.project, stages, &request.assumptions, left_out).effects,
         first_design: first_design.as_ref(),
     };
     files::write(&request.output, html_page(&of_design(&designed, &result, &run)).as_bytes())

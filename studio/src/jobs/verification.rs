@@ -1,7 +1,8 @@
 //! Verification on the full plant, which shows what it has found while it runs, and the trade-off and the loop around the design.
 
+use counterpoise_host::clock::Moment;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use counterpoise_host::files::Folder;
 use counterpoise_host::worker::{Token, Wake, Worker};
@@ -43,13 +44,13 @@ const PARTIAL_INTERVAL: Duration = Duration::from_millis(60);
 pub fn verification_worker(wake: &Wake, partial: &PartialVerification) -> VerificationWorker {
     let (partial, partial_wake) = (Arc::clone(partial), Arc::clone(wake));
     Worker::new(Arc::clone(wake), move |request: Versioned<VerificationRequest>, token: &Token| {
-        let (design, mut last_partial) = (&request.value.design, None::<Instant>);
+        let (design, mut last_partial) = (&request.value.design, None::<Moment>);
         let mut observer = |found: &Verification| {
             if last_partial.is_none_or(|at| at.elapsed() > PARTIAL_INTERVAL) {
                 if let Ok(mut slot) = partial.lock() {
                     *slot = Some(Versioned { revision: request.revision, value: Arc::new(found.clone()) });
                 }
-                last_partial = Some(Instant::now());
+                last_partial = Some(Moment::now());
                 partial_wake();
             }
             !token.is_cancelled()

@@ -4,7 +4,10 @@ use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
 use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_recordings::Channel;
-use counterpoise_report::wording::answer::{AnswerText, FindingText, component_list, unit_suffix};
+use counterpoise_report::wording::answer::{
+    AnswerText, FindingText, component_list, describe_verdict, unit_suffix,
+};
+use counterpoise_report::wording::capitalise_first;
 use egui::{RichText, Ui};
 
 use super::widgets;
@@ -14,15 +17,9 @@ use crate::theme::{Theme, space};
 use crate::units::DisplayUnit;
 use crate::view::View;
 
-/// Returns the verdict as a sentence.
-pub fn verdict_sentence(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Consistent => "The model explains the recordings",
-        Verdict::Named => "With this, the model explains the recordings",
-        Verdict::Ambiguous => "One of several effects that these recordings cannot distinguish",
-        Verdict::Incomplete => "This explains part of the residual; something else remains",
-        Verdict::Unknown => "The model lacks an effect that is not in the library",
-    }
+/// Returns the verdict as a sentence that begins with a capital.
+pub fn verdict_sentence(verdict: Verdict) -> String {
+    capitalise_first(describe_verdict(verdict).sentence)
 }
 
 /// Shows the findings with their evidence.

@@ -2,6 +2,7 @@
 
 use counterpoise_pipeline::preview::PlantPreview;
 use counterpoise_pipeline::reduction_views::ReductionComparison;
+use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_project::ReductionMethod;
 use egui::{RichText, Ui};
 
@@ -151,7 +152,7 @@ fn show_orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, shown: &Shown
     show_figure(ui, "bound on the error", reduced.bound.map(format_short));
     show_figure(ui, "largest error", reduced.error.map(|(error, rate)| error_in_words(view, error, rate)));
     reduced.warnings.iter().for_each(|warning| {
-        ui.label(RichText::new(warning.to_string()).small().color(theme.warn));
+        ui.label(RichText::new(describe_reduction_warning(warning)).small().color(theme.warn));
     });
 }
 

@@ -1,8 +1,9 @@
 //! The answers of the workers, taken over in each frame.
 
+use counterpoise_host::clock::Moment;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use counterpoise_verify::VerifiedController;
 
@@ -62,7 +63,7 @@ impl Studio {
                 let design = Arc::new(*design);
                 self.jobs.loop_shape.ask(revision, Arc::clone(&design));
                 self.results.design = Some(Versioned { revision, value: design });
-                self.verify_at = Some(Instant::now() + VERIFICATION_DELAY);
+                self.verify_at = Some(Moment::now() + VERIFICATION_DELAY);
             }
             Some(Err(why)) => self.results.design_failure = Some(Versioned { revision, value: why }),
             None => (self.results.design, self.results.verified) = (None, None),

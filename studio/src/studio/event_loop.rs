@@ -1,8 +1,9 @@
 //! What the studio does by itself in each frame: it asks for what is due, and checks the file and the journal.
 
+use counterpoise_host::clock::Moment;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use counterpoise_pipeline::preview::PreviewRequest;
 
@@ -24,7 +25,7 @@ impl Studio {
         self.take_pictures();
         self.request_design();
         self.request_pictures();
-        if self.verify_at.is_some_and(|at| Instant::now() >= at) && !self.view.dragging {
+        if self.verify_at.is_some_and(Moment::has_come) && !self.view.dragging {
             self.verify();
         }
         self.replay_again();
@@ -37,7 +38,7 @@ impl Studio {
 
     /// Returns when the studio needs the next frame without any input; `None` if a worker wakes it before that.
     pub fn next_wake_after(&self) -> Option<Duration> {
-        let verification = self.verify_at.map(|at| at.saturating_duration_since(Instant::now()));
+        let verification = self.verify_at.map(Moment::remaining);
         verification.map(|wait| wait.max(SHORTEST_WAIT))
     }
 

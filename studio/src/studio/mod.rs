@@ -11,9 +11,10 @@ mod file_commands;
 mod settings_commands;
 mod work_commands;
 
+use counterpoise_host::clock::Moment;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
 use counterpoise_host::code_files::Library;
 use counterpoise_host::files::{Disk, Native};
@@ -92,7 +93,7 @@ pub struct Studio {
     /// Number of saves, by which a check of the file that began before a save is recognised.
     saves: u64,
     requested_design: Option<(u64, Option<f64>)>,
-    verify_at: Option<Instant>,
+    verify_at: Option<Moment>,
     /// The settings that are on disk, or on their way there.
     stored_settings: (UserSettings, Option<ProjectSettings>),
     is_file_check_due: bool,

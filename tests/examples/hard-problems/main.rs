@@ -12,6 +12,7 @@ use counterpoise_linalg::{
     sparse::{Entry, Sparse},
 };
 use counterpoise_lti::{Descriptor, Discretisation, StateSpace, Timebase};
+use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at, minimal};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};
@@ -323,6 +324,6 @@ fn large_reduction(problem: &Value) -> Answer {
         rates.iter().filter_map(Value::as_f64).map(|w| text(error_at(&g, &made.system, w))).collect();
     Ok(json!({
         "hankel": made.hankel, "bound": made.estimated_bound, "steps": made.steps, "errors": errors?,
-        "warnings": made.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "warnings": made.warnings.iter().map(describe_reduction_warning).collect::<Vec<_>>(),
     }))
 }

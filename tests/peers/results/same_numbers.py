@@ -2,7 +2,8 @@
 
 usage: same_numbers.py OLD_PROGRAM OLD_EXAMPLES NEW_PROGRAM NEW_EXAMPLES [--list]
 
-Each example that both folders have is run by both programs (`model`, `reduce`, `synth`, `verify`, each with --json, and `export`). The numbers of both
+Each example that both folders have is run by both programs (`model`, `reduce`, `synth`, `verify`, `fra` and `adapt`, each with --json, and `export`; `replay`,
+`identify` and `diagnose` where recordings lie beside it). A command that an example does not allow is left out. The numbers of both
 results are compared by their places. `renamed_keys.toml` beside this script says under which name a number stands now. Of the exported C
 files the numeric literals are compared, in their order; names and comments do not count. Printed for each example: how many numbers are equal, differ, stand only before, stand only now.
 With --list every number that differs is listed, with both values, and every place that stands only before. `worst` is the largest relative
@@ -17,7 +18,8 @@ import sys
 import tempfile
 import tomllib
 
-COMMANDS = ("model", "reduce", "synth", "verify")
+COMMANDS = ("model", "reduce", "synth", "verify", "fra", "adapt")
+OF_RECORDINGS = ("replay", "identify", "diagnose")
 LITERAL = re.compile(r"(?<![\w.])[-+]?(?:0x[0-9a-fA-F.]+p[-+]?\d+|\d+\.?\d*(?:[eE][-+]?\d+)?)f?")
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*|\"[^\"\n]*\"", re.S)
 
@@ -56,8 +58,15 @@ class Renaming:
         return place
 
 
+def recordings(example):
+    """Returns the recordings of an example's machine: the road of a verification is none."""
+    files = sorted(str(path) for path in pathlib.Path(example).glob("*.parquet"))
+    return files if len(files) > 1 else []
+
+
 def numbers(program, example, command):
-    run = subprocess.run([program, command, example, "--json"], capture_output=True, text=True)
+    files = recordings(example) if command in OF_RECORDINGS else []
+    run = subprocess.run([program, command, example, *files, "--json", "--quiet"], capture_output=True, text=True)
     try:
         return dict(leaves(json.loads(run.stdout)))
     except json.JSONDecodeError:
@@ -78,8 +87,10 @@ def main():
     for name in names:
         renaming = Renaming(pathlib.Path(__file__).with_name("renamed_keys.toml"), name)
         before, after = (f"{folder}/{name}" for folder in (old_examples, new_examples))
-        for command in COMMANDS:
+        for command in COMMANDS + (OF_RECORDINGS if recordings(after) else ()):
             old, new = numbers(old_program, before, command), numbers(new_program, after, command)
+            if old is None and new is None:
+                continue
             if old is None or new is None:
                 print(f"{name:24} {command:8} no JSON: before {old is not None}, now {new is not None}")
                 continue

@@ -15,7 +15,7 @@ pub fn page(rows: &[Row]) -> String {
     }
     out.push_str("\nPower against size, single effects (visibility: RMS change of the most changed channel, in floors):\n\n");
     out.push_str(
-        "| visibility | machines | something found | named | in the set offered |\n|---|---|---|---|---|\n",
+        "| visibility | machines | something found | named | among the equivalent effects |\n|---|---|---|---|---|\n",
     );
     for (low, high) in [(0.0, 0.5), (0.5, 1.0), (1.0, 2.0), (2.0, 5.0), (5.0, f64::INFINITY)] {
         out.push_str(&power(rows, low, high));
@@ -82,8 +82,8 @@ fn figures(rows: &[Row]) -> Vec<(&'static str, String)> {
             "detectable single effects and instrument faults named, nothing else",
             share(named(&clear), clear.len()),
         ),
-        ("the same, truth in the set offered", some(&clear, &|r| r.in_set == r.truth.len())),
-        ("mean size of the set offered", format!("{:.2}", mean(&|r| r.offered as f64, &clear))),
+        ("the same, truth among the equivalent effects", some(&clear, &|r| r.in_set == r.truth.len())),
+        ("mean number of equivalent effects", format!("{:.2}", mean(&|r| r.offered as f64, &clear))),
         ("all single effects named, of any size", share(named(&singles), singles.len())),
         ("component right, where something is concealed and found", {
             let found: Vec<&Row> = known.iter().copied().filter(|r| !r.found.is_empty()).collect();

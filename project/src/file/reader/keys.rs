@@ -20,6 +20,17 @@ fn text_problem(text: &str) -> Option<String> {
     (length > LONGEST_TEXT).then(|| format!("must not be longer than {LONGEST_TEXT} bytes (it has {length})"))
 }
 
+/// Returns what is written under a key, or under a path of keys with points between them.
+fn written<'a>(entries: &'a [Entry], key: &str) -> Option<&'a Entry> {
+    let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
+    let entry = entries.iter().find(|entry| entry.key == first)?;
+    match (rest, &entry.node.value) {
+        (None, _) => Some(entry),
+        (Some(rest), Value::Table(inner)) => written(inner, rest),
+        _ => None,
+    }
+}
+
 impl<'a> Visit for Reader<'a> {
     fn number(&mut self, field: &Field, value: &mut f64) {
         match self.find(field) {
@@ -244,8 +255,8 @@ impl<'a> Visit for Reader<'a> {
 
     fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
         let path = self.path(key);
-        let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
-            self.complain_of_default(key, allowed);
+        let Some(entry) = self.frames.last().and_then(|f| written(f.entries, key)) else {
+            self.complain_of_default(key, allowed, hint);
             return;
         };
         let item = self

@@ -39,11 +39,13 @@ struct Frame<'a> {
     silent: bool,
     /// What must be here and is not; forgiven where a misspelt key was meant for it.
     missing: Vec<(String, Diagnostic)>,
+    /// The keys that are known here have been listed.
+    listed: bool,
 }
 
 impl<'a> Frame<'a> {
     fn new(path: String, start: usize, entries: &'a [Entry]) -> Self {
-        Self { path, start, entries, known: Vec::new(), silent: false, missing: Vec::new() }
+        Self { path, start, entries, known: Vec::new(), silent: false, missing: Vec::new(), listed: false }
     }
 
     /// Returns the frame of a table that is missing or wrong, which has been reported.
@@ -62,8 +64,7 @@ const NOTHING: &[Entry] = &[];
 /// Most findings that are kept: a file with more is no project file.
 const MOST_FINDINGS: usize = 1000;
 /// What to do if a physical quantity without default is not known.
-const ESTIMATE: &str =
-    "nothing is assumed for it, but an estimate will do, as in { value = 1.0, tolerance = 0.3 }";
+const ESTIMATE: &str = "nothing is assumed for it, but an estimate will do, with how far it may be off: { value = ..., tolerance = 0.3 }";
 /// Most known keys that a finding lists.
 const MOST_KNOWN: usize = 24;
 
@@ -89,6 +90,7 @@ impl<'a> Reader<'a> {
 
     fn path(&self, key: &str) -> String {
         match self.frames.last() {
+            Some(frame) if !frame.path.is_empty() && key.is_empty() => frame.path.clone(),
             Some(frame) if !frame.path.is_empty() => format!("{}.{key}", frame.path),
             _ => key.to_owned(),
         }
@@ -128,11 +130,20 @@ impl<'a> Reader<'a> {
 
     /// A complaint of a key that nobody wrote: what stands in its place does not fit what is written around it.
     /// Said only where nothing else is wrong in its table: a value that could not be read is no ground to judge others.
-    fn complain_of_default(&mut self, key: &str, allowed: &str) {
+    /// A complaint of no key is one of the section itself.
+    fn complain_of_default(&mut self, key: &str, allowed: &str, hint: Option<String>) {
         let Some(frame) = self.frames.last() else { return };
         let told = !frame.missing.is_empty() || self.findings.iter().any(|f| f.path.starts_with(&frame.path));
-        if !told {
+        if told {
+            return;
+        }
+        if frame.known.iter().any(|known| known == key) {
             self.missing(key, format!("{allowed}; it is not written, and its default does not fit"));
+        } else {
+            self.missing(key, allowed.to_owned());
+        }
+        if let Some((_, finding)) = self.frames.last_mut().and_then(|frame| frame.missing.last_mut()) {
+            finding.hint = hint;
         }
     }
 
@@ -197,11 +208,13 @@ impl<'a> Reader<'a> {
     fn unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {
         let what = if matches!(entry.node.value, Value::Table(_)) { "section" } else { "key" };
         let known: Vec<&str> = frame.known.iter().take(MOST_KNOWN).map(String::as_str).collect();
+        let known = if frame.listed { String::new() } else { format!("; known here: {}", known.join(", ")) };
+        frame.listed = true;
         let near = nearest(&entry.key, frame.known.iter().map(String::as_str));
         let near = near.or_else(|| synonyms::find_synonym(&entry.key, &frame.known)).map(str::to_owned);
         let path =
             if frame.path.is_empty() { entry.key.clone() } else { format!("{}.{}", frame.path, entry.key) };
-        let allowed = format!("there is no such {what}; known here: {}", known.join(", "));
+        let allowed = format!("there is no such {what}{known}");
         let hint = near.as_ref().map(|name| format!("did you mean \"{name}\"?"));
         frame.missing.retain(|(key, _)| near.as_ref() != Some(key));
         self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed).hint(hint));

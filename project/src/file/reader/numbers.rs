@@ -3,7 +3,7 @@
 use super::Reader;
 use crate::assumption::{Assumption, Tolerance, ToleranceKind};
 use crate::diagnostic::Problem;
-use crate::file::field::{Assumed, Fallback, Field, Limit, UsualRange};
+use crate::file::field::{Assumed, Fallback, Field, Instead, Limit, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
 use crate::tolerance::NUMBER_SIZES;
@@ -135,7 +135,7 @@ impl<'a> Reader<'a> {
             Err(error) => {
                 let remark = Remark::new(Problem::WrongType, path, error.to_string())
                     .with_value(self.source.quote(&node.span))
-                    .hint(error.hint());
+                    .hint(meant_by_unit(text, field).or_else(|| error.hint()));
                 self.report(node.span.start, remark);
                 None
             }
@@ -165,6 +165,12 @@ impl<'a> Reader<'a> {
         let (unit, meaning) = (field.unit, field.meaning);
         self.assumptions.push(Assumption { key, value, unit, meaning, rule, source, usual });
     }
+}
+
+/// Returns what to add to the file if a value has the unit of another quantity.
+fn meant_by_unit(text: &str, field: &Field) -> Option<String> {
+    let has_unit = |other: &&Instead| read_quantity(text, other.unit).is_ok();
+    field.instead.iter().find(has_unit).map(|other| other.add.to_owned())
 }
 
 /// Returns the rule of a default that has none of its own: an ideal element.
