@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{Decided, Step, TunedProject, World, choose_and_tune};
+use counterpoise_pipeline::{Decided, Step, TunedProject, World, choose_and_tune, with_recorded_design};
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
@@ -108,7 +108,9 @@ pub fn load_document(
     let Decided { project, first: first_design, tuned } = if purpose.needs_weights() {
         choose_and_tune(&project, &folder)?
     } else {
-        Decided { project, first: None, tuned: None }
+        let decided =
+            if purpose.reads_recordings() { with_recorded_design(&project, &folder)? } else { None };
+        Decided { project: decided.unwrap_or(project), first: None, tuned: None }
     };
     Ok(Loaded { path, document, project, stated, first_design, tuned, warnings, assumptions })
 }

@@ -72,7 +72,7 @@ pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use traverse_file::{check_traverse, traverse_project};
-pub use tuning::{Decided, TunedProject, choose_and_tune, with_tuned_structure};
+pub use tuning::{Decided, TunedProject, choose_and_tune, with_recorded_design, with_tuned_structure};
 pub use two_axes::{
     DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, design_traverse, export_traverse,
     study_two_axes,

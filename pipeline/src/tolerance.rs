@@ -76,6 +76,10 @@ pub(crate) const DEAD_BAND_MARGIN: f64 = 1.05;
 /// Least dead-band over the acceleration of the quietest motion that was tried: below, no trial shows what an estimate is worth.
 pub(crate) const BELOW_TRIED: f64 = 0.5;
 
+/// Multiple of its noise floor from which on a channel has a residual that a model could remove: the level below which the diagnosis calls a
+/// channel explained. Nearer to 1, the power that is removed of pure noise would be counted.
+pub(crate) const RESIDUAL_ABOVE_FLOOR: f64 = 1.5;
+
 /// Share of a simpler hypothesis' error below which a more complicated one of a measured structure is preferred: a further parameter
 /// always fits a little more, and a fifth of the error is more than that.
 pub(crate) const WORTH_COMPLICATING: f64 = 0.8;
@@ -134,7 +138,3 @@ pub(crate) const MOST_BYTES: f64 = 2e9;
 
 /// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
 pub(crate) const MARGINS_TO_SPARE: f64 = 0.02;
-
-/// Multiple of its noise floor from which on a channel has a residual that a model could remove: the level below which the diagnosis calls a
-/// channel explained. Nearer to 1, the power that is removed of pure noise would be counted.
-pub(crate) const RESIDUAL_ABOVE_FLOOR: f64 = 1.5;

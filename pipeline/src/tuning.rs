@@ -12,6 +12,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{ControlledQuantity, Sensor};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
 use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_simulate::Simulator;
@@ -107,6 +108,18 @@ pub struct Decided {
     pub first: Option<FirstDesign>,
     /// Tuned blocks or weights; `None` if the file leaves none open.
     pub tuned: Option<TunedProject>,
+}
+
+/// Returns the project with the design under which its recordings were made, if that is its own: with everything decided that its file leaves to the
+/// program, as `export` decides it. Returns `None` if they were made under another controller, or if the file names none.
+///
+/// # Errors
+/// As [`choose_and_tune`].
+pub fn with_recorded_design(project: &Project, world: &dyn World) -> Result<Option<Project>, PipelineError> {
+    match project.recording_controller {
+        Some(RecordingController::Project) => Ok(Some(choose_and_tune(project, world)?.project)),
+        _ => Ok(None),
+    }
 }
 
 /// Chooses and tunes what the file of a project leaves open.

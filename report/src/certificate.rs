@@ -28,7 +28,10 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
         Stability::NotPredicted => format!(
             "not predicted: the runs show neither rest nor a limit cycle; at rest the {} {} {} RMS",
             if case.controlled == case.rate {
-                "hub moves".to_owned()
+                format!(
+                    "{} moves",
+                    if case.rate.axis == counterpoise_models::Axis::Rotary { "hub" } else { "slide" }
+                )
             } else {
                 format!("{} varies by", case.controlled.name())
             },

@@ -11,6 +11,7 @@ use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::Section;
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
+use crate::wording::capitalise_first;
 
 /// Ends of the Nichols chart's modulus, dB: beyond them nothing is near the critical point.
 const NICHOLS_DB: [f64; 2] = [-40.0, 40.0];
@@ -159,10 +160,11 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
     let drives = |r: &LoopResponse| {
         r.effect == LoopEffect::Control && matches!(r.cause, LoopCause::Demand | LoopCause::Noise(_))
     };
+    let name = capitalise_first(found.controlled_quantity().name());
     let all = [
-        chart("Hub for the demand", "", &of(LoopCause::Demand, LoopEffect::Hub)),
+        chart(&format!("{name} for the demand"), "", &of(LoopCause::Demand, LoopEffect::Hub)),
         chart(
-            "Hub for a disturbance of the control",
+            &format!("{name} for a disturbance of the control"),
             &format!("{} per V", found.controlled_quantity().unit()),
             &of(LoopCause::Control, LoopEffect::Hub),
         ),

@@ -40,7 +40,7 @@ pub fn robustness_lines(found: &RobustStability) -> Vec<String> {
 }
 
 fn errors(found: &RobustStability) -> String {
-    let names = ["the plant's gain at its input", "the hub gyroscope's reading"];
+    let names = ["the plant's gain at its input", "the loop's sensor"];
     let present = names.iter().zip(found.errors).filter(|(_, error)| *error > 0.0);
     let words: Vec<String> =
         present.map(|(name, error)| format!("{} % of {name}", short_number(100.0 * error))).collect();
@@ -58,7 +58,7 @@ fn nearest(found: &Destabilising) -> String {
         .iter()
         .map(|(varied, factor)| format!("{} x {}", varied.key(), short_number(*factor)))
         .collect();
-    let errors = gain_errors(found, ["plant's input", "hub gyroscope"]);
+    let errors = gain_errors(found, ["plant's input", "loop's sensor"]);
     parts.extend(errors.map(|(name, error)| format!("{name} off by {error}")));
     format!(
         "nearest limit that was found: {} times the ranges, oscillating at {} Hz: {}; the loop closed with it has a pole of modulus {:.6}",
@@ -120,7 +120,7 @@ fn table(found: &Destabilising) -> Table {
     for (varied, factor) in &found.factors {
         table.rows.push(vec![Cell::text(varied.key()), Cell::number(*factor)]);
     }
-    for (name, error) in gain_errors(found, ["error at the plant's input", "error of the hub gyroscope"]) {
+    for (name, error) in gain_errors(found, ["error at the plant's input", "error of the loop's sensor"]) {
         table.rows.push(vec![Cell::text(name), Cell::text(error)]);
     }
     table

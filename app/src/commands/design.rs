@@ -26,7 +26,7 @@ use super::{export, first_design};
 use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output;
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, Loaded, Surroundings};
 
 /// Arguments of `design`.
 #[derive(Args)]
@@ -59,12 +59,7 @@ pub fn run(options: &DesignOptions) -> Done {
     output::print_warnings(&loaded, options.results.progress());
     let world = Surroundings::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
-    let contents = ResultContents {
-        assumptions: &loaded.assumptions,
-        systems: options.results.loop_systems(),
-        kept: if options.histories { Kept::Histories } else { Kept::Systems },
-    };
-    let mut result = DesignResult::complete(&loaded.project, &designed, &contents)?;
+    let mut result = results_of(options, &loaded, &designed)?;
     let code = &designed.targets.code;
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
@@ -102,6 +97,20 @@ pub fn run(options: &DesignOptions) -> Done {
     let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
     let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
+}
+
+/// Returns the results of a design, with the histories if they are asked for.
+fn results_of(
+    options: &DesignOptions,
+    loaded: &Loaded,
+    designed: &counterpoise_pipeline::Designed,
+) -> anyhow::Result<DesignResult> {
+    let contents = ResultContents {
+        assumptions: &loaded.assumptions,
+        systems: options.results.loop_systems(),
+        kept: if options.histories { Kept::Histories } else { Kept::Systems },
+    };
+    Ok(DesignResult::complete(&loaded.project, designed, &contents)?)
 }
 
 fn print_two_axes(designed: &counterpoise_pipeline::Designed) {

@@ -2,7 +2,7 @@
 
 use counterpoise_models::Axis;
 
-use crate::file::field::{Field, TableField};
+use crate::file::field::{Assumed, Field, TableField};
 use crate::file::visit::{Count, Presence, Visit};
 
 /// Keys of a turning axis with those of a sliding one.
@@ -10,6 +10,46 @@ const KEYS: [(&str, &str); 3] = [("inertia", "mass"), ("hub_inertia", "mass"), (
 
 /// Keys whose unit is that of an angle or a frequency on every axis.
 const TURNING: [&str; 3] = ["natural_frequency", "bandwidth", "phase"];
+
+/// What the text of a turning axis says with what that of a sliding one does.
+const TEXTS: [(&str, &str); 18] = [
+    ("inertia at the hub", "mass that slides, with the nut or the carriage"),
+    ("inertia added at the hub, without a first moment", "mass added to the slide, without weight along it"),
+    ("hub to beam; rigid if absent", "between slide and tip mass; rigid if absent"),
+    ("hub to beam; damping ratio 0.01 if absent", "between slide and tip mass; damping ratio 0.01 if absent"),
+    (
+        "spring between hub and platform; negative if it pushes away from its centre",
+        "spring between slide and base; negative if it pushes away from its centre",
+    ),
+    (
+        "angle of the hub on the platform at which that spring has no torque",
+        "position of the slide at which that spring has no force",
+    ),
+    (
+        "largest torque of a hose between hub and platform whose bending has hysteresis",
+        "largest force of a hose between slide and base whose bending has hysteresis",
+    ),
+    ("gearbox between motor and hub", "gearbox between motor and slide"),
+    ("belt between motor and hub", "belt between motor and slide"),
+    ("cable between motor and hub", "cable between motor and slide"),
+    ("harmonic drive between motor and hub", "harmonic drive between motor and slide"),
+    ("friction at the hub pivot", "friction of the slide's guide"),
+    ("part of the hub's inertia", "part of the mass that slides"),
+    ("inertial rate of the hub", "inertial speed of the slide"),
+    ("angle of the hub on the platform", "position of the slide on its base"),
+    (
+        "rate relative to the platform, which the loop controls",
+        "speed relative to the base, which the loop controls",
+    ),
+    (
+        "angle relative to the platform in counts, which the loop controls",
+        "position relative to the base in counts, which the loop controls",
+    ),
+    (
+        "angle relative to the platform, which the loop controls",
+        "position relative to the base, which the loop controls",
+    ),
+];
 
 /// A walk in the words of an axis.
 pub(super) struct Words<'a> {
@@ -30,7 +70,17 @@ impl<'a> Words<'a> {
             Axis::Linear if field.key == "ratio" && field.unit.is_empty() => {
                 Field { unit: "rad/m", meaning: "motor's angle per travel of the slide", ..*field }
             }
-            Axis::Linear => Field { key: sliding_key(field.key), unit: self.axis.unit(field.unit), ..*field },
+            Axis::Linear => Field {
+                key: sliding_key(field.key),
+                unit: self.axis.unit(field.unit),
+                meaning: sliding_text(field.meaning),
+                assumed: field.assumed.map(|assumed| Assumed {
+                    rule: sliding_text(assumed.rule),
+                    source: sliding_text(assumed.source),
+                    ..assumed
+                }),
+                ..*field
+            },
         }
     }
 
@@ -43,6 +93,11 @@ impl<'a> Words<'a> {
 /// Returns the key of a sliding axis; the same if it has none of its own.
 fn sliding_key(key: &'static str) -> &'static str {
     KEYS.iter().find(|(turning, _)| *turning == key).map_or(key, |(_, sliding)| sliding)
+}
+
+/// Returns the text of a sliding axis; the same if it has none of its own.
+fn sliding_text(text: &'static str) -> &'static str {
+    TEXTS.iter().find(|(turning, _)| *turning == text).map_or(text, |(_, sliding)| sliding)
 }
 
 impl Visit for Words<'_> {
@@ -75,7 +130,11 @@ impl Visit for Words<'_> {
     }
 
     fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
-        self.inner.enter(table, presence)
+        let own = match self.axis {
+            Axis::Rotary => *table,
+            Axis::Linear => TableField { meaning: sliding_text(table.meaning), ..*table },
+        };
+        self.inner.enter(&own, presence)
     }
 
     fn leave(&mut self) {
@@ -121,5 +180,17 @@ impl Visit for Words<'_> {
 
     fn assume(&mut self, field: &Field, value: f64) {
         self.inner.assume(&self.field(field), value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slide_is_called_a_slide() {
+        assert!(TEXTS.iter().all(|(turning, sliding)| turning != sliding && !sliding.contains("hub")));
+        assert_eq!(sliding_text("cable between motor and hub"), "cable between motor and slide");
+        assert_eq!(sliding_text("voltage gain"), "voltage gain");
     }
 }

@@ -152,9 +152,14 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
             v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0), &mut stated.delay_s);
         }
         Takes::Voltage => {
-            let limit = Field::new("limit", "largest voltage, at 10 V of control").unit("V");
+            let limit = Field::new("limit", "largest voltage, at 10 V of control").unit("V").limit(ABOVE_0);
+            let limit = limit.instead(&[OF_TORQUE, OF_CURRENT]).or(f64::INFINITY).with_assumption(
+                "unlimited; a volt of control is a volt at the motor, and the control ends at 10 V",
+                "what is left out is ideal",
+                UsualRange::Unknown,
+            );
             stated.limit = plant.amplifier.bus_voltage_v;
-            v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
+            v.number(&limit, &mut stated.limit);
         }
     }
     stated
@@ -187,7 +192,7 @@ fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
     let rotor = ratio * ratio * plant.motor.inertia_kg_m2;
     let of_inertia = |l: &counterpoise_models::Lumped| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
     let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
-    let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control; with `kind` current the largest current in A, with voltage the largest voltage in V").unit("N m");
+    let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
     let limit = limit.with_assumption(
         "unlimited; 10 V of control command the torque that accelerates the load by 1000 rad/s^2",
         "what is left out is ideal",

@@ -52,6 +52,11 @@ impl Purpose {
         matches!(self, Self::Synth | Self::Compare | Self::Verify | Self::Design | Self::Export | Self::Sweep)
     }
 
+    /// Returns whether recordings are read, which may have been made under the project's own design.
+    pub fn reads_recordings(self) -> bool {
+        matches!(self, Self::Identify | Self::Replay | Self::Experiment | Self::Diagnose)
+    }
+
     /// Returns the command's name.
     pub fn name(self) -> &'static str {
         match self {

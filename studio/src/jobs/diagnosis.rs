@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use counterpoise_host::files::Folder;
 use counterpoise_host::progress::{Progress, Watch};
 use counterpoise_host::projects;
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline::recordings::diagnose;
+use counterpoise_pipeline::with_recorded_design;
 use counterpoise_project::Project;
 use counterpoise_report::wording::answer::{DescribedDiagnosis, describe_diagnosed_recordings};
 use counterpoise_report::wording::recordings::describe_recordings_error;
@@ -18,6 +20,8 @@ use super::error_lines::ErrorLines;
 pub struct DiagnosisRequest {
     /// The project.
     pub project: Arc<Project>,
+    /// The folder of the project's file.
+    pub folder: PathBuf,
     /// The recordings.
     pub paths: Vec<PathBuf>,
 }
@@ -32,8 +36,11 @@ pub fn diagnosis_worker(wake: &Wake, progress: &Progress) -> DiagnosisWorker {
         let watch = Watch { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
         let files = projects::read_recordings(&request.paths).map_err(|error| vec![format!("{error:#}")])?;
-        let found = diagnose(&request.project, &files, &watch)
-            .map_err(|error| vec![describe_recordings_error(&error)])?;
+        let refused = |error| vec![describe_recordings_error(&error)];
+        let decided =
+            with_recorded_design(&request.project, &Folder(request.folder.clone())).map_err(refused)?;
+        let project = decided.as_ref().unwrap_or(&request.project);
+        let found = diagnose(project, &files, &watch).map_err(refused)?;
         Ok(describe_diagnosed_recordings(&found))
     })
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use counterpoise_host::files::{self, Folder, recording_files};
 use counterpoise_host::worker::Token;
 use counterpoise_models::Parameters;
-use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
     loop_of, read_recording, read_table_and_recordings, recording_controller, without_demand,
@@ -16,6 +15,7 @@ use counterpoise_pipeline::recordings::{
     Gaps, ReadRecording, RecordingFile, ReplayLength, ReplayedRecording, replay,
 };
 use counterpoise_pipeline::results::RecordingResult;
+use counterpoise_pipeline::{PipelineError, with_recorded_design};
 use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_report::wording::recordings::{
@@ -106,7 +106,8 @@ pub struct SimulatedChannel {
 /// Returns the recordings with their replays, or `None` if the job was cancelled.
 pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFiles> {
     let (files, mut views) = (recording_files(&request.paths), Vec::new());
-    let controller = recording_controller(&request.project);
+    let decided = with_recorded_design(&request.project, &Folder(request.folder.clone()));
+    let controller = decided.and_then(|own| recording_controller(own.as_ref().unwrap_or(&request.project)));
     let note = other_export(&request.project, &Folder(request.folder.clone()));
     let note = note.as_ref().map(describe_other_export);
     for path in &files {

@@ -198,7 +198,9 @@ impl Studio {
                 .view
                 .show_error("drop recordings (CSV, Parquet, MATLAB, HDF5, NumPy) onto the window first");
         }
-        let request = DiagnosisRequest { project: Arc::clone(project), paths: self.jobs.recordings.clone() };
+        let folder = opened.path.parent().unwrap_or(Path::new(".")).to_owned();
+        let paths = self.jobs.recordings.clone();
+        let request = DiagnosisRequest { project: Arc::clone(project), folder, paths };
         self.jobs.diagnosed_plant = Some(project.plant.clone());
         self.jobs.diagnose.ask(opened.session.revision(), request);
     }
