@@ -343,10 +343,15 @@ struct AllowedName {
 enum NameReason {
     /// Toolboxes for control have a function of this name.
     Toolbox,
+    /// The standard library calls it so: `Instant::elapsed`.
+    StandardLibrary,
 }
 
 /// Every public function whose name looks like a participle or a preposition and may, with the reason.
-const ALLOWED_NAMES: [AllowedName; 1] = [AllowedName { name: "balred", why: NameReason::Toolbox }];
+const ALLOWED_NAMES: [AllowedName; 2] = [
+    AllowedName { name: "balred", why: NameReason::Toolbox },
+    AllowedName { name: "elapsed", why: NameReason::StandardLibrary },
+];
 
 /// Returns what is wrong with the name of a public function: a participle says neither what is done nor what is returned, and a preposition less.
 /// `at`, `from`, `into`, `of`, `to`, `with` and `without` are idioms of Rust, alone and as first words.
