@@ -57,7 +57,7 @@ fn the_good_file_is_good() {
 }
 
 #[test]
-fn many_mistakes_come_at_once_in_order_of_place() {
+fn many_mistakes_come_at_once_wrong_values_first_then_unknown_keys_each_in_order_of_place() {
     let text = GOOD
         .replacen("gravity = 9.80665", "gravity = -1", 1)
         .replacen("backlash = 0.5e-3", "backlsh = 0.5e-3", 1)
@@ -65,7 +65,7 @@ fn many_mistakes_come_at_once_in_order_of_place() {
         .replacen("kp = 18.0", "kp = \"much\"", 1);
     let found = findings(&text);
     let lines: Vec<&str> = found.iter().filter_map(|f| f.split(':').nth(1)).collect();
-    assert_eq!(lines, ["12", "67", "79", "175"], "{found:#?}");
+    assert_eq!(lines, ["12", "67", "175", "79"], "{found:#?}");
 }
 
 #[test]
@@ -99,7 +99,9 @@ fn a_command_needs_its_own_sections_only() {
     let plant = Document::parse(&GOOD[..GOOD.find("[recording_controller]").unwrap()], "rig.toml");
     let refused = Project::resolve_for(&plant, &Attachments::none(), Purpose::Replay).unwrap_err();
     let missing: Vec<String> = refused.iter().map(ToString::to_string).collect();
-    let expected = "rig.toml:1:1: error: recording_controller: section [recording_controller] is missing; `replay` needs it";
+    let expected = "rig.toml:1:1: error: recording_controller: section [recording_controller] is missing; `replay` needs it \
+        (for recordings under this project's own design add recording_controller = { kind = \"project\" }, under an exported one \
+        { kind = \"exported\", file = \"controller.json\" })";
     assert_eq!(missing, [expected]);
 }
 

@@ -3,7 +3,7 @@
 use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
 use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::Verdict;
-use counterpoise_diagnose::findings::channel_fits::{Channels, largest_ratio};
+use counterpoise_diagnose::findings::channel_fits::Channels;
 
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -71,11 +71,11 @@ fn headline(answer: &AnswerText) -> Headline {
 
 fn tiles(answer: &AnswerText) -> Vec<Tile> {
     let mut out = vec![
-        Tile::plain("error over floor, before", format!("{:.1}", largest_ratio(&answer.fit.before)), "")
+        Tile::plain("error over floor, before", format!("{:.1}", answer.fit.largest_before()), "")
             .with_note("worst channel, all recordings"),
-        Tile::plain("error over floor, after", format!("{:.2}", largest_ratio(&answer.fit.after)), "")
+        Tile::plain("error over floor, after", format!("{:.2}", answer.fit.largest_after()), "")
             .with_note("1 is perfect"),
-        Tile::plain("on held-out data", format!("{:.2}", largest_ratio(&answer.fit.held_out_after)), "")
+        Tile::plain("on held-out data", format!("{:.2}", answer.fit.largest_held_out()), "")
             .with_note("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {

@@ -1,6 +1,7 @@
 //! The report of a structure's diagnosis: measured frequencies beside those of every model that was tried.
 
-use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, StructureVerdict};
+use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
+use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -35,7 +36,7 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
 
 const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that one, mode after mode; the last column is the RMS of those errors.";
 
-fn tile(tried: &counterpoise_pipeline::recordings::measured_modes::TriedStructure) -> Tile {
+fn tile(tried: &counterpoise_pipeline::recordings::structure_hypotheses::TriedStructure) -> Tile {
     Tile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
         .with_note("RMS error of held-out modes")
 }

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_claims::identification::AMPLIFIER;
 use counterpoise_diagnose::identification::{Amplifier, apply_identified, identify};
-use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, diagnose_structure};
+use counterpoise_pipeline::recordings::measured_modes::diagnose_structure;
+use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};

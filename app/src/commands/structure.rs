@@ -1,9 +1,8 @@
 //! `counterpoise diagnose` without recordings: what the structure's model lacks, from measured natural frequencies.
 
 use anyhow::bail;
-use counterpoise_pipeline::recordings::measured_modes::{
-    StructureAnswer, StructureVerdict, diagnose_structure,
-};
+use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, diagnose_structure};
+use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 use counterpoise_report::html_page;
 use counterpoise_report::structure::structure_report;
 use counterpoise_report::wording::structure::{describe_support, structure_verdict_name};

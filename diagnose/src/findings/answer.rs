@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::findings::channel_fits::Channels;
+use crate::findings::channel_fits::{Channels, largest_ratio};
 use crate::learning::{LearnedModel, is_at};
 use crate::library::{Component, EffectName, component_of};
 use crate::localisation::error_hypotheses::Regime;
@@ -153,6 +153,23 @@ pub struct FitTable {
     pub held_out_before: Channels,
     /// Held-out data, the model fitted to the rest.
     pub held_out_after: Channels,
+}
+
+impl FitTable {
+    /// Returns the largest RMS error over its noise floor of all channels, of all data with the model as it was.
+    pub fn largest_before(&self) -> f64 {
+        largest_ratio(&self.before)
+    }
+
+    /// Returns the same with the improved model.
+    pub fn largest_after(&self) -> f64 {
+        largest_ratio(&self.after)
+    }
+
+    /// Returns the same of held-out data, with the model fitted to the rest.
+    pub fn largest_held_out(&self) -> f64 {
+        largest_ratio(&self.held_out_after)
+    }
 }
 
 /// An effect of which these recordings cannot show whether it is present.

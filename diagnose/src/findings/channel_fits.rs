@@ -19,7 +19,7 @@ pub struct ChannelFit {
 pub type Channels = BTreeMap<&'static str, ChannelFit>;
 
 /// Returns the largest RMS error over its noise floor of all channels; 0 without channels.
-pub fn largest_ratio(channels: &Channels) -> f64 {
+pub(crate) fn largest_ratio(channels: &Channels) -> f64 {
     channels.values().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
 }
 

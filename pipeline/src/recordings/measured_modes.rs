@@ -7,6 +7,7 @@ use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, m
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
+use super::structure_hypotheses::{Change, End, Hypothesis, Scale, StructureVerdict, TriedStructure};
 use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
 use crate::wording::structure::{MASS, STIFFNESS_FACTOR, describe_hypothesis, describe_structure};
 use crate::{PipelineError, finite_elements};
@@ -18,77 +19,6 @@ use counterpoise_project::resolve::model::StructureChoice;
 const FINER: usize = 4;
 /// Masses that are tried at an end of the beam, as shares of the beam's own, in equal ratios.
 const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
-
-/// One thing that the model may lack.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Change {
-    /// Nothing: the model as it is.
-    Nothing,
-    /// More elements.
-    Mesh,
-    /// Shear and rotary inertia.
-    Shear,
-    /// A mass at an end of the beam.
-    EndMass(End),
-}
-
-/// An end of the beam.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum End {
-    /// The end where the sections begin.
-    Near,
-    /// The tip.
-    Tip,
-}
-
-/// A hypothesis: a change, with or without another stiffness of the whole beam.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Hypothesis {
-    /// The change.
-    pub(crate) change: Change,
-    /// Whether the stiffness is fitted with it.
-    pub(crate) scaled: Scale,
-}
-
-/// Whether the stiffness of the whole beam is fitted as well.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scale {
-    /// The stiffness is that of the project.
-    AsItIs,
-    /// A factor on the stiffness is fitted.
-    Fitted,
-}
-
-/// How the structure and its measured modes stand to each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum StructureVerdict {
-    /// The model has the measured modes.
-    Consistent,
-    /// What it lacks has a name, and with it the model has them.
-    Named,
-    /// What has a name is part of it.
-    Incomplete,
-    /// Several explain the modes alike.
-    Ambiguous,
-    /// Nothing that is known explains them.
-    Unknown,
-}
-
-/// A hypothesis that was tried.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TriedStructure {
-    /// What was tried, in words.
-    pub what: String,
-    /// Fitted numbers with their names.
-    pub parameters: Vec<(String, f64)>,
-    /// RMS relative error of all modes, %.
-    pub rms_percent: f64,
-    /// RMS relative error of modes that were left out of the fit, one after the other, %.
-    pub left_out_percent: f64,
-    /// Frequencies of the fitted model, Hz.
-    pub modes_hz: Vec<f64>,
-}
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -8,7 +8,7 @@
 //! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out`] (recordings that no diagnosis was given, before and after),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
-//! [`column_remarks`] (what was found about columns), [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
+//! [`column_remarks`] (what was found about columns), [`structure_hypotheses`] and [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
 pub mod column_remarks;
 pub mod controller_origin;
@@ -22,6 +22,7 @@ pub mod read;
 pub mod redesign;
 pub mod replay;
 pub mod residuals;
+pub mod structure_hypotheses;
 pub mod tracks;
 
 pub use column_remarks::{ColumnRemark, UnusedColumn};

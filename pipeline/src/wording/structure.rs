@@ -1,6 +1,8 @@
 //! The diagnosis of a structure in words: what was tried, and what the model lacks. Its JSON result carries them.
 
-use crate::recordings::measured_modes::{Change, End, Hypothesis, Scale, StructureVerdict, TriedStructure};
+use crate::recordings::structure_hypotheses::{
+    Change, End, Hypothesis, Scale, StructureVerdict, TriedStructure,
+};
 
 /// Name of the fitted mass at an end of the beam.
 pub(crate) const MASS: &str = "mass [kg]";

@@ -1,7 +1,7 @@
 //! The diagnosis of a structure from its natural frequencies, in words.
 
 use counterpoise_models::structure::Support;
-use counterpoise_pipeline::recordings::measured_modes::StructureVerdict;
+use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 
 /// Returns the name of a verdict, as the glossary has it. The JSON result keeps its own words.
 pub fn structure_verdict_name(verdict: StructureVerdict) -> &'static str {

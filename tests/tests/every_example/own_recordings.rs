@@ -26,12 +26,7 @@ const LENGTH_S: f64 = 8.0;
 const SAMPLES: f64 = 8000.0;
 
 /// Examples that replay their recordings in single precision and in fixed point too, if not every one is asked for.
-const IN_EVERY_NUMBERS: [&str; 4] = [
-    "reference-rig_project",
-    "out-of-balance-schedule_project",
-    "adaptation_project",
-    "servo-pendulum_project",
-];
+const IN_EVERY_NUMBERS: [&str; 2] = ["reference-rig_project", "servo-pendulum_project"];
 
 /// Sines of amplitude and frequency in Hz.
 fn sines(all: &[(f64, f64)]) -> Signal {
