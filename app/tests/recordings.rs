@@ -212,3 +212,60 @@ fn held_out_recordings_are_replayed_before_and_after() {
     assert!(held_out["file"].as_str().unwrap().ends_with("run.csv"), "{held_out}");
     assert!(held_out["channels"]["hub_rate"]["before"].as_f64().unwrap() > 0.0, "{held_out}");
 }
+
+/// A machine whose file leaves every weight to the program.
+const OPEN: &str = "format = 2
+plant.inertia = 0.02
+plant.drive = { limit = 6.0 }
+plant.friction.pivot = { model = \"coulomb\", coulomb = 0.03, viscous = 0.01 }
+plant.sensors.encoder = { counts = \"20 bit\" }
+plant.interface = { sample_period = 1e-3, output_bits = 16 }
+";
+
+#[test]
+fn the_projects_own_design_replays_as_the_file_that_its_export_writes() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("own-design");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let under = |name: &str, controller: &str| {
+        let path = folder.join(name);
+        fs::write(&path, format!("{OPEN}recording_controller = {{ {controller} }}\n")).unwrap();
+        path
+    };
+    let own = under("own.toml", "kind = \"project\"");
+    let exported = under("exported.toml", "kind = \"exported\", file = \"controller.json\"");
+    let row = |k: u32| {
+        let t = f64::from(k) * 1e-3;
+        let (demand, control) = (0.01 * (6.0 * t).sin(), 0.1 * (6.0 * t).cos());
+        format!("{t:.3},{demand},{control},{}\n", 0.009 * (6.0 * t - 0.1).sin())
+    };
+    let table =
+        (0..1500).map(row).fold("time,demand,control,hub_position\n".to_owned(), |all, row| all + &row);
+    fs::write(folder.join("run.csv"), table).unwrap();
+    let out = folder.join("out");
+    let run = counterpoise(&["export", own.to_str().unwrap(), "-o", out.to_str().unwrap()]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    fs::copy(out.join("controller.json"), folder.join("controller.json")).unwrap();
+    let result = |project: &Path| replayed(project, &folder.join("run.csv"))["recordings"][0].clone();
+    let found = result(&own);
+    assert_eq!(found, result(&exported));
+    // what the controller makes of the readings is compared with the recorded control, so the remark tells one controller from another
+    let remark = found["remarks"][0].as_str().unwrap();
+    assert!(remark.contains("V RMS off"), "{found}");
+}
+
+#[test]
+fn a_closed_loop_is_measured_where_the_file_leaves_the_weights_open() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("open-weights");
+    fs::create_dir_all(&folder).unwrap();
+    for synth in ["", "synth.loop = \"position\"\n"] {
+        fs::write(folder.join("project.toml"), format!("{OPEN}{synth}")).unwrap();
+        let [loop_name, hz, size] = [["--loop", "closed"], ["--frequencies", "1"], ["--amplitudes", "0.05"]];
+        let asked = [&["fra", folder.to_str().unwrap(), "--json"][..], &loop_name, &hz, &size].concat();
+        let run = counterpoise(&asked);
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        let result: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        let gain_db = result["maps"][0]["points"][0]["gain_db"].as_f64().unwrap();
+        assert!(gain_db.abs() < 3.0, "{synth}: {gain_db} dB");
+    }
+}

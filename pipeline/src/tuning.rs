@@ -117,7 +117,10 @@ pub struct Decided {
 /// As [`choose_and_tune`].
 pub fn with_recorded_design(project: &Project, world: &dyn World) -> Result<Option<Project>, PipelineError> {
     match project.recording_controller {
-        Some(RecordingController::Project) => Ok(Some(choose_and_tune(project, world)?.project)),
+        Some(RecordingController::Project) => {
+            // weights are chosen for the motions of [verify] or the usual ones, as for the export
+            Ok(Some(choose_and_tune(&project.clone().with_usual_verification(), world)?.project))
+        }
         _ => Ok(None),
     }
 }
