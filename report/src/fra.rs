@@ -46,12 +46,12 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
 
 fn headline(maps: &[Map]) -> Headline {
     let count: usize = maps.iter().map(|map| map.points.len()).sum();
-    let unsettled: usize = maps.iter().map(Map::unsettled_count).sum();
+    let unsettled: usize = maps.iter().map(|map| map.unsettled_count()).sum();
     let text = match unsettled {
         0 => format!("{count} points measured, every one settled"),
         n => format!("{count} points measured, {n} not settled or not excited"),
     };
-    let spread = maps.first().map_or(0.0, Map::widest_spread_db);
+    let spread = maps.first().map_or(0.0, |map| map.widest_spread_db());
     let detail =
         format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
     Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
