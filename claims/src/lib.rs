@@ -41,9 +41,9 @@ pub mod weights;
 pub use bench::Bench;
 pub use criterion::{Agreement, Criterion};
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use counterpoise_diagnose::simulator_access::map_all;
 use counterpoise_pipeline::{PipelineError, World};
 use counterpoise_plot::Figure as Drawing;
 use counterpoise_project::Project;
@@ -179,17 +179,12 @@ pub fn measure_claims(
 ) -> Result<Vec<Claim>, PipelineError> {
     let bench = Bench::new(project, world)?;
     let rows: Vec<Row> = ROWS.iter().filter(|row| wanted(row.0)).map(|row| row.1).collect();
-    let found: Vec<OnceLock<Result<Claim, PipelineError>>> = rows.iter().map(|_| OnceLock::new()).collect();
     let done = AtomicUsize::new(0);
     progress(0, rows.len());
-    world.pool().run(rows.len(), &|k| {
-        drop(found[k].set(rows[k](&bench)));
+    let found = map_all(world.pool(), rows.len(), |k| {
+        let row = rows[k](&bench);
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, rows.len());
+        row
     });
-    // a pool that was asked to stop leaves rows out
-    found
-        .into_iter()
-        .zip(rows)
-        .map(|(row, measure)| row.into_inner().unwrap_or_else(|| measure(&bench)))
-        .collect()
+    found.into_iter().collect()
 }

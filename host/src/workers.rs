@@ -109,7 +109,7 @@ impl Workers {
 
 impl Pool for Workers {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        (0..count).into_par_iter().for_each(job);
+        Processors.run(count, job);
     }
 
     fn is_cancelled(&self) -> bool {

@@ -8,4 +8,4 @@ pub mod objective;
 mod pool;
 
 pub use access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift, Variant};
-pub use pool::{Pool, Serial, map, map_with_progress};
+pub use pool::{Pool, Serial, map, map_all, map_with_progress};

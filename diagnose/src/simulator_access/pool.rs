@@ -1,5 +1,6 @@
 //! Many independent jobs at once, on processors that the caller hands in.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Runs independent jobs, in any order, on as many processors as the caller has.
@@ -42,6 +43,13 @@ pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sy
     slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
+/// Returns the results of all `count` jobs, in order: a job that the pool leaves out, because the user asked to stop, is done on the calling thread.
+pub fn map_all<T: Send + Sync>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let slots: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
+    pool.run(count, &|k| drop(slots[k].set(job(k))));
+    slots.into_iter().enumerate().map(|(k, slot)| slot.into_inner().unwrap_or_else(|| job(k))).collect()
+}
+
 /// Does the same as [`map`], and says how many of the jobs of a stage are done.
 pub fn map_with_progress<T: Send>(
     pool: &dyn Pool,
@@ -56,4 +64,23 @@ pub fn map_with_progress<T: Send>(
         pool.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, count);
         result
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Does every other job, as a pool that was asked to stop may.
+    struct Stopped;
+
+    impl Pool for Stopped {
+        fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+            (0..count).step_by(2).for_each(job);
+        }
+    }
+
+    #[test]
+    fn a_job_that_the_pool_leaves_out_is_done_all_the_same() {
+        assert_eq!(map_all(&Stopped, 5, |k| 10 * k), [0, 10, 20, 30, 40]);
+    }
 }

@@ -7,9 +7,8 @@
 //! friction moves the estimate, too, by more the quieter the platform is. So the bands are found on the acceleration: the estimate stands still on each motion on which a trial
 //! is worse than without adaptation, and on every quieter one.
 
-use std::sync::OnceLock;
-
 use counterpoise_controller::Controller;
+use counterpoise_diagnose::simulator_access::map_all;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
 use counterpoise_verify::Procedure;
@@ -229,11 +228,7 @@ impl Search<'_> {
         let Self { project, modelled, controller, procedure, .. } = *self;
         let stage = Stage { project, adaptation, modelled, controller, procedure };
         let one = |job: &Job| stage.run(&stage.platform(job.motion)?, job.load, job.acts);
-        let found: Vec<OnceLock<Result<TrialRun, PipelineError>>> =
-            jobs.iter().map(|_| OnceLock::new()).collect();
-        self.world.pool().run(jobs.len(), &|k| drop(found[k].set(one(&jobs[k]))));
-        // a pool that was asked to stop leaves runs out
-        found.into_iter().zip(jobs).map(|(run, job)| run.into_inner().unwrap_or_else(|| one(job))).collect()
+        map_all(self.world.pool(), jobs.len(), |k| one(&jobs[k])).into_iter().collect()
     }
 }
 

@@ -19,12 +19,12 @@ pub(crate) struct Field {
     /// What to do if the value of a required key is not known.
     pub unknown: &'static str,
     /// Units of another quantity that people write here, each with what to add.
-    pub instead: &'static [Instead],
+    pub unit_hints: &'static [UnitHint],
 }
 
 /// A unit of another quantity, which means another choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Instead {
+pub(crate) struct UnitHint {
     pub unit: &'static str,
     /// What to add if a value has this unit.
     pub add: &'static str,
@@ -111,13 +111,13 @@ impl Field {
             second_unit: None,
             assumed: None,
             unknown: "",
-            instead: &[],
+            unit_hints: &[],
         }
     }
 
     /// Declares what a value in the unit of another quantity means.
-    pub const fn instead(mut self, others: &'static [Instead]) -> Self {
-        self.instead = others;
+    pub const fn with_unit_hints(mut self, hints: &'static [UnitHint]) -> Self {
+        self.unit_hints = hints;
         self
     }
 

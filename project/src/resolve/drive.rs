@@ -5,7 +5,7 @@
 
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
-use crate::file::field::{Field, Instead, Limit, TableField, UsualRange};
+use crate::file::field::{Field, Limit, TableField, UnitHint, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
@@ -20,11 +20,11 @@ const FULL_SCALE: f64 = 1000.0;
 const UNKNOWN_TORQUE: f64 = 10.0;
 
 /// What a limit in the unit of another kind of drive means.
-const OF_CURRENT: Instead =
-    Instead { unit: "A", add: "a drive with a largest current is a current loop: add kind = \"current\"" };
-const OF_VOLTAGE: Instead =
-    Instead { unit: "V", add: "a drive with a largest voltage: add kind = \"voltage\"" };
-const OF_TORQUE: Instead = Instead { unit: "N m", add: "a drive that takes a torque: kind = \"torque\"" };
+const OF_CURRENT: UnitHint =
+    UnitHint { unit: "A", add: "a drive with a largest current is a current loop: add kind = \"current\"" };
+const OF_VOLTAGE: UnitHint =
+    UnitHint { unit: "V", add: "a drive with a largest voltage: add kind = \"voltage\"" };
+const OF_TORQUE: UnitHint = UnitHint { unit: "N m", add: "a drive that takes a torque: kind = \"torque\"" };
 
 /// What a drive takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -139,12 +139,12 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
     match takes {
         Takes::Torque => {
             let limit = Field::new("limit", "largest torque of the motor, at 10 V of control; with `kind` current the largest current in A, with voltage the largest voltage in V").unit("N m");
-            let limit = limit.instead(&[OF_CURRENT, OF_VOLTAGE]);
+            let limit = limit.with_unit_hints(&[OF_CURRENT, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
         }
         Takes::Current => {
             let limit = Field::new("limit", "largest current, at 10 V of control").unit("A");
-            let limit = limit.instead(&[OF_TORQUE, OF_VOLTAGE]);
+            let limit = limit.with_unit_hints(&[OF_TORQUE, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
             let bandwidth = Field::new("bandwidth", "of the current loop").unit("rad/s").limit(ABOVE_0);
             v.number(&bandwidth.or(f64::INFINITY), &mut stated.bandwidth_rad_s);
@@ -153,7 +153,7 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
         }
         Takes::Voltage => {
             let limit = Field::new("limit", "largest voltage, at 10 V of control").unit("V").limit(ABOVE_0);
-            let limit = limit.instead(&[OF_TORQUE, OF_CURRENT]).or(f64::INFINITY).with_assumption(
+            let limit = limit.with_unit_hints(&[OF_TORQUE, OF_CURRENT]).or(f64::INFINITY).with_assumption(
                 "unlimited; a volt of control is a volt at the motor, and the control ends at 10 V",
                 "what is left out is ideal",
                 UsualRange::Unknown,

@@ -20,17 +20,6 @@ fn text_problem(text: &str) -> Option<String> {
     (length > LONGEST_TEXT).then(|| format!("must not be longer than {LONGEST_TEXT} bytes (it has {length})"))
 }
 
-/// Returns what is written under a key, or under a path of keys with points between them.
-fn written<'a>(entries: &'a [Entry], key: &str) -> Option<&'a Entry> {
-    let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
-    let entry = entries.iter().find(|entry| entry.key == first)?;
-    match (rest, &entry.node.value) {
-        (None, _) => Some(entry),
-        (Some(rest), Value::Table(inner)) => written(inner, rest),
-        _ => None,
-    }
-}
-
 impl<'a> Visit for Reader<'a> {
     fn number(&mut self, field: &Field, value: &mut f64) {
         match self.find(field) {
@@ -255,7 +244,9 @@ impl<'a> Visit for Reader<'a> {
 
     fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
         let path = self.path(key);
-        let Some(entry) = self.frames.last().and_then(|f| written(f.entries, key)) else {
+        let (Some(node), Found::There) =
+            self.frames.last().map_or((None, Found::Around), |f| tree::find(f.entries, key))
+        else {
             self.complain_of_default(key, allowed, hint);
             return;
         };
@@ -267,9 +258,9 @@ impl<'a> Visit for Reader<'a> {
             .unwrap_or_else(|| path.clone());
         let told = self.findings.iter().any(|f| f.path == path || f.path.starts_with(&item));
         if !told {
-            let remark = Remark::new(Problem::OutOfRange, &path, allowed)
-                .with_value(self.source.quote(&entry.node.span));
-            self.report(entry.node.span.start, remark.hint(hint));
+            let remark =
+                Remark::new(Problem::OutOfRange, &path, allowed).with_value(self.source.quote(&node.span));
+            self.report(node.span.start, remark.hint(hint));
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Reader;
 use crate::assumption::{Assumption, Tolerance, ToleranceKind};
 use crate::diagnostic::Problem;
-use crate::file::field::{Assumed, Fallback, Field, Instead, Limit, UsualRange};
+use crate::file::field::{Assumed, Fallback, Field, Limit, UnitHint, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
 use crate::tolerance::NUMBER_SIZES;
@@ -169,8 +169,8 @@ impl<'a> Reader<'a> {
 
 /// Returns what to add to the file if a value has the unit of another quantity.
 fn meant_by_unit(text: &str, field: &Field) -> Option<String> {
-    let has_unit = |other: &&Instead| read_quantity(text, other.unit).is_ok();
-    field.instead.iter().find(has_unit).map(|other| other.add.to_owned())
+    let has_unit = |other: &&UnitHint| read_quantity(text, other.unit).is_ok();
+    field.unit_hints.iter().find(has_unit).map(|other| other.add.to_owned())
 }
 
 /// Returns the rule of a default that has none of its own: an ideal element.
