@@ -10,13 +10,15 @@ use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::Sensor;
-use counterpoise_models::plant::Angles;
+use counterpoise_models::plant::{Angles, FrictionLinearisation};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
+use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
-    Circumstances, DesignPlant, FirstDesign, LimitKind, LimitLoops, Motion, ParallelRun, RequiredMargins,
-    Weight, first_design_on,
+    Circumstances, DesignPlant, Error as SynthesisError, FirstDesign, LimitKind, LimitLoops, Motion,
+    ParallelRun, RequiredMargins, Weight, first_design_on,
 };
+use counterpoise_verify::certificate::elements::rest_impedances;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
 use serde::Serialize;
 
@@ -82,7 +84,13 @@ fn choose_weights_on(
     let asked = project.synth.clone().unwrap_or_default();
     let run = |count: usize, part: &(dyn Fn(usize) + Sync)| pool.run(count, part);
     let processors = ParallelRun { count: pool.processors(), run: &run };
-    let first = first_design_on(&circumstances(project, &asked, modelled, reduced)?, processors)?;
+    let stated_step = circumstances(project, &asked, modelled, reduced)?;
+    let with_usual_step = first_design_of(&stated_step, processors)?;
+    let open_step = Circumstances { demand_step: 0.0, ..stated_step.clone() };
+    let (first, step) = match is_limited_by_usual_step(project, &with_usual_step) {
+        true => with_open_step(&open_step, stated_step.demand_step, with_usual_step, processors)?,
+        false => (with_usual_step, None),
+    };
     let mut stated = asked.clone();
     let chosen = &first.specification;
     stated.specification.feedback = chosen.feedback.clone();
@@ -90,7 +98,59 @@ fn choose_weights_on(
     stated.specification.heave = asked.specification.heave.or_else(|| chosen.heave.clone());
     stated.specification.pitch = asked.specification.pitch.or_else(|| chosen.pitch.clone());
     (stated.weights, stated.bandwidth_rad_s) = (WeightSource::Stated, None);
-    Ok(Chosen { project: Project { synth: Some(stated), ..project.clone() }, first })
+    let mut project = Project { synth: Some(stated), ..project.clone() };
+    if let (Some(verify), Some(step)) = (&mut project.verify, step) {
+        (verify.procedure.step.rate_rad_s, verify.step_size) = (step, StepSize::Stated);
+    }
+    Ok(Chosen { project, first })
+}
+
+/// Returns the first design, whose loop holds the friction at rest unless no loop does.
+fn first_design_of(
+    given: &Circumstances,
+    processors: ParallelRun<'_>,
+) -> Result<FirstDesign, SynthesisError> {
+    match first_design_on(given, processors) {
+        Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
+            let others = given.others.iter().take(1).cloned().collect();
+            first_design_on(&Circumstances { others, ..given.clone() }, processors)
+        }
+        found => found,
+    }
+}
+
+/// Returns whether a first design is as slow as it is because of a step of the demand that nobody stated.
+fn is_limited_by_usual_step(project: &Project, first: &FirstDesign) -> bool {
+    let is_usual = project.verify.as_ref().is_some_and(|verify| verify.step_size == StepSize::Usual);
+    is_usual && first.bandwidth.limited_by.contains(&LimitKind::Control)
+}
+
+/// Returns the first design to which no step of the demand is known, which lowers its ceiling, and the step that it takes within the
+/// control's limit, which stands out of the readings' noise and resolution; the one with the usual step if that is no slower.
+fn with_open_step(
+    open: &Circumstances,
+    usual_step: f64,
+    with_usual_step: FirstDesign,
+    processors: ParallelRun<'_>,
+) -> Result<(FirstDesign, Option<f64>), PipelineError> {
+    let first = first_design_of(open, processors)?;
+    if first.bandwidth.bandwidth_rad_s <= with_usual_step.bandwidth.bandwidth_rad_s {
+        return Ok((with_usual_step, None));
+    }
+    let largest = (open.sampling.limit_v - open.holding_v.abs()) / first.judgement.step_gain;
+    let visible = SEEN_STEPS * open.reading_step.max(open.noise_rms);
+    Ok((first, round_down(largest.max(visible).min(usual_step))))
+}
+
+/// Returns the largest of 1, 2 and 5 times a power of ten that is no more than a number; `None` if the number is not above 0.
+fn round_down(number: f64) -> Option<f64> {
+    if !(number > 0.0 && number.is_finite()) {
+        return None;
+    }
+    let power = number.log10().floor() as i32;
+    let nearby = (power - 1..=power + 1).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| (digit, power)));
+    let steps = nearby.filter_map(|(digit, power)| format!("{digit}e{power}").parse::<f64>().ok());
+    steps.filter(|step| *step <= number).reduce(f64::max)
 }
 
 fn circumstances(
@@ -106,7 +166,7 @@ fn circumstances(
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        others: vec![with_angles(project, modelled, &plant)?],
+        others: plants_beside(project, modelled, &plant)?,
         sampling: sampling(asked, modelled)?,
         noise_rms: reading.noise_rms,
         reading_step: converter_step(reading, p.interface.input_bits),
@@ -121,6 +181,21 @@ fn circumstances(
     })
 }
 
+/// Returns the plant with gravity's gradient, and with dry friction at rest if there is any.
+fn plants_beside(
+    project: &Project,
+    modelled: &Modelled,
+    plant: &DesignPlant,
+) -> Result<Vec<DesignPlant>, PipelineError> {
+    let mut beside = vec![with_angles(project, modelled, plant)?];
+    if modelled.parameters.has_dry_friction() {
+        let [motor, pivot] = rest_impedances(&modelled.plant)?;
+        let at_rest = FrictionLinearisation::Impedances { motor, pivot };
+        beside.push(with_angles_and_friction(modelled, plant, at_rest)?);
+    }
+    Ok(beside)
+}
+
 /// Returns the plant with the hub's angles among its states: gravity's gradient, the spring and their
 /// instability act.
 pub(crate) fn with_angles(
@@ -128,12 +203,19 @@ pub(crate) fn with_angles(
     modelled: &Modelled,
     plant: &DesignPlant,
 ) -> Result<DesignPlant, PipelineError> {
-    let equilibrium = &modelled.linear.equilibrium;
+    with_angles_and_friction(modelled, plant, project.model.friction)
+}
+
+fn with_angles_and_friction(
+    modelled: &Modelled,
+    plant: &DesignPlant,
+    friction: FrictionLinearisation,
+) -> Result<DesignPlant, PipelineError> {
     let angles = match modelled.plant.angles() {
         Angles::Position => Angles::Position,
         _ => Angles::Keep,
     };
-    let whole = modelled.plant.linearise(equilibrium, project.model.friction, angles)?;
+    let whole = modelled.plant.linearise(&modelled.linear.equilibrium, friction, angles)?;
     Ok(DesignPlant { system: whole.system, rate: whole.measured, ..plant.clone() })
 }
 
@@ -196,6 +278,8 @@ fn short(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
+/// Resolutions or RMS noises of the reading that a step of the demand is at least.
+const SEEN_STEPS: f64 = 10.0;
 /// Damping ratio of the spectrum of an expected motion: level up to its corner, without a peak.
 const GENERATOR_DAMPING: f64 = 0.7;
 /// Noise of a base sensor that states none, over the amplitude that it reads: a sensor of ten bits.

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
@@ -120,10 +119,10 @@ struct CachedPlant {
     sampled: Option<SampledViews>,
 }
 
-/// The weights that were chosen for a project that states none.
+/// A project that states no weights, and what was decided for it: its weights, and the step of the demand.
 struct CachedChoice {
     project: Arc<Project>,
-    synth: Option<Synthesis>,
+    decided: Project,
 }
 
 /// The sampled plant as the controller sees it, with its own response and the loop without a controller.
@@ -161,20 +160,22 @@ impl PreviewCache {
         };
         if !self.choice.as_ref().is_some_and(is_kept) {
             self.choice = None;
-            let synth = self.choose(request)?;
-            self.choice = Some(CachedChoice { project: Arc::clone(asked), synth });
+            let decided = self.choose(request)?;
+            self.choice = Some(CachedChoice { project: Arc::clone(asked), decided });
         }
-        let synth = self.choice.as_ref().and_then(|kept| kept.synth.clone());
-        Ok(Arc::new(Project { synth, ..Project::clone(asked) }))
+        let Some(CachedChoice { decided, .. }) = &self.choice else { return Ok(Arc::clone(asked)) };
+        let (synth, verify) = (decided.synth.clone(), decided.verify.clone());
+        Ok(Arc::new(Project { synth, verify, ..Project::clone(asked) }))
     }
 
     /// Chooses the weights for the project's own plant, which is the request's if no other moment of mass is tried.
-    fn choose(&mut self, request: &PreviewRequest) -> Result<Option<Synthesis>, PipelineError> {
+    fn choose(&mut self, request: &PreviewRequest) -> Result<Project, PipelineError> {
         if request.out_of_balance_kg_m.is_some() {
-            return Ok(with_chosen_weights(&request.project)?.and_then(|chosen| chosen.project.synth));
+            let chosen = with_chosen_weights(&request.project)?;
+            return Ok(chosen.map_or_else(|| Project::clone(&request.project), |chosen| chosen.project));
         }
         let kept = self.plant(request)?;
-        Ok(choose_weights(&request.project, &kept.modelled, &kept.reduced)?.project.synth)
+        Ok(choose_weights(&request.project, &kept.modelled, &kept.reduced)?.project)
     }
 }
 

@@ -17,6 +17,8 @@ pub enum LimitKind {
     Quantisation,
     /// The control's limit, at the step of the demand.
     Control,
+    /// What the linear plant leaves out and the loop must hold all the same: dry friction at rest, gravity's gradient.
+    AtRest,
     /// What was asked for.
     Asked,
 }
@@ -30,6 +32,7 @@ impl fmt::Display for LimitKind {
             LimitKind::Noise => "noise",
             LimitKind::Quantisation => "quantisation",
             LimitKind::Control => "control limit",
+            LimitKind::AtRest => "friction at rest, gravity",
             LimitKind::Asked => "what is asked for",
         })
     }

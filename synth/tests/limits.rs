@@ -78,7 +78,7 @@ impl Machine {
             LimitKind::Noise => other.noise /= 8.0,
             LimitKind::Quantisation => other.reading_step /= 8.0,
             LimitKind::Control => other.demand_step /= 8.0,
-            LimitKind::Asked => {}
+            LimitKind::AtRest | LimitKind::Asked => {}
         }
         other
     }

@@ -113,6 +113,25 @@ fn designed(file: &str) -> CaseCertificate {
     certified(&chosen.map_or(project, |chosen| chosen.project))
 }
 
+/// A blade's pitch drive: its friction at rest is a spring on which the blade swings at 4 Hz, which the sliding plant does not show.
+#[test]
+fn a_first_design_holds_the_friction_at_rest() {
+    let found = designed(
+        "format = 2
+        plant.inertia = \"12000 kg m^2\"
+        plant.gearbox = { ratio = \"1500:1\", stiffness = \"30 MN m/rad\" }
+        plant.motor = { inertia = \"0.02 kg m^2\", torque_constant = \"1.2 N m/A\" }
+        plant.drive = { kind = \"current\", limit = \"60 A\" }
+        plant.friction.pivot = { model = \"coulomb\", coulomb = \"4 kN m\" }
+        plant.sensors.encoder = { place = \"motor\", counts = \"13 bit\" }
+        plant.interface.sample_period = \"5 ms\"",
+    );
+    let worst = found.worst_regime().unwrap();
+    assert_eq!(worst.regime.key(), "presliding");
+    assert!(worst.pole_radius < 1.0 && worst.max_sensitivity < 2.05, "{worst:?}");
+    assert!(matches!(found.stability, Stability::Stable), "{:?}", found.stability);
+}
+
 /// A joint whose torque sensor has no noise: the floor is what rounding keeps up, in N m, and no rate is measured against it.
 #[test]
 fn a_torque_loop_without_noise_is_quiet_by_a_floor_of_torque() {

@@ -4,7 +4,7 @@ use counterpoise_host::projects::Loaded;
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::{LimitRow, falls_short};
 
-use counterpoise_synth::LimitKind;
+use counterpoise_synth::{FirstDesign, LimitKind, Unknown};
 
 use crate::output::say;
 use counterpoise_plot::number::short_number;
@@ -27,9 +27,7 @@ pub fn print_first_design(loaded: &Loaded) {
         say!("warning: {} rad/s are asked for and CANNOT BE REACHED", short_number(asked));
     }
     result.limits.iter().for_each(print_limit);
-    if first.bandwidth.limited_by.contains(&LimitKind::Control) {
-        print_step(loaded);
-    }
+    print_step(loaded, first);
     for fact in &result.unknown {
         say!("  not known, and lowers the ceiling by 3 dB: {fact}");
     }
@@ -45,14 +43,19 @@ pub fn print_first_design(loaded: &Loaded) {
     say!();
 }
 
-/// Prints which step of the demand the control's limit counts, and where it is stated.
-fn print_step(loaded: &Loaded) {
+/// Prints which step of the demand the design counts or is verified by, and where it is stated.
+fn print_step(loaded: &Loaded, first: &FirstDesign) {
     let Some(verify) = &loaded.project.verify else { return };
-    let unit = loaded.project.controlled_unit();
-    say!(
-        "  the control limit counts a step of the demand of {} {unit}: set verify.step.rate to the largest that yours takes at once",
-        short_number(verify.procedure.step.rate_rad_s)
-    );
+    let (unit, step) = (loaded.project.controlled_unit(), short_number(verify.procedure.step.rate_rad_s));
+    if first.bandwidth.unknown.contains(&Unknown::Demand) {
+        say!(
+            "  verified by a step of the demand of {step} {unit}, which the control's limit allows at once; verify.step.rate states another"
+        );
+    } else if first.bandwidth.limited_by.contains(&LimitKind::Control) {
+        say!(
+            "  the control limit counts a step of the demand of {step} {unit}: set verify.step.rate to the largest that yours takes at once"
+        );
+    }
 }
 
 fn print_limit(row: &LimitRow) {

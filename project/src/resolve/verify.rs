@@ -18,10 +18,21 @@ use crate::tolerance::MOST_UNSTATED_SAMPLES;
 pub struct Verification {
     /// What is done; operating point and friction are those of the model, and the road is still to be read.
     pub procedure: Procedure,
+    /// Where the size of the step of the demand comes from.
+    pub step_size: StepSize,
     /// Where the platform's motion on a road comes from.
     pub road: Option<PlatformSource>,
     /// Figures with their limits.
     pub requirements: Vec<Requirement>,
+}
+
+/// Where the size of the step of the demand comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepSize {
+    /// The file states it: a first design takes such a step within the control's limit.
+    Stated,
+    /// The file states none: it is the usual one, which limits no first design.
+    Usual,
 }
 
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -41,7 +52,12 @@ fn usual_procedure(sample_period_s: f64) -> Procedure {
 
 /// Returns a verification of which nothing is written: the usual procedure without requirements.
 pub(crate) fn blank(sample_period_s: f64) -> Verification {
-    Verification { procedure: usual_procedure(sample_period_s), road: None, requirements: Vec::new() }
+    Verification {
+        procedure: usual_procedure(sample_period_s),
+        step_size: StepSize::Usual,
+        road: None,
+        requirements: Vec::new(),
+    }
 }
 
 /// Returns what is verified where a file has no section for it: the usual procedure where the model stands.
@@ -73,8 +89,9 @@ pub(crate) fn verify(
     }
     seed(v, "seed of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
+    let step_size = &mut verification.step_size;
     table(v, &TableField::optional("step", "a step of the demand"), &mut procedure.step, |v, s| {
-        step(v, s, controlled.unit(), usual.step.duration_s)
+        step(v, s, step_size, StepDefaults { unit: controlled.unit(), usual: usual.step })
     });
     optional(
         v,
@@ -169,16 +186,20 @@ fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
     }
 }
 
-fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str, duration_s: f64) {
-    let usual = Step { duration_s, ..Procedure::default().step };
-    v.number(
-        &Field::new("rate", "size of the step, in the unit of what the loop controls")
-            .unit(controlled)
-            .limit(Limit::Not0)
-            .or(usual.rate_rad_s)
-            .show_default(),
-        &mut step.rate_rad_s,
-    );
+/// What a step is without anything written.
+struct StepDefaults {
+    /// Unit of what the loop controls.
+    unit: &'static str,
+    usual: Step,
+}
+
+fn step(v: &mut dyn Visit, step: &mut Step, size: &mut StepSize, defaults: StepDefaults) {
+    let StepDefaults { unit, usual } = defaults;
+    let mut stated = (*size == StepSize::Stated).then_some(step.rate_rad_s);
+    let what = "size of the step, in the unit of what the loop controls; if absent 0.1, or what the control's limit lets a first design take at once if that is less";
+    maybe_number(v, &Field::new("rate", what).unit(unit).limit(Limit::Not0), &mut stated);
+    *size = stated.map_or(StepSize::Usual, |_| StepSize::Stated);
+    step.rate_rad_s = stated.unwrap_or(usual.rate_rad_s);
     v.number(
         &Field::new("duration", "length of the record")
             .unit("s")

@@ -50,12 +50,16 @@ pub struct LoopJudgement {
     pub sensitivity_peak_rad_s: f64,
     /// Largest sensitivity, also with every lightly damped mode shifted; infinite if the loop is then not stable.
     pub shifted_sensitivity: f64,
+    /// Largest sensitivity with the plants beside the plant; infinite if the loop with one of them is not stable.
+    pub sensitivity_of_others: f64,
     /// RMS control that the noise of the readings costs, V.
     pub noise_v: f64,
     /// RMS control that their quantisation costs, V.
     pub quantisation_v: f64,
     /// Largest control that the step of the demand takes, V.
     pub step_v: f64,
+    /// Largest control over the size of a step of the demand, V over the measured unit.
+    pub step_gain: f64,
 }
 
 /// A plant beside the plant, under the hold.
@@ -100,7 +104,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
-    /// Plants beside the plant are left out, and their sensitivity is taken as the plant's, if `is_out` says so of the rest.
+    /// Shifted plants and those of other circumstances are left out, and their sensitivity is taken as the plant's, if `is_out` says so of the rest.
     ///
     /// # Errors
     /// Those of the discretisation and the margins.
@@ -121,6 +125,7 @@ impl<'a> Judge<'a> {
         // The density of the noise is what the coarser samples keep.
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
         let gain = thinned * noise_gain(&self.held, &K)?;
+        let step_gain = step_peak(&self.held, &both, crossover, sampling)?;
         let mut found = LoopJudgement {
             bandwidth_rad_s: crossover,
             closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
@@ -129,16 +134,16 @@ impl<'a> Judge<'a> {
             max_sensitivity: nominal.ms.value,
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
             shifted_sensitivity: nominal.ms.value,
+            sensitivity_of_others: nominal.ms.value,
             noise_v: gain * noise_rms,
             quantisation_v: gain * reading_step / 12f64.sqrt(),
-            step_v: demand_step.abs() * step_peak(&self.held, &both, crossover, sampling)?,
+            step_v: demand_step.abs() * step_gain,
+            step_gain,
         };
         if is_out(&found) {
             return Ok(Some(found));
         }
-        if !self.holds_others(&K)? {
-            return Ok(None);
-        }
+        found.sensitivity_of_others = self.sensitivity_of_others(&K, found.max_sensitivity)?;
         found.shifted_sensitivity = self.shifted_sensitivity(&K, &found)?;
         Ok(Some(found))
     }
@@ -193,22 +198,21 @@ impl<'a> Judge<'a> {
         Ok(worst)
     }
 
-    /// Whether the loop holds the machine with what the linear plant leaves out, with a sensitivity of at most [`NEIGHBOUR_MS`]; one
-    /// that only drifts is held.
-    fn holds_others(&self, K: &StateSpace) -> Result<bool, Error> {
+    /// The largest sensitivity over the plant and those with what the linear plant leaves out; infinite if the loop with one of them is not
+    /// stable, while one that only drifts is held.
+    fn sensitivity_of_others(&self, K: &StateSpace, nominal: f64) -> Result<f64, Error> {
+        let mut worst = nominal;
         for plant in &self.others {
             let broken = series(plant, &K.negate())?;
             let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
             let found = poles(&closed(&broken, &one)?)?;
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
             if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
-                return Ok(false);
+                return Ok(f64::INFINITY);
             }
-            if candidate_sensitivity(&broken)?.value > NEIGHBOUR_MS {
-                return Ok(false);
-            }
+            worst = worst.max(candidate_sensitivity(&broken)?.value);
         }
-        Ok(true)
+        Ok(worst)
     }
 }
 
@@ -238,6 +242,11 @@ impl LoopJudgement {
     /// Whether the loop bears shifted modes.
     pub(super) fn bears_shifted_modes(&self) -> bool {
         self.shifted_sensitivity <= NEIGHBOUR_MS
+    }
+
+    /// Whether the loop holds the machine with what the linear plant leaves out.
+    pub(super) fn holds_others(&self) -> bool {
+        self.sensitivity_of_others <= NEIGHBOUR_MS
     }
 
     /// Whether noise leaves the control's range to its work.

@@ -43,7 +43,8 @@ use scan::Scan;
 pub struct Circumstances {
     /// The plant. Its `rate` is the signal that is measured and controlled, a rate or a position.
     pub plant: DesignPlant,
-    /// Plants that the loop must hold too: the same machine with what the linear plant leaves out (gravity's gradient).
+    /// Plants that the loop must hold too: the same machine with what the linear plant leaves out (gravity's gradient, dry friction
+    /// at rest).
     pub others: Vec<DesignPlant>,
     /// How the controller is sampled.
     pub sampling: Sampling,

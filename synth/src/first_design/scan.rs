@@ -332,6 +332,7 @@ impl<'a> Scan<'a> {
             LimitKind::Noise => found.bears_noise(limit_v),
             LimitKind::Quantisation => found.bears_quantisation(limit_v),
             LimitKind::Control => found.bears_step(limit_v - given.holding_v.abs()),
+            LimitKind::AtRest => found.holds_others(),
             LimitKind::Asked => found.bandwidth_rad_s <= given.asked_rad_s.unwrap_or(f64::INFINITY),
         }
     }
@@ -389,19 +390,22 @@ impl<'a> Scan<'a> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
         let limit = |kind| Limit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
         let mut limits: Vec<Limit> = KINDS.into_iter().chain(asked).map(limit).collect();
+        // Of a machine without friction whose weight does not matter there is nothing to say.
+        limits.retain(|limit| limit.kind != LimitKind::AtRest || limit.bandwidth_rad_s.is_finite());
         limits.sort_by(|a, b| a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s));
         limits
     }
 }
 
 /// The limits of every loop.
-const KINDS: [LimitKind; 6] = [
+const KINDS: [LimitKind; 7] = [
     LimitKind::SampleRate,
     LimitKind::Margins,
     LimitKind::Resonance,
     LimitKind::Noise,
     LimitKind::Quantisation,
     LimitKind::Control,
+    LimitKind::AtRest,
 ];
 
 fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {

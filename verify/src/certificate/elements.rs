@@ -53,21 +53,31 @@ pub(super) struct Sinusoid {
     pub motor_over_hub: f64,
 }
 
+/// Returns the stiffness and damping of dry friction at rest, at the motor's shaft and at the pivot; a joint that truly sticks is held by a spring
+/// that is stiff against the transmission.
+///
+/// # Errors
+/// Friction parameters out of range.
+pub fn rest_impedances(plant: &Plant) -> Result<[Impedance; 2], Error> {
+    let parameters = plant.parameters();
+    // The body of a plant holds the rotor of a rigid transmission already.
+    let inertia = plant.body().inertia_kg_m2 - parameters.reflected_inertia_kg_m2();
+    let (gear, ratio) = (joint_stiffness(parameters, inertia), parameters.gearbox.ratio);
+    let of = |friction, most: f64| -> Result<Impedance, Error> {
+        let model = FrictionModel::new(friction)?;
+        let stiffness = model.rest_stiffness_nm_rad().min(STUCK * most);
+        Ok(Impedance { stiffness, damping: model.law().rest_damping_nm_s_rad() })
+    };
+    Ok([of(&parameters.motor_friction, gear / (ratio * ratio))?, of(&parameters.pivot_friction, gear)?])
+}
+
 impl Elements {
     /// Returns the elements at rest, for motions that are small against the presliding deflection.
     pub(super) fn at_rest(subject: &Subject<'_>) -> Result<Self, Error> {
-        let parameters = subject.case.plant.parameters();
-        // The body of a plant holds the rotor of a rigid transmission already.
-        let inertia = subject.case.plant.body().inertia_kg_m2 - parameters.reflected_inertia_kg_m2();
-        let (gear, ratio) = (joint_stiffness(parameters, inertia), parameters.gearbox.ratio);
-        let of = |friction, most: f64| -> Result<Impedance, Error> {
-            let model = FrictionModel::new(friction)?;
-            let stiffness = model.rest_stiffness_nm_rad().min(STUCK * most);
-            Ok(Impedance { stiffness, damping: model.law().rest_damping_nm_s_rad() })
-        };
+        let [motor, pivot] = rest_impedances(&subject.case.plant)?;
         Ok(Self {
-            motor: of(&parameters.motor_friction, gear / (ratio * ratio))?,
-            pivot: of(&parameters.pivot_friction, gear)?,
+            motor,
+            pivot,
             mesh_share: 1.0,
             observers: Self::observers_at_rest(subject.case, subject.controller)?,
         })
