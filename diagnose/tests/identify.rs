@@ -7,7 +7,7 @@ use common::controller;
 use counterpoise_diagnose::identification::{
     Amplifier, Estimate, Identified, Note, apply_identified, identify,
 };
-use counterpoise_models::parameters::MapPoint;
+use counterpoise_models::parameters::{FrictionLaw, MapPoint, StribeckCurve};
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::{Channel, Mapping, Recording, Table};
 use counterpoise_simulate::{
@@ -259,4 +259,21 @@ fn lever_arm_and_misalignment_are_identified_on_a_moving_base() {
 
     let still = identify(&project, &[&[triangle(&mut simulator(&truth), 2.88, 5)]]).unwrap();
     assert!(still.sensors.is_empty(), "{:?}", still.sensors);
+}
+
+#[test]
+fn friction_that_falls_with_speed_is_no_negative_viscous_friction() {
+    let told = reference::rig();
+    let mut machine = told.clone();
+    let friction = &mut machine.pivot_friction;
+    let coulomb_nm = friction.coulomb_nm();
+    friction.law = FrictionLaw::Stribeck { coulomb_nm, curve: StribeckCurve::Gaussian };
+    (friction.static_ratio, friction.stribeck_rate_rad_s, friction.viscous_nm_s_rad) = (3.0, 0.1, 0.0);
+    let found = identify(&told, &[&[triangle(&mut simulator(&machine), 2.88, 5)]]).unwrap();
+    assert!(found.notes.contains(&Note::NegativeViscous), "{:?} {:?}", found.viscous_nm_s_rad, found.notes);
+    assert!(!found.viscous_nm_s_rad.is_known());
+    assert!(found.coulomb_nm.is_known() && found.coulomb_nm.value > 0.0);
+    let improved = apply_identified(&told, &found);
+    assert_eq!(improved.pivot_friction.viscous_nm_s_rad, told.pivot_friction.viscous_nm_s_rad);
+    assert_eq!(improved.motor_friction.viscous_nm_s_rad, told.motor_friction.viscous_nm_s_rad);
 }

@@ -24,7 +24,7 @@ pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &
     if knots.len() < LEAST_POINTS + 2 {
         return unseen(Unidentifiable::ControlStaysLarge);
     }
-    let problem = Problem::new(p, states, &knots)?;
+    let problem = Problem::new(p, states, &knots)?.with_held_viscous(plain.held_viscous);
     let Some(fit) = problem.fit() else {
         return unseen(Unidentifiable::ConfusedWithFriction);
     };

@@ -60,13 +60,19 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identified, E
 
 /// One round, with the beam and the presliding distances of a mechanism.
 fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Identified, Error> {
-    let plain = Problem::new(p, states, &[])?;
+    let mut plain = Problem::new(p, states, &[])?;
     let sliding_s = plain.sliding_s();
     if sliding_s < LEAST_SLIDING_S {
         return Err(Error::TooLittleSliding { sliding_s, needed_s: LEAST_SLIDING_S });
     }
-    let linear = plain.fit().ok_or(Error::NotTold)?;
-    let found = gain::curve(p, states, &plain, &linear)?;
+    let mut linear = plain.fit().ok_or(Error::NotTold)?;
+    let mut found = gain::curve(p, states, &plain, &linear)?;
+    let negative = negative_viscous(plain.layout, found.curved.as_ref().map_or(&linear, |(_, fit)| fit));
+    if negative.is_some() {
+        plain = plain.with_held_viscous(Some(before.viscous.max(0.0)));
+        linear = plain.fit().ok_or(Error::NotTold)?;
+        found = gain::curve(p, states, &plain, &linear)?;
+    }
     let (problem, fit) = found.curved.as_ref().map_or((&plain, &linear), |(problem, fit)| (problem, fit));
     let layout = problem.layout;
     let estimate = |k: usize, before: f64| Estimate::new(fit.value[k], fit.half_width[k], before);
@@ -79,15 +85,22 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         coulomb_nm: estimate(layout.coulomb(), before.coulomb),
         viscous_nm_s_rad: estimate(layout.viscous(), before.viscous),
         breakaway_nm: breakaway::breakaway(p, states, problem, fit, before.breakaway)?,
-        lobes: lobes(p, layout, &fit.value),
+        lobes: lobes(p, problem, &fit.value),
         loops: loops(p, problem, &fit.value),
         residual_nm: fit.residual_rms,
         noise_share: fit.noise_share,
         sliding_s,
-        notes: notes(p, states, &found.amplifier, fit, layout),
+        notes: notes(p, states, &found.amplifier, fit, layout).into_iter().chain(negative).collect(),
         sensors: alignment::sensor_errors(p, states, fit, layout),
         amplifier: found.amplifier,
     })
+}
+
+/// Returns that viscous friction came out below zero, if its whole interval is there: friction that falls with speed, a lag that the project
+/// leaves out, or a motion at nearly one speed.
+fn negative_viscous(layout: Layout, fit: &regression::Fit) -> Option<Note> {
+    let (value, half_width) = (fit.value[layout.viscous()], fit.half_width[layout.viscous()]);
+    (value + half_width < 0.0).then_some(Note::NegativeViscous)
 }
 
 /// What the project says of the unknowns.
@@ -119,7 +132,8 @@ fn torque_per_volt(p: &Parameters) -> f64 {
     p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor)
 }
 
-fn lobes(p: &Parameters, layout: Layout, value: &[f64]) -> Lobes {
+fn lobes(p: &Parameters, problem: &Problem, value: &[f64]) -> Lobes {
+    let Problem { layout, held_viscous, .. } = *problem;
     let (gain, ratio) = (torque_per_volt(p), p.gearbox.ratio);
     let drive = SteadyDrive::of(p);
     let back_emf = ratio * drive.back_emf / drive.gain;
@@ -128,7 +142,7 @@ fn lobes(p: &Parameters, layout: Layout, value: &[f64]) -> Lobes {
     Lobes {
         offset_v: if moment.is_finite() { moment * p.gravity_m_s2 / gain } else { 0.0 },
         step_v: 2.0 * value[layout.coulomb()] / gain,
-        slope_v_s_rad: value[layout.viscous()] / gain + back_emf,
+        slope_v_s_rad: held_viscous.unwrap_or(value[layout.viscous()]) / gain + back_emf,
         width_v_s2_rad: 2.0 * (value[layout.inertia(0)] + rotor) / gain,
     }
 }

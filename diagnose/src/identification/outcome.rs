@@ -94,6 +94,8 @@ pub enum Note {
     CurveFromOneState,
     /// The transmission's hysteresis or kinematic error is no part of the torque balance.
     TransmissionNotLinear,
+    /// Viscous friction came out below zero, which no joint has, and was held at the project's.
+    NegativeViscous,
     /// Neither gravity nor heave acts, so that the out-of-balance makes no torque.
     NoWeight,
 }

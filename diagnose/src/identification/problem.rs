@@ -79,6 +79,8 @@ pub struct Problem {
     pub parts: Vec<RecordingPart>,
     /// Knots of the amplifier's map with both ends, V; empty where its change is no unknown.
     pub knots_v: Vec<f64>,
+    /// The viscous friction if it is no unknown, N m s/rad at the output.
+    pub held_viscous: Option<f64>,
 }
 
 impl Problem {
@@ -107,7 +109,23 @@ impl Problem {
             states.len() == 1 && parts.iter().any(|part: &RecordingPart| part.rows.lever_arm.is_some());
         let lever_arm = if shows { LeverArm::Unknown } else { LeverArm::Known };
         let layout = Layout { states: states.len(), knots: knots_v.len().saturating_sub(2), lever_arm };
-        Ok(Self { layout, parts, knots_v: knots_v.to_vec() })
+        Ok(Self { layout, parts, knots_v: knots_v.to_vec(), held_viscous: None })
+    }
+
+    /// Returns the problem with a viscous friction that is no unknown, N m s/rad at the output, if there is one to hold.
+    #[must_use]
+    pub fn with_held_viscous(mut self, held: Option<f64>) -> Self {
+        let Some(viscous) = held else { return self };
+        for Rows { torque, regressors, noise, noise_in_torque, .. } in
+            self.parts.iter_mut().map(|part| &mut part.rows)
+        {
+            let [_, _, rate, _] = regressors;
+            torque.iter_mut().zip(rate.iter()).for_each(|(torque, rate)| *torque -= viscous * rate);
+            rate.fill(0.0);
+            (noise[0], noise_in_torque[0]) = (0.0, 0.0);
+        }
+        self.held_viscous = held;
+        self
     }
 
     /// Returns the time that the joint slides, s.

@@ -160,6 +160,9 @@ fn describe_note(note: Note) -> String {
         Note::NoWeight => {
             "neither gravity nor heave acts on this axis, so that the out-of-balance makes no torque and is not identified".to_owned()
         }
+        Note::NegativeViscous => {
+            "viscous friction would be below zero, which no joint has: it is held at the project's. Causes are a motion at nearly one speed (move at several), friction that falls with speed, or a lag of drive or sensor that differs from the project's".to_owned()
+        }
         Note::CurveFromOneState => {
             "the gain curve comes from one state of balance: recordings at a second one would distinguish it from friction with certainty"
                 .to_owned()
