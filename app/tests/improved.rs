@@ -18,13 +18,10 @@ fn counterpoise(folder: &Path, arguments: &[&str]) -> Output {
     run
 }
 
-/// Returns the reference rig's whole project with the controller of the recordings, small enough for a quick
+/// Returns the reference rig's project with short runs and the controller of the recordings, small enough for a quick
 /// test.
 fn project(folder: &Path) -> String {
-    let rig = fs::read_to_string(format!("{EXAMPLES}reference-rig/project.toml")).unwrap();
-    fs::copy(format!("{EXAMPLES}reference-rig/sandy-loam.parquet"), folder.join("sandy-loam.parquet"))
-        .unwrap();
-    let rig = rig.replace("samples = 200", "samples = 3");
+    let rig = support::write_short_rig(folder, 3);
     rig + "\n[recording_controller]\nkind = \"pi\"\nkp = 18.0\nki = 80.0\nbias = 2.88\n\n[recording]\nwindows = [[0.0, 2.5]]\n[recording.channels]\ncontrol = \"control\"\n"
 }
 

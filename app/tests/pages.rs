@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::support;
+
 const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig");
 
 fn run(arguments: &[&str]) -> Output {
@@ -40,11 +42,13 @@ fn rows_of_the_claims_are_measured_alone_each_with_figures_that_name_their_comma
 
 #[test]
 fn a_verification_with_a_triangle_shows_it_on_every_plant() {
+    let folder = support::folder("triangle");
+    support::write_short_rig(&folder, 8);
     for plant in ["linear", "lumped", "fe"] {
         let path = page(&format!("triangle-{plant}.html"));
         let told = run(&[
             "verify",
-            RIG,
+            folder.to_str().unwrap(),
             "-q",
             "--plant",
             plant,
@@ -72,15 +76,9 @@ fn a_verification_with_a_triangle_shows_it_on_every_plant() {
 
 #[test]
 fn two_projects_are_compared_and_the_verdict_that_turned_comes_first() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("livelier");
-    fs::create_dir_all(&folder).unwrap();
-    for entry in fs::read_dir(RIG).unwrap() {
-        let from = entry.unwrap().path();
-        if from.is_file() {
-            fs::copy(&from, folder.join(from.file_name().unwrap())).unwrap();
-        }
-    }
-    let text = fs::read_to_string(folder.join("project.toml")).unwrap();
+    let (before, folder) = (support::folder("calmer"), support::folder("livelier"));
+    let text = support::write_short_rig(&before, 8);
+    support::write_short_rig(&folder, 8);
     assert!(text.contains("\ngain = 25.0\n"));
     fs::write(folder.join("project.toml"), text.replace("\ngain = 25.0\n", "\ngain = 45.0\n")).unwrap();
     let path = page("difference.html");
@@ -89,7 +87,7 @@ fn two_projects_are_compared_and_the_verdict_that_turned_comes_first() {
         folder.to_str().unwrap(),
         "-q",
         "--against",
-        RIG,
+        before.to_str().unwrap(),
         "--report",
         path.to_str().unwrap(),
     ]);

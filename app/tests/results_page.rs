@@ -8,6 +8,8 @@
 #[path = "support/schema.rs"]
 mod schema;
 
+use crate::support;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,7 +29,8 @@ const fn example(name: &'static str, command: &'static [&'static str]) -> Exampl
     Example { name, command }
 }
 
-/// Paths are relative to the repository; `OUT` is a scratch folder, and `RIG` the reference rig with a small campaign.
+/// Paths are relative to the repository; `OUT` is a scratch folder, and `RIG` the reference rig with a small campaign: with the runs of the example if
+/// the results are stored, with short ones if their keys are compared.
 const EXAMPLES: &[Example] = &[
     example("design", &["design", "examples/reference-rig", "-o", "OUT"]),
     example("check", &["check", "examples/reference-rig"]),
@@ -94,9 +97,15 @@ check a result against the definition that has the name of the command. Version 
 `counterpoise verify --json` lists every figure that a requirement can ask for, with its unit.
 ";
 
-/// Commands whose keys are compared on another example, which takes less time and has the same keys: name and project. What is stored, and so
+/// Commands whose keys are compared on another project, which takes less time and has the same keys: name and project. What is stored, and so
 /// what the page shows, is the result of the command as listed.
-const QUICKER: [(&str, &str); 1] = [("compare", "examples/direct-gimbal")];
+const QUICKER: [(&str, &str); 5] = [
+    ("design", "RIG"),
+    ("compare", "examples/direct-gimbal"),
+    ("verify", "RIG"),
+    ("export", "RIG"),
+    ("fra", "RIG"),
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -111,14 +120,15 @@ fn stored(name: &str) -> PathBuf {
     root().join("app/tests/data/results").join(format!("{name}.json"))
 }
 
-/// Returns the reference rig with a campaign of eight mechanisms.
+/// Returns the reference rig with a campaign of eight mechanisms; its runs are short unless the results are stored.
 fn small_campaign() -> String {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join("rig");
+    let folder = support::folder("results-page").join("rig");
     fs::create_dir_all(&folder).unwrap();
-    let rig = root().join("examples/reference-rig");
-    fs::copy(rig.join("sandy-loam.parquet"), folder.join("sandy-loam.parquet")).unwrap();
-    let text = fs::read_to_string(rig.join("project.toml")).unwrap();
-    fs::write(folder.join("project.toml"), text.replace("\nsamples = 200\n", "\nsamples = 8\n")).unwrap();
+    support::write_short_rig(&folder, 8);
+    if writes() {
+        let text = fs::read_to_string(support::EXAMPLE).unwrap();
+        fs::write(folder.join("project.toml"), text.replace("\nsamples = 200\n", "\nsamples = 8\n")).unwrap();
+    }
     folder.to_str().unwrap().to_owned()
 }
 
@@ -146,9 +156,9 @@ fn run(example: &Example, rig: &str) -> Value {
     fs::create_dir_all(&out).unwrap();
     let result = out.join("result.json");
     let quicker = QUICKER.iter().find(|(name, _)| *name == example.name && !writes());
-    let substituted = |word: &&str| match quicker {
-        Some((_, project)) if word.starts_with("examples/") => (*project).to_owned(),
-        _ => word.replace("OUT", out.to_str().unwrap()).replace("RIG", rig),
+    let substituted = |word: &&str| {
+        let word = quicker.filter(|_| *word == example.command[1]).map_or(*word, |(_, project)| *project);
+        word.replace("OUT", out.to_str().unwrap()).replace("RIG", rig)
     };
     let done = Command::new(env!("CARGO_BIN_EXE_counterpoise"))
         .args(example.command.iter().map(substituted))

@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use crate::support;
@@ -49,17 +50,20 @@ fn samples(folder: &Path) -> Vec<u8> {
     fs::read(folder.join("out/samples.parquet")).unwrap()
 }
 
-/// Returns the bytes of an undisturbed run on one thread.
-fn reference(name: &str) -> Vec<u8> {
-    let folder = folder(name);
-    let done = sweep(&folder, "1", &[]).output().unwrap();
-    assert!(done.status.code().is_some_and(|code| code < 2), "{}", String::from_utf8_lossy(&done.stderr));
-    samples(&folder)
+/// Returns the bytes of an undisturbed run on one thread, which is made once for all tests.
+fn reference() -> &'static [u8] {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    BYTES.get_or_init(|| {
+        let folder = folder("sweep_one");
+        let done = sweep(&folder, "1", &[]).output().unwrap();
+        assert!(done.status.code().is_some_and(|code| code < 2), "{}", String::from_utf8_lossy(&done.stderr));
+        samples(&folder)
+    })
 }
 
 #[test]
 fn threads_and_shards_do_not_change_a_byte() {
-    let expected = reference("sweep_one");
+    let expected = reference();
     let two = folder("sweep_two");
     sweep(&two, "2", &[]).output().unwrap();
     assert!(samples(&two) == expected, "two threads");
@@ -73,7 +77,7 @@ fn threads_and_shards_do_not_change_a_byte() {
 
 #[test]
 fn a_killed_campaign_goes_on_to_the_same_result() {
-    let expected = reference("sweep_whole");
+    let expected = reference();
     let killed = folder("sweep_killed");
     let mut state = 20_260_101_u64;
     for _ in 0..50 {
@@ -144,7 +148,9 @@ fn a_worst_case_is_told_and_can_be_run_again() {
         command.arg("sweep").arg(&folder).arg("-o").arg(folder.join("out")).arg("-q").args(more);
         String::from_utf8(command.output().unwrap().stdout).unwrap()
     };
-    let rows: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let result = folder.join("result.json");
+    let text = run(&[&format!("--json={}", result.display())]);
+    let rows: serde_json::Value = serde_json::from_str(&fs::read_to_string(result).unwrap()).unwrap();
     for (k, row) in rows["figures"].as_array().unwrap().iter().enumerate() {
         let (worst, figure) = (&row["worst_case"], row["figure"].as_str().unwrap());
         let options: Vec<&str> = worst["options"].as_str().unwrap().split(' ').collect();
@@ -155,7 +161,6 @@ fn a_worst_case_is_told_and_can_be_run_again() {
         let least = row["q05"].as_f64().unwrap();
         assert!(if k == 0 { told <= least } else { told >= row["q95"].as_f64().unwrap() }, "{figure}");
     }
-    let text = run(&[]);
     assert!(text.contains("linear: robust: stable for every mechanism within "), "{text}");
     assert!(
         text.contains("linear: not in the linear loop") || text.contains("linear: dry friction counts"),

@@ -7,7 +7,7 @@ use crate::common;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use common::rig;
+use common::whole_rig;
 use counterpoise_pipeline::preview::{PreviewCache, PreviewRequest};
 use counterpoise_project::{Attachments, Project};
 use counterpoise_studio::charts::chart::{Chart, Curve, Dash};
@@ -53,7 +53,7 @@ fn every_revision_of_a_drag_is_designed() {
 
 #[test]
 fn every_change_of_a_replayed_drag_is_drawn_and_verified_when_it_ends() {
-    let folder = rig("drag");
+    let folder = whole_rig("drag");
     let begun = Instant::now();
     let mut first = OffscreenStudio::new(&folder.join("first"), [1280.0, 800.0]);
     first.studio.open(&folder);

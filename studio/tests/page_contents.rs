@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use common::{Bench, bench, rest, rig, says, studio, until};
+use common::{Bench, bench, rest, rig, says, studio, until, whole_rig};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
 use counterpoise_studio::results::VerificationState;
 use egui::{Key, Modifiers};
@@ -98,11 +98,11 @@ fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
 
 #[test]
 fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
-    let folder = rig("stream");
+    let folder = whole_rig("stream");
     edited(
         &folder,
         "duration = 10.0              # s of heave",
-        "duration = 400.0              # s of heave",
+        "duration = 100.0              # s of heave",
     );
     let mut bench = bench(&folder);
     until(&mut bench, "a design", |s| s.results.design.is_some());

@@ -5,7 +5,7 @@ use crate::common;
 
 use std::sync::Arc;
 
-use common::{filed, rig, settle, studio};
+use common::{filed, rig, settle, studio, whole_rig};
 use counterpoise_host::files::{Folder, Native, read_project};
 use counterpoise_pipeline as pipeline;
 use counterpoise_studio::command::{Command, DesignSlot, Page};
@@ -45,7 +45,7 @@ fn every_page_is_drawn_and_driven() {
 
 #[test]
 fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
-    let folder = rig("bytes");
+    let folder = whole_rig("bytes");
     let mut window = studio(&folder);
     window.run(&gain(28.5, 1));
     settle(&mut window);

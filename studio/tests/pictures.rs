@@ -8,7 +8,7 @@ mod paint;
 
 use std::path::Path;
 
-use common::rig;
+use common::whole_rig;
 use counterpoise_studio::command::{Command, DesignSlot, DesignTab, Page, VerificationTab};
 use counterpoise_studio::frame_log::FrameLog;
 use counterpoise_studio::offscreen::OffscreenStudio;
@@ -55,7 +55,7 @@ fn compare(name: &str, picture: &RgbaImage) {
 
 #[test]
 fn each_page_looks_as_it_did() {
-    let folder = rig("pictures");
+    let folder = whole_rig("pictures");
     let mut seat = OffscreenStudio::new(&folder.join("state"), SIZE.map(|v| v as f32));
     let (mut log, mut painter) = (FrameLog::new(None), Painter::default());
     let gain = Command::Set { path: "synth.feedback.error.gain".to_owned(), value: 31.0, gesture: Some(1) };

@@ -3,13 +3,15 @@
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, OnceLock};
 
 use counterpoise_controller::Controller;
 use counterpoise_models::{ControlledQuantity, Plant};
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::{SynthResult, VerifyResult};
 use counterpoise_pipeline::{
-    PipelineError, Synthesised, World, export, model, reduce, synthesise, verify, with_chosen_weights,
+    Modelled, PipelineError, Synthesised, World, export, model, reduce, synthesise, verify,
+    with_chosen_weights,
 };
 use counterpoise_project::resolve::design::Language;
 use counterpoise_project::starters::Kind;
@@ -20,6 +22,7 @@ use counterpoise_simulate::replay::{ChannelFit, Loop, RecordedController, Replay
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 use counterpoise_synth::LimitKind;
+use counterpoise_verify::VerifiedController;
 
 /// The examples of one kind of machine each.
 const EXAMPLES: [&str; 4] = ["direct-gimbal", "belt-antenna", "servo-pendulum", "ball-screw"];
@@ -222,6 +225,34 @@ fn designed(project: &Project) -> Result<(Project, Synthesised), PipelineError> 
     Ok((project, made))
 }
 
+/// A machine of one kind with its design, which several tests use.
+struct DesignedKind {
+    name: String,
+    project: Project,
+    modelled: Modelled,
+    made: Synthesised,
+    verified: OnceLock<VerifiedController>,
+}
+
+impl DesignedKind {
+    /// Returns the verified controller; it is computed once.
+    fn verified(&self) -> &VerifiedController {
+        self.verified.get_or_init(|| verify(&self.project, &self.modelled, &self.made, &Nowhere).unwrap())
+    }
+}
+
+/// Returns the design of one machine of each kind; they are computed once.
+fn designed_kinds() -> impl Iterator<Item = &'static DesignedKind> {
+    static ALL: LazyLock<Vec<OnceLock<DesignedKind>>> =
+        LazyLock::new(|| kinds().iter().map(|_| OnceLock::new()).collect());
+    let design = |machine: &Machine| {
+        let (project, made) = designed(&machine.project()).unwrap();
+        let modelled = model(&project).unwrap();
+        DesignedKind { name: machine.name.clone(), project, modelled, made, verified: OnceLock::new() }
+    };
+    ALL.iter().zip(kinds()).map(move |(kept, machine)| kept.get_or_init(|| design(&machine)))
+}
+
 /// Marsaglia's xorshift generator, for a sample that is the same in every run.
 struct Random(u64);
 
@@ -248,7 +279,7 @@ fn a_file_without_any_one_key_is_read_or_asks_for_it_in_one_sentence() {
 }
 
 /// Files without one key whose design is tried; all of them with `EVERY_KEY=1`.
-const SAMPLE: usize = 30;
+const SAMPLE: usize = 12;
 
 /// A bandwidth is lower if it is by this share: the search knows it to 0.7 %.
 const LOWER: f64 = 0.015;
@@ -348,11 +379,10 @@ const REPLAYED: f64 = 1.5;
 #[test]
 fn every_kind_replays_what_it_recorded_under_its_own_controller() {
     let mut wrong = Vec::new();
-    for machine in kinds() {
-        let (project, made) = designed(&machine.project()).unwrap();
-        let plant = recorded_plant(&project);
-        let controller = made.sampled.controller;
-        let recording = record(&project, &plant, &controller);
+    for machine in designed_kinds() {
+        let plant = recorded_plant(&machine.project);
+        let controller = machine.made.sampled.controller.clone();
+        let recording = record(&machine.project, &plant, &controller);
         let control = Loop::from_controller(plant.parameters(), RecordedController::from(controller));
         let replay = Replayer::new(plant.parameters(), &recording).and_then(|r| match &control {
             Loop::Open => r.replay_open(plant.parameters()),
@@ -383,12 +413,10 @@ impl World for Nowhere {
 
 #[test]
 fn every_kind_is_exported_in_every_language() {
-    for machine in kinds() {
-        let (mut project, made) = designed(&machine.project()).unwrap();
+    for machine in designed_kinds() {
+        let mut project = machine.project.clone();
         project.export.languages = vec![Language::C99, Language::Rust, Language::Fmi];
-        let modelled = model(&project).unwrap();
-        let verified = verify(&project, &modelled, &made, &Nowhere).unwrap();
-        let exported = export(&project, &modelled, &verified, &Nowhere).unwrap();
+        let exported = export(&project, &machine.modelled, machine.verified(), &Nowhere).unwrap();
         assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
         assert!(exported.files.len() > 12, "{}", machine.name);
         let measured = project.plant.sensors.measured;
@@ -407,17 +435,15 @@ const OF_A_RATE: [&str; 6] =
 #[test]
 fn results_and_report_name_what_the_loop_controls() {
     let mut wrong = Vec::new();
-    for machine in kinds() {
-        let (project, made) = designed(&machine.project()).unwrap();
-        let controlled = project.plant.controlled_quantity();
-        let modelled = model(&project).unwrap();
-        let verified = verify(&project, &modelled, &made, &Nowhere).unwrap();
+    for machine in designed_kinds() {
+        let controlled = machine.project.plant.controlled_quantity();
+        let verified = machine.verified();
         let found = verified.verification();
-        let measured_on =
-            verified_loop(&modelled.plant, verified.controller(), &found.evidence.procedure).unwrap();
+        let plant = &machine.modelled.plant;
+        let measured_on = verified_loop(plant, verified.controller(), &found.evidence.procedure).unwrap();
         let results = [
             serde_json::to_string(&VerifyResult::new(found, measured_on)).unwrap(),
-            serde_json::to_string(&SynthResult::from(&made)).unwrap(),
+            serde_json::to_string(&SynthResult::from(&machine.made)).unwrap(),
             html_page(&of_verification(found, &[], Context::default())),
         ];
         let is_rate = controlled == ControlledQuantity::RATE;

@@ -162,7 +162,6 @@ fn noise_alone_has_the_mean_square_of_its_density() {
         let (mut squares, seeds) = ([0.0; 5], 150);
         for seed in 0..seeds {
             let asked = Procedure { seed: 100 + seed, ..still() };
-            let run = nonlinear::run(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
             let history = nonlinear::history(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
             let angles = SightAngles::of(&history, asked.settle_s).unwrap();
             let error = angles.error(0.02).values();
@@ -170,6 +169,7 @@ fn noise_alone_has_the_mean_square_of_its_density() {
             if linear.is_none() {
                 let bands = Bands::of(angles.hub_rad.len(), 1e-3);
                 let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
+                let run = nonlinear::run(&mut simulator, &acting, &asked, experiment(&asked)).unwrap();
                 linear = loops.of(*source, &run).unwrap();
             }
         }

@@ -26,6 +26,29 @@ low = 0.8
 high = 1.25
 "#;
 
+/// Lines of the reference rig that say how long its runs last, and those of short runs.
+const SHORT_RUNS: [(&str, &str); 4] = [
+    ("duration = 10.0              # s of heave", "duration = 2.0               # s of heave"),
+    ("settle = 2.0 ", "settle = 0.5 "),
+    ("duration = 3.0\n", "duration = 1.0\n"),
+    ("duration = 20.0\n", "duration = 3.0\n"),
+];
+
+/// Writes the reference rig with short runs and another number of samples into a folder, with its recording of the road, and returns the text of the
+/// project. Its results have every key that those of the whole runs have.
+pub fn write_short_rig(folder: &Path, samples: usize) -> String {
+    fs::copy(Path::new(EXAMPLE).with_file_name("sandy-loam.parquet"), folder.join("sandy-loam.parquet"))
+        .unwrap();
+    let samples = format!("\nsamples = {samples}\n");
+    let changes = SHORT_RUNS.into_iter().chain([("\nsamples = 200\n", samples.as_str())]);
+    let text = changes.fold(fs::read_to_string(EXAMPLE).unwrap(), |text, (from, to)| {
+        assert_eq!(text.matches(from).count(), 1, "{from}");
+        text.replace(from, to)
+    });
+    fs::write(folder.join("project.toml"), &text).unwrap();
+    text
+}
+
 /// Returns an empty folder for one test.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -40,6 +63,14 @@ pub fn folder_with(name: &str, rest: &str) -> PathBuf {
     let example = fs::read_to_string(EXAMPLE).unwrap();
     let design = example.split("\n[verify]").next().unwrap();
     fs::write(folder.join("project.toml"), format!("{design}\n{rest}")).unwrap();
+    folder
+}
+
+/// Returns a folder with the project of a direct drive, which is designed quickly.
+pub fn quick_folder(name: &str) -> PathBuf {
+    let folder = folder(name);
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/direct-gimbal/project.toml");
+    fs::copy(example, folder.join("project.toml")).unwrap();
     folder
 }
 

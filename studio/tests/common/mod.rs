@@ -20,8 +20,16 @@ pub fn skipped(reason: &str) {
 /// A window with a studio.
 pub type Bench = Harness<'static, Studio>;
 
-/// Returns a copy of the reference rig in a folder of its own.
-pub fn rig(name: &str) -> PathBuf {
+/// Lines of the reference rig that say how long its runs last, and those of short runs. What a window shows and does is the same for both.
+const SHORT_RUNS: [(&str, &str); 4] = [
+    ("duration = 10.0              # s of heave", "duration = 2.0               # s of heave"),
+    ("settle = 2.0 ", "settle = 0.5 "),
+    ("duration = 3.0\n", "duration = 1.0\n"),
+    ("duration = 20.0\n", "duration = 3.0\n"),
+];
+
+/// Returns a copy of the reference rig, with runs as long as its file states, in a folder of its own.
+pub fn whole_rig(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("counterpoise-studio-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -29,6 +37,18 @@ pub fn rig(name: &str) -> PathBuf {
     for file in ["project.toml", "sandy-loam.parquet"] {
         std::fs::copy(example.join(file), folder.join(file)).unwrap();
     }
+    folder
+}
+
+/// Returns a copy of the reference rig with short runs in a folder of its own.
+pub fn rig(name: &str) -> PathBuf {
+    let folder = whole_rig(name);
+    let path = folder.join("project.toml");
+    let short = SHORT_RUNS.iter().fold(std::fs::read_to_string(&path).unwrap(), |text, (from, to)| {
+        assert_eq!(text.matches(from).count(), 1, "{from}");
+        text.replace(from, to)
+    });
+    std::fs::write(path, short).unwrap();
     folder
 }
 

@@ -83,13 +83,13 @@ fn processor_time() -> Duration {
     nanoseconds.map_or(passed, Duration::from_nanos)
 }
 
-/// Feeds stored inputs as they are, then changed ones for a while: `FUZZ_SECONDS` (default 4) seconds. Prints how many; returns it.
+/// Feeds stored inputs as they are, then changed ones for a while: `FUZZ_SECONDS` (default 2) seconds. Prints how many; returns it.
 ///
 /// An input that makes `read` panic, or that takes longer than ten seconds of processor time, fails the test; it lies then in the
 /// folder of temporary files under the target's name, to be added to the corpus.
 pub fn fuzz(target: &str, corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], read: &dyn Fn(&[u8])) -> usize {
     assert!(!corpus.is_empty(), "{target} has no corpus");
-    let seconds = std::env::var("FUZZ_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(4_u64);
+    let seconds = std::env::var("FUZZ_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(2_u64);
     let seed = std::env::var("FUZZ_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(1_u64);
     let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{target}"));
     let mut slowest = Duration::ZERO;
