@@ -56,6 +56,8 @@ pub(crate) struct Places {
 #[derive(Debug, Default)]
 struct Frame {
     path: String,
+    /// Index of its section: a walk meets thousands of keys, and looking each time for the section by its path takes most of the time.
+    section: usize,
     /// Weight of the next choice's digit.
     digit: usize,
     chosen: Vec<(&'static str, usize, &'static str)>,
@@ -81,15 +83,23 @@ impl Guide {
     pub fn turn(&mut self, turn: usize) {
         self.turn = turn;
         self.stack.clear();
-        self.open(String::new(), "at the top of the file".to_owned());
+        self.open(String::new(), || "at the top of the file".to_owned());
     }
 
-    fn open(&mut self, path: String, title: String) {
-        if !self.sections.iter().any(|s| s.path == path) {
-            let at = self.place(&path);
-            self.sections.insert(at, Section { path: path.clone(), title, rows: Vec::new() });
+    fn open(&mut self, path: String, title: impl FnOnce() -> String) {
+        let known = self.sections.iter().position(|s| s.path == path);
+        let section = known.unwrap_or_else(|| self.insert(&path, title()));
+        self.stack.push(Frame { path, section, digit: 1, chosen: Vec::new() });
+    }
+
+    /// Inserts a new section at its place and returns its index; the open tables keep their sections.
+    fn insert(&mut self, path: &str, title: String) -> usize {
+        let at = self.place(path);
+        self.sections.insert(at, Section { path: path.to_owned(), title, rows: Vec::new() });
+        for frame in self.stack.iter_mut().filter(|frame| frame.section >= at) {
+            frame.section += 1;
         }
-        self.stack.push(Frame { path, digit: 1, chosen: Vec::new() });
+        at
     }
 
     /// Returns the index of a new section: after the last section with the same parent.
@@ -106,9 +116,9 @@ impl Guide {
         }
     }
 
-    fn row(&mut self, field: &Field, kind: String) {
+    fn row(&mut self, field: &Field, kind: impl FnOnce() -> String) {
         let Some(frame) = self.stack.last() else { return };
-        let Some(section) = self.sections.iter_mut().find(|s| s.path == frame.path) else { return };
+        let Some(section) = self.sections.get_mut(frame.section) else { return };
         let at = section.rows.iter().position(|r| r.key == field.key).unwrap_or(section.rows.len());
         if at == section.rows.len() {
             let &Field { key, unit, meaning, second_unit, .. } = field;
@@ -119,7 +129,7 @@ impl Guide {
             section.rows.push(Row {
                 key,
                 unit,
-                allowed: kind,
+                allowed: kind(),
                 absent: absent(field),
                 meaning,
                 conditions: Vec::new(),
@@ -220,20 +230,19 @@ fn range(limit: Limit) -> String {
 
 impl Visit for Guide {
     fn number(&mut self, field: &Field, _value: &mut f64) {
-        self.row(field, range(field.limit));
+        self.row(field, || range(field.limit));
     }
 
     fn whole(&mut self, field: &Field, _value: &mut u32) {
-        self.row(field, format!("whole, {}", range(field.limit)));
+        self.row(field, || format!("whole, {}", range(field.limit)));
     }
 
     fn text(&mut self, field: &Field, _value: &mut String) {
-        self.row(field, "text".to_owned());
+        self.row(field, || "text".to_owned());
     }
 
     fn choice(&mut self, field: &Field, allowed: &[&'static str], value: &mut &'static str) {
-        let names = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        self.row(field, names);
+        self.row(field, || allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "));
         let Some(frame) = self.stack.last_mut().filter(|_| !allowed.is_empty()) else { return };
         let turn = if frame.path == KEPT_FIRST { self.turn / TURNS } else { self.turn % TURNS };
         let at = turn / frame.digit % allowed.len();
@@ -243,22 +252,22 @@ impl Visit for Guide {
     }
 
     fn numbers(&mut self, field: &Field, count: Count, _value: &mut Vec<f64>) {
-        let many = if let Count::Exactly(n) = count { format!("{n} numbers") } else { "numbers".to_owned() };
-        self.row(field, format!("list of {many}, {}", range(field.limit)));
+        let many = || if let Count::Exactly(n) = count { format!("{n} numbers") } else { "numbers".to_owned() };
+        self.row(field, || format!("list of {}, {}", many(), range(field.limit)));
     }
 
     fn texts(&mut self, field: &Field, _value: &mut Vec<String>) {
-        self.row(field, "list of texts".to_owned());
+        self.row(field, || "list of texts".to_owned());
     }
 
     fn pairs(&mut self, field: &Field, _value: &mut Vec<[f64; 2]>) {
-        self.row(field, "list of pairs of numbers".to_owned());
+        self.row(field, || "list of pairs of numbers".to_owned());
     }
 
     fn enter(&mut self, table: &TableField, _presence: Presence) -> bool {
         let note = if table.need == Need::Optional { " (may be absent)" } else { "" };
         let title = if table.meaning.is_empty() { "where the channel comes from" } else { table.meaning };
-        self.open(self.path(table.key), format!("{title}{note}"));
+        self.open(self.path(table.key), || format!("{title}{note}"));
         true
     }
 
@@ -279,15 +288,16 @@ impl Visit for Guide {
         if again {
             self.stack.push(Frame::default());
         } else {
-            self.open(path, format!("{} (a list: `[[...]]`)", table.meaning));
+            self.open(path, || format!("{} (a list: `[[...]]`)", table.meaning));
         }
         self.stack.last_mut().into_iter().for_each(|frame| frame.digit = digit);
         usize::from(!again)
     }
 
     fn enter_item(&mut self, _index: usize) {
-        let (path, digit) = self.stack.last().map_or((String::new(), 1), |f| (f.path.clone(), f.digit));
-        self.stack.push(Frame { path, digit, chosen: Vec::new() });
+        let list = self.stack.last().map(|f| (f.path.clone(), f.section, f.digit));
+        let (path, section, digit) = list.unwrap_or((String::new(), 0, 1));
+        self.stack.push(Frame { path, section, digit, chosen: Vec::new() });
     }
 
     fn leave_list(&mut self) {
