@@ -252,7 +252,8 @@ impl Visit for Guide {
     }
 
     fn numbers(&mut self, field: &Field, count: Count, _value: &mut Vec<f64>) {
-        let many = || if let Count::Exactly(n) = count { format!("{n} numbers") } else { "numbers".to_owned() };
+        let many =
+            || if let Count::Exactly(n) = count { format!("{n} numbers") } else { "numbers".to_owned() };
         self.row(field, || format!("list of {}, {}", many(), range(field.limit)));
     }
 

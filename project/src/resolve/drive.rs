@@ -108,6 +108,14 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     choose(v, &kind, &mut takes);
     let stated = keys(v, plant, takes);
     v.leave();
+    if takes == Takes::Voltage && !v.has("motor.resistance") {
+        let hint = "add `resistance` to [plant.motor]; if none is known, measure it between two terminals, or divide a voltage by the current at stall";
+        v.complain(
+            "drive",
+            "takes a voltage, which makes a torque through the motor's resistance",
+            Some(hint.to_owned()),
+        );
+    }
     set(v, plant, takes, &stated);
 }
 
