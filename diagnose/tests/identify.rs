@@ -56,7 +56,7 @@ fn other_machine() -> Parameters {
     lumped.hub_inertia_kg_m2 *= 1.15;
     lumped.beam_inertia_kg_m2 *= 1.15;
     p.pivot_friction.viscous_nm_s_rad = 110.0;
-    if let counterpoise_models::parameters::FrictionLaw::Dahl { coulomb_nm, .. } = &mut p.pivot_friction.law {
+    if let FrictionLaw::Dahl { coulomb_nm, .. } = &mut p.pivot_friction.law {
         *coulomb_nm = 150.0;
     }
     p
