@@ -77,7 +77,7 @@ fn a_crossing_below_a_direct_path_of_1e8_is_found() {
     let (B, D) = (Mat::col(&[1.0; 6]), Mat::row(&[1e8]));
     let found = margins(&StateSpace::new(A, B, C, D, Timebase::Continuous).unwrap()).unwrap();
     assert_eq!(found.phase.len(), 1, "{:?}", found.phase);
-    assert!((found.phase[0].rate_rad_s / 0.07087292536252581 - 1.0).abs() < 1e-9, "{:?}", found.phase);
+    assert!((found.phase[0].rate_rad_s / 0.0708729253625258 - 1.0).abs() < 1e-9, "{:?}", found.phase);
 }
 
 #[test]
