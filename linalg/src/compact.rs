@@ -9,15 +9,35 @@ use crate::tolerance::ZERO_COLUMN;
 /// Systems with up to this many unknowns are solved here; from twenty on faer is as fast, from forty on faster.
 pub(crate) const SYSTEMS: usize = 18;
 
+/// Two products of matrices with up to this many rows are the same doubles as one of matrices with twice as many columns.
+pub(crate) const PRODUCTS: usize = 12;
+
 /// Matrices with up to this many rows are brought to Hessenberg form here.
 pub(crate) const SIMILARITIES: usize = 64;
 
 /// `A^-1 B` by LU with partial pivoting; `None` if a pivot is zero.
 pub(crate) fn solve(A: &Mat, B: &Mat) -> Option<Mat> {
-    let (mut factors, mut X) = (A.clone(), B.clone());
-    let rows = factor(&mut factors)?;
-    substitute(&factors, &rows, &mut X);
-    Some(X)
+    Some(Factors::of(A.clone())?.solve(B.clone()))
+}
+
+/// The LU factors of a matrix, and the row that changed places with each.
+pub(crate) struct Factors {
+    factors: Mat,
+    exchanged: Vec<usize>,
+}
+
+impl Factors {
+    /// `None` if a pivot is zero.
+    pub(crate) fn of(mut A: Mat) -> Option<Self> {
+        let exchanged = factor(&mut A)?;
+        Some(Self { factors: A, exchanged })
+    }
+
+    /// `A^-1 B`
+    pub(crate) fn solve(&self, mut B: Mat) -> Mat {
+        substitute(&self.factors, &self.exchanged, &mut B);
+        B
+    }
 }
 
 vectorised! {

@@ -143,20 +143,43 @@ pub(crate) fn exact_product(A: &Mat, B: &Mat) -> Extended {
 vectorised! {
     /// Every product and every sum with its rounding error (Dekker, Knuth).
     fn sum_terms<'a>(A: &'a Mat, B: &'a Mat, high: &'a mut Mat, low: &'a mut Mat) -> () {
+        let m = A.nrows();
         for j in 0..B.ncols() {
             let (h, l) = (high.column_mut(j), low.column_mut(j));
-            for (k, &factor) in B.column(j).iter().enumerate() {
-                for ((h, l), &a) in h.iter_mut().zip(l.iter_mut()).zip(A.column(k)) {
-                    let product = a * factor;
-                    let lost = a.mul_add(factor, -product);
-                    let sum = *h + product;
-                    let back = sum - *h;
-                    *l += (*h - (sum - back)) + (product - back) + lost;
-                    *h = sum;
-                }
+            let mut i = 0;
+            while i + 8 <= m {
+                sum_rows::<8>(A.as_slice().get(i..).unwrap_or_default(), m, B.column(j), &mut h[i..], &mut l[i..]);
+                i += 8;
+            }
+            if i + 4 <= m {
+                sum_rows::<4>(A.as_slice().get(i..).unwrap_or_default(), m, B.column(j), &mut h[i..], &mut l[i..]);
+                i += 4;
+            }
+            while i < m {
+                sum_rows::<1>(A.as_slice().get(i..).unwrap_or_default(), m, B.column(j), &mut h[i..], &mut l[i..]);
+                i += 1;
             }
         }
     }
+}
+
+/// Some rows of one column of the product, whose sums stay in registers; `A` begins with the first of them, its columns are `m` entries apart.
+#[inline(always)]
+fn sum_rows<const ROWS: usize>(A: &[f64], m: usize, factors: &[f64], high: &mut [f64], low: &mut [f64]) {
+    let (mut h, mut l) = ([0.0; ROWS], [0.0; ROWS]);
+    for (column, &factor) in A.chunks(m).zip(factors) {
+        let Some(column) = column.first_chunk::<ROWS>() else { break };
+        for ((h, l), &a) in h.iter_mut().zip(&mut l).zip(column) {
+            let product = a * factor;
+            let lost = a.mul_add(factor, -product);
+            let sum = *h + product;
+            let back = sum - *h;
+            *l += (*h - (sum - back)) + (product - back) + lost;
+            *h = sum;
+        }
+    }
+    high[..ROWS].copy_from_slice(&h);
+    low[..ROWS].copy_from_slice(&l);
 }
 
 /// The same by slices and fast products.

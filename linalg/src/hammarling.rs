@@ -89,7 +89,7 @@ impl Prepared {
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
         let spectrum = Spectrum::from_form(balanced.A, form, balanced.scale);
-        let found = spectrum.eigenvalues_on_boundary(|l| excess(l, kind)).pop();
+        let found = spectrum.eigenvalues_on_boundary(kind.into()).pop();
         if let Some(eigenvalue) = found {
             return Err(Error::NotStable { what: "A", eigenvalue });
         }

@@ -75,7 +75,7 @@ pub use hammarling::{
     dlyap_factor, dlyap_factors, dlyap_square_factor, lyap_factor, lyap_factors, lyap_square_factor,
 };
 pub use invariant_subspace::Subspace;
-pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
+pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation, refined_square_norm};
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
 pub use range_basis::RangeBasis;

@@ -19,6 +19,9 @@ pub type CMat = Dense<C64>;
 /// Side of the tiles in which a matrix is transposed.
 const TILE: usize = 16;
 
+/// Columns of a tile that are transposed side by side: a line of the cache holds eight doubles.
+const STRIPE: usize = 8;
+
 /// A dense column-major matrix of `T`.
 #[derive(Clone, PartialEq)]
 pub struct Dense<T> {
@@ -166,23 +169,34 @@ impl<T: Scalar> Dense<T> {
 
     /// Returns the transpose.
     pub fn t(&self) -> Self {
+        if self.rows <= TILE && self.cols <= TILE {
+            let mut data = Vec::with_capacity(self.data.len());
+            (0..self.rows).for_each(|i| data.extend(self.data.iter().skip(i).step_by(self.rows)));
+            return Self { rows: self.cols, cols: self.rows, data };
+        }
         let mut out = Self::zeros(self.cols, self.rows);
         for top in (0..self.rows).step_by(TILE) {
-            for left in (0..self.cols).step_by(TILE) {
+            for left in (0..self.cols).step_by(STRIPE) {
                 self.transpose_tile(&mut out, top, left);
             }
         }
         out
     }
 
-    /// Writes the transpose of the tile at (top, left).
+    /// Writes the transpose of the tile at (top, left): [`STRIPE`] columns side by side.
     fn transpose_tile(&self, out: &mut Self, top: usize, left: usize) {
-        let (bottom, right) = ((top + TILE).min(self.rows), (left + TILE).min(self.cols));
-        for i in top..bottom {
-            let target = &mut out.data[i * self.cols + left..i * self.cols + right];
-            for (t, j) in target.iter_mut().zip(left..) {
-                *t = self.data[j * self.rows + i];
+        let height = TILE.min(self.rows - top);
+        let column = |j: usize| &self.data[j * self.rows + top..][..height];
+        let rows = out.data[top * self.cols..].chunks_exact_mut(self.cols).take(height);
+        if left + STRIPE > self.cols {
+            for (i, row) in rows.enumerate() {
+                row[left..].iter_mut().zip(left..).for_each(|(t, j)| *t = column(j)[i]);
             }
+            return;
+        }
+        let columns: [&[T]; STRIPE] = std::array::from_fn(|q| column(left + q));
+        for (i, row) in rows.enumerate() {
+            row[left..left + STRIPE].iter_mut().zip(columns).for_each(|(t, column)| *t = column[i]);
         }
     }
 
@@ -267,8 +281,18 @@ impl Mat {
 
     /// Returns `(A + A') / 2`.
     pub fn symmetric_part(&self) -> Self {
-        let mut out = self.t();
-        out.data.iter_mut().zip(&self.data).for_each(|(a, &b)| *a = 0.5 * (b + *a));
+        let (mut out, n) = (self.clone(), self.rows);
+        for left in (0..n).step_by(TILE) {
+            for top in (left..n).step_by(TILE) {
+                for j in left..(left + TILE).min(n) {
+                    for i in top.max(j)..(top + TILE).min(n) {
+                        let (below, above) = (i + j * n, j + i * n);
+                        let mean = 0.5 * (out.data[below] + out.data[above]);
+                        (out.data[below], out.data[above]) = (mean, mean);
+                    }
+                }
+            }
+        }
         out
     }
 

@@ -8,7 +8,10 @@ use crate::error::{Error, check_shape, check_square};
 use crate::long_complex::LongComplex;
 use crate::mat::{C64, Mat};
 use crate::simple_roots::simple_roots;
-use crate::tolerance::{PENCIL_APART, PENCIL_CONVERGED, PENCIL_REAL, PENCIL_SWEEPS, PENCIL_TOGETHER};
+use crate::tolerance::{
+    PENCIL_APART, PENCIL_CONVERGED, PENCIL_MODES, PENCIL_NEARLY_REAL, PENCIL_REAL, PENCIL_SWEEPS,
+    PENCIL_TOGETHER, PENCIL_TURN,
+};
 
 /// Corrects approximations of all finite eigenvalues of the pencil `M - s E`; `E` diagonal, given by its diagonal of zeros and ones.
 /// Returns `None` if the iteration does not converge.
@@ -29,8 +32,19 @@ pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64
 }
 
 /// The eigenvalues by the simultaneous iteration; `None` if it does not converge.
+///
+/// Two real eigenvalues that differ by rounding are never found from a conjugate pair of approximations, which stays one: these are moved then.
 pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<Vec<C64>> {
-    let mut roots = apart(starts);
+    iterate(M, E, apart(starts)).or_else(|| {
+        let nearly_real = |s: &C64| s.im > 0.0 && s.im <= PENCIL_NEARLY_REAL * s.norm();
+        let moved = |s: &C64| if nearly_real(s) { C64::new(s.re + s.im, 0.5 * s.im) } else { *s };
+        let moved: Vec<C64> = starts.iter().map(moved).collect();
+        if moved == starts { None } else { iterate(M, E, apart(&moved)) }
+    })
+}
+
+/// The simultaneous iteration from given approximations.
+fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> {
     let mut settled: Vec<bool> = roots.iter().map(|root| root.is_zero()).collect();
     for _ in 0..PENCIL_SWEEPS {
         for k in 0..roots.len() {
@@ -52,6 +66,44 @@ pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<V
         }
     }
     None
+}
+
+/// Corrects some eigenvalues of a matrix in 32 digits, each to a hundredth of the distance given with it; `all` are approximations of all eigenvalues. Returns
+/// pairs of an approximation and its correction; none if the matrix has more than [`PENCIL_MODES`] rows or the iteration does not converge.
+///
+/// The others need no correction: Aberth's step vanishes at an eigenvalue wherever they are.
+pub(crate) fn corrected_modes(M: &Mat, all: &[C64], doubtful: &[(C64, f64)]) -> Vec<(C64, C64)> {
+    let n = M.nrows();
+    if doubtful.is_empty() || n > PENCIL_MODES {
+        return Vec::new();
+    }
+    let mass = vec![1.0; n];
+    let within =
+        |l: &C64| doubtful.iter().find(|(mode, _)| mode == l || mode.conj() == *l).map(|(_, d)| 0.01 * d);
+    let limits: Vec<Option<f64>> = all.iter().map(within).collect();
+    // A pair of real approximations may belong to a complex pair, which no step along the axis finds.
+    let turn = C64::from_polar(1.0, PENCIL_TURN);
+    let start =
+        |(l, limit): (&C64, &Option<f64>)| LongComplex::of(if limit.is_some() { l * turn } else { *l });
+    let mut roots: Vec<LongComplex> = all.iter().zip(&limits).map(start).collect();
+    let mut settled: Vec<bool> = limits.iter().map(Option::is_none).collect();
+    for _ in 0..PENCIL_SWEEPS {
+        for k in 0..n {
+            if settled[k] {
+                continue;
+            }
+            let step = correction(M, &mass, &roots, k).unwrap_or_default();
+            if !step.size().is_finite() {
+                return Vec::new();
+            }
+            roots[k] = roots[k] - step;
+            settled[k] = step.size() <= limits[k].unwrap_or(0.0);
+        }
+    }
+    if settled.contains(&false) {
+        return Vec::new();
+    }
+    all.iter().copied().zip(roots.into_iter().map(LongComplex::round)).collect()
 }
 
 /// The approximations with those that coincide moved apart, because the iteration never separates equal ones.
@@ -224,6 +276,15 @@ mod tests {
             }
         }
         assert!(compared >= 10, "{compared}");
+    }
+
+    #[test]
+    fn two_real_roots_that_differ_by_rounding_are_found_from_a_conjugate_pair() {
+        let exact = [-241158213.13161114, -241158213.1316111];
+        let M = Mat::diag(&[exact[0], exact[1], -1.0]);
+        let starts = [C64::new(exact[0], 2.7), C64::new(exact[0], -2.7), C64::new(-1.0, 0.0)];
+        let found = pencil_roots(&M, &[1.0; 3], &starts).unwrap().unwrap();
+        assert!(found.iter().all(|root| root.im == 0.0), "{found:?}");
     }
 
     #[test]

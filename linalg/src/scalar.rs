@@ -130,13 +130,74 @@ const LARGE_PRODUCT: usize = 16 * 16 * 16;
 
 vectorised! {
     fn small_gemm_f64<'a>(m: usize, k: usize, n: usize, a: &'a [f64], b: &'a [f64], c: &'a mut [f64]) -> () {
-        small_gemm(m, k, n, a, b, c);
+        if m >= PANEL_ROWS && k > 0 {
+            panelled_gemm(m, k, n, a, b, c);
+        } else {
+            small_gemm(m, k, n, a, b, c);
+        }
     }
 }
 
 vectorised! {
     fn small_gemm_c64<'a>(m: usize, k: usize, n: usize, a: &'a [C64], b: &'a [C64], c: &'a mut [C64]) -> () {
         small_gemm(m, k, n, a, b, c);
+    }
+}
+
+/// Rows and columns of a block of the product whose sums stay in registers.
+const PANEL_ROWS: usize = 8;
+const PANEL_COLUMNS: usize = 4;
+
+/// The same sums as those of [`small_gemm`], in the same order.
+#[inline(always)]
+fn panelled_gemm(m: usize, k: usize, n: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
+    for j in (0..n).step_by(PANEL_COLUMNS) {
+        if j + PANEL_COLUMNS > n {
+            (j..n).for_each(|j| panel_rows::<1>([m, k], a, &b[j * k..], &mut c[j * m..]));
+        } else {
+            panel_rows::<PANEL_COLUMNS>([m, k], a, &b[j * k..], &mut c[j * m..]);
+        }
+    }
+}
+
+/// Some columns of the product, block by block of rows.
+#[inline(always)]
+fn panel_rows<const COLUMNS: usize>([m, k]: [usize; 2], a: &[f64], b: &[f64], c: &mut [f64]) {
+    let mut i = 0;
+    while i + 8 <= m {
+        panel::<8, COLUMNS>([m, k], &a[i..], b, &mut c[i..]);
+        i += 8;
+    }
+    if i + 4 <= m {
+        panel::<4, COLUMNS>([m, k], &a[i..], b, &mut c[i..]);
+        i += 4;
+    }
+    if i + 2 <= m {
+        panel::<2, COLUMNS>([m, k], &a[i..], b, &mut c[i..]);
+        i += 2;
+    }
+    if i < m {
+        panel::<1, COLUMNS>([m, k], &a[i..], b, &mut c[i..]);
+    }
+}
+
+/// One block of the product: its sums over k are added one after the other.
+#[inline(always)]
+fn panel<const ROWS: usize, const COLUMNS: usize>([m, k]: [usize; 2], a: &[f64], b: &[f64], c: &mut [f64]) {
+    let mut sums = [[0.0; ROWS]; COLUMNS];
+    for (q, sum) in sums.iter_mut().enumerate() {
+        sum.copy_from_slice(&c[q * m..q * m + ROWS]);
+    }
+    let factors: [&[f64]; COLUMNS] = std::array::from_fn(|q| &b[q * k..(q + 1) * k]);
+    for (l, column) in a.chunks(m).take(k).enumerate() {
+        let Some(column) = column.first_chunk::<ROWS>() else { break };
+        for (sum, factors) in sums.iter_mut().zip(factors) {
+            let factor = factors[l];
+            sum.iter_mut().zip(column).for_each(|(sum, &a)| *sum += a * factor);
+        }
+    }
+    for (q, sum) in sums.iter().enumerate() {
+        c[q * m..q * m + ROWS].copy_from_slice(sum);
     }
 }
 
@@ -170,6 +231,19 @@ fn small_gemm<T: Scalar>(m: usize, k: usize, n: usize, a: &[T], b: &[T], c: &mut
 mod tests {
     use super::*;
     use crate::mat::Mat;
+
+    #[test]
+    fn sums_in_registers_are_the_same_doubles() {
+        let entry = |i: usize, j: usize| ((7 * i + 3 * j) as f64).sin() * ((i + 1) as f64).exp();
+        for [m, k, n] in [[8, 1, 1], [9, 3, 5], [10, 10, 10], [15, 7, 6], [12, 12, 9]] {
+            let (a, b) = (Mat::from_fn(m, k, entry), Mat::from_fn(k, n, |i, j| entry(j, i)));
+            let mut expected = Mat::from_fn(m, n, |i, j| entry(i + 1, j));
+            let mut found = expected.clone();
+            small_gemm(m, k, n, a.as_slice(), b.as_slice(), expected.as_mut_slice());
+            panelled_gemm(m, k, n, a.as_slice(), b.as_slice(), found.as_mut_slice());
+            assert_eq!(found, expected, "{m} {k} {n}");
+        }
+    }
 
     #[test]
     fn large_and_small_products_agree() {

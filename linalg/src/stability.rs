@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::mat::{C64, Mat};
 use crate::spectrum::Spectrum;
+use crate::sylvester::Kind;
 
 /// The boundary of the region of stability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +22,31 @@ impl Boundary {
             Self::UnitCircle => eigenvalue.norm() - 1.0,
         }
     }
+
+    /// Returns the kind of equation whose solutions end there.
+    pub(crate) fn kind(self) -> Kind {
+        match self {
+            Self::ImaginaryAxis => Kind::Continuous,
+            Self::UnitCircle => Kind::Discrete,
+        }
+    }
+
+    /// Returns the unit number that points across the boundary beside an eigenvalue, away from the stable ones.
+    pub(crate) fn outward(self, eigenvalue: C64) -> C64 {
+        match self {
+            Self::ImaginaryAxis => C64::new(1.0, 0.0),
+            Self::UnitCircle => eigenvalue / eigenvalue.norm(),
+        }
+    }
+}
+
+impl From<Kind> for Boundary {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Continuous => Self::ImaginaryAxis,
+            Kind::Discrete => Self::UnitCircle,
+        }
+    }
 }
 
 /// Returns the eigenvalues of `A`, one of each conjugate pair, that lie on the boundary of stability as far as the entries of
@@ -28,13 +54,14 @@ impl Boundary {
 ///
 /// The rule does not depend on the units of the states: an eigenvalue counts as on the boundary if its distance is below
 /// the first-order effect of rounding each entry of `A`, from its left and right eigenvectors. A slow mode beside a fast one
-/// is thus told from an integrator, and an integrator in coordinates that hide it is found. Both halves of a double
+/// is thus told from an integrator, and an integrator in coordinates that hide it is found. An eigenvalue of a matrix with at most 32 rows that is nearer to the
+/// boundary than its computation tells is corrected in 32 digits. Both halves of a double
 /// integrator that rounding has split are among the answer, because each is as sensitive as the split.
 ///
 /// # Errors
 /// Returns an error if `A` is not square or not finite, or if the eigenvalue iteration fails.
 pub fn boundary_eigenvalues(A: &Mat, boundary: Boundary) -> Result<Vec<C64>, Error> {
-    Ok(Spectrum::of(A)?.eigenvalues_on_boundary(|l| boundary.excess(l)))
+    Ok(Spectrum::of(A)?.eigenvalues_on_boundary(boundary))
 }
 
 /// Returns whether every eigenvalue of `A` is farther from the boundary of stability than rounding the entries of `A` may move

@@ -78,6 +78,9 @@ pub const SENSITIVE: f64 = 1e-3;
 /// root of the rounding error is what a double eigenvalue splits by; the factor leaves room for its condition.
 pub const BOUNDARY_SUSPECT: f64 = 1e-7;
 
+/// A movement of an eigenvalue is that of first order if it is below this share of the distance to the nearest other eigenvalue.
+pub const FIRST_ORDER: f64 = 1e-2;
+
 /// The error of a computed eigenvalue, as a multiple of the dimension times the effect of rounding each entry of the matrix
 /// (the constant of the QR iteration's backward error, LAPACK Users' Guide, section 4.8).
 pub const EIGENVALUE_ERROR: f64 = 4.0;
@@ -135,8 +138,18 @@ pub const PENCIL_CONVERGED: f64 = 1e-17;
 /// three bits.
 pub const PENCIL_SWEEPS: usize = 60;
 
+/// Rows of a matrix up to which eigenvalues beside the boundary of stability are corrected in 32 digits: one of the largest takes some ten milliseconds.
+pub const PENCIL_MODES: usize = 32;
+
+/// Angle in rad by which real approximations of eigenvalues are turned off the axis before they are corrected.
+pub const PENCIL_TURN: f64 = 0.3;
+
 /// An eigenvalue of a real pencil is real if its imaginary part is below this share of it: a few roundings of a double.
 pub const PENCIL_REAL: f64 = 1e-15;
+
+/// A conjugate pair of approximations whose imaginary part is below this share of them may belong to two real eigenvalues: rounding splits a double one
+/// by 1e-8 of itself.
+pub const PENCIL_NEARLY_REAL: f64 = 1e-6;
 
 /// Approximations of eigenvalues of a pencil are moved apart if they are nearer than this, relatively: as near as a double eigenvalue is
 /// split by rounding.

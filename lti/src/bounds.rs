@@ -1,15 +1,20 @@
 //! What makes the L-infinity norm certain: values of the response computed with care, and levels that it does not reach.
 
+use std::f64::consts::PI;
+
 use crate::error::During;
 use crate::level::Level;
 use crate::peak::Peak;
 use crate::response::point;
-use crate::tolerance::{CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, PEAK_STEP, PEAK_WIDTHS, PRECISE_SIZE};
+use crate::tolerance::{
+    CAREFUL_BEYOND, CAREFUL_PER_DECADE, CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, NARROW_PEAK, PEAK_STEP,
+    PEAK_WIDTHS, PRECISE_SIZE, VERTEX_RISE,
+};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Realisation};
 
 /// Returns the peak with its value computed with residuals in twice the working precision. Where that differs by more than the tolerance
-/// from what was known, the place is uncertain, too, and a small system's response is searched around it.
+/// from what was known, the place is uncertain, too, and a small system's response is searched.
 ///
 /// # Errors
 /// [`Error::Matrix`] where a decomposition fails.
@@ -34,20 +39,25 @@ fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     Ok(Some(linalg::largest_singular_value(&H).with_operation("L-infinity norm")?))
 }
 
-/// Returns the highest hill where rounding has made the place uncertain: the best of the known frequency, zero and those of the poles, then
-/// steps of several widths both ways, then a golden section.
+/// Returns the highest hill where rounding has made the place uncertain: the best of the known frequency, zero, those of the poles and a logarithmic
+/// grid, then a golden section between its neighbours, steps of several widths both ways, and a golden section there.
 fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
     let at = |rate_rad_s: f64| -> Result<Peak, Error> {
         Ok(Peak { value: gain(g, rate_rad_s)?.unwrap_or(0.0), rate_rad_s })
     };
+    let rates = places(g, start.rate_rad_s)?;
     let mut top = start;
-    let places = crate::poles(g)?.into_iter().map(|pole| rate_of(pole, g.timebase));
-    for rate in places.chain([0.0]) {
+    for &rate in &rates {
         let found = at(rate)?;
         top = if found.value > top.value { found } else { top };
     }
     if top.rate_rad_s == 0.0 {
         return Ok(top);
+    }
+    let below = rates.iter().copied().filter(|&rate| rate < top.rate_rad_s).fold(0.0, f64::max);
+    let above = rates.iter().copied().filter(|&rate| rate > top.rate_rad_s).fold(f64::INFINITY, f64::min);
+    if below > 0.0 && above.is_finite() {
+        top = golden_section(&at, [below, above], top)?;
     }
     let middle = top.rate_rad_s;
     let mut width = 0.0;
@@ -61,16 +71,65 @@ fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
     }
     // The top lies before the next step, which was not higher.
     let width = if width > 0.0 { PEAK_STEP * width } else { PEAK_WIDTHS[0] };
+    let top = golden_section(&at, [top.rate_rad_s * (1.0 - width), top.rate_rad_s * (1.0 + width)], top)?;
+    between_doubles(&at, top)
+}
+
+/// Returns the top of a resonance so narrow that it lies between two doubles: the vertex of the parabola of the inverse square of the gain through the
+/// known point and two beside it, at which that has risen by [`VERTEX_RISE`] at least. The known point if there is none, or if it is no less.
+fn between_doubles(at: &impl Fn(f64) -> Result<Peak, Error>, top: Peak) -> Result<Peak, Error> {
+    let of = |peak: Peak| (top.value / peak.value).powi(2);
+    let mut share = f64::EPSILON;
+    while share <= NARROW_PEAK {
+        let (left, right) = (at(top.rate_rad_s * (1.0 - share))?, at(top.rate_rad_s * (1.0 + share))?);
+        if of(left).min(of(right)) < 1.0 + VERTEX_RISE {
+            share *= 2.0;
+            continue;
+        }
+        let (a, b) = (left.rate_rad_s - top.rate_rad_s, right.rate_rad_s - top.rate_rad_s);
+        let (rise_left, rise_right) = ((of(left) - 1.0) / a, (of(right) - 1.0) / b);
+        let curvature = (rise_right - rise_left) / (b - a);
+        let slope = rise_left - curvature * a;
+        let lowest = 1.0 - slope * slope / (4.0 * curvature);
+        let value = top.value / lowest.sqrt();
+        return Ok(if value > top.value { Peak { value, ..top } } else { top });
+    }
+    Ok(top)
+}
+
+/// Returns frequencies near which the top may lie, ascending: a known one, zero, those of the poles, and a logarithmic grid about these.
+fn places(g: &StateSpace, known: f64) -> Result<Vec<f64>, Error> {
+    let mut rates: Vec<f64> =
+        crate::poles(g)?.into_iter().flat_map(|pole| rates_of(pole, g.timebase)).collect();
+    rates.push(known);
+    rates.retain(|&rate| rate > 0.0);
+    let end = if let Timebase::Discrete { period_s } = g.timebase { PI / period_s } else { f64::INFINITY };
+    let low = rates.iter().copied().fold(f64::INFINITY, f64::min) / CAREFUL_BEYOND;
+    let high = (rates.iter().copied().fold(0.0, f64::max) * CAREFUL_BEYOND).min(end);
+    let count = ((high / low).log10() * CAREFUL_PER_DECADE).ceil().max(1.0) as usize;
+    rates.extend((0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)));
+    rates.push(0.0);
+    rates.retain(|rate| rate.is_finite() && *rate <= end);
+    rates.sort_by(f64::total_cmp);
+    Ok(rates)
+}
+
+/// Returns the best of a known point and those of a golden section between two positive frequencies.
+fn golden_section(
+    at: &impl Fn(f64) -> Result<Peak, Error>,
+    [mut low, mut high]: [f64; 2],
+    mut top: Peak,
+) -> Result<Peak, Error> {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (top.rate_rad_s * (1.0 - width), top.rate_rad_s * (1.0 + width));
-    let (mut left, mut right) = (at(high - ratio * (high - low))?, at(low + ratio * (high - low))?);
+    let inside = |low: f64, high: f64, share: f64| at(low + share * (high - low));
+    let (mut left, mut right) = (inside(low, high, 1.0 - ratio)?, inside(low, high, ratio)?);
     for _ in 0..GOLDEN_STEPS {
         if left.value > right.value {
             (high, right) = (right.rate_rad_s, left);
-            left = at(high - ratio * (high - low))?;
+            left = inside(low, high, 1.0 - ratio)?;
         } else {
             (low, left) = (left.rate_rad_s, right);
-            right = at(low + ratio * (high - low))?;
+            right = inside(low, high, ratio)?;
         }
         let better = if left.value > right.value { left } else { right };
         top = if better.value > top.value { better } else { top };
@@ -78,11 +137,11 @@ fn climb(g: &StateSpace, start: Peak) -> Result<Peak, Error> {
     Ok(top)
 }
 
-/// Returns the frequency of a pole, rad/s.
-fn rate_of(pole: C64, timebase: Timebase) -> f64 {
+/// Returns the frequencies of a pole with and without its damping, rad/s.
+fn rates_of(pole: C64, timebase: Timebase) -> [f64; 2] {
     match timebase {
-        Timebase::Continuous => pole.norm(),
-        Timebase::Discrete { period_s } => pole.arg().abs() / period_s,
+        Timebase::Continuous => [pole.im.abs(), pole.norm()],
+        Timebase::Discrete { period_s } => [pole.arg().abs() / period_s, pole.ln().norm() / period_s],
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::During;
 use crate::scaling::balance;
-use crate::tolerance::SPREAD_UNITS;
+use crate::tolerance::{NARROW_UNITS, SAME_SAMPLED, SPREAD_UNITS};
 use crate::zpk::match_poles_and_zeros;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
@@ -118,11 +118,24 @@ fn slope(period_s: f64, prewarp_rad_s: Option<f64>) -> Result<f64, Error> {
 fn tustin(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {
     let (scaled, T) = balance(g);
     let (low, high) = T.iter().fold((1.0_f64, 1.0_f64), |(low, high), &t| (low.min(t), high.max(t)));
-    if high <= SPREAD_UNITS * low {
+    if high <= NARROW_UNITS * low {
         return bilinear(g, period_s, a);
     }
+    let careful = bilinear(&scaled, period_s, a)?;
+    if high <= SPREAD_UNITS * low {
+        let plain = bilinear(g, period_s, a)?;
+        if is_same_system(&plain.scale_states(&T), &careful) {
+            return Ok(plain);
+        }
+    }
     let back: Vec<f64> = T.iter().map(|t| 1.0 / t).collect();
-    Ok(bilinear(&scaled, period_s, a)?.scale_states(&back))
+    Ok(careful.scale_states(&back))
+}
+
+/// Returns whether the matrices of two systems differ by rounding only, each relative to its largest entry.
+fn is_same_system(g: &StateSpace, h: &StateSpace) -> bool {
+    let is_same = |M: &Mat, N: &Mat| (M - N).norm_max() <= SAME_SAMPLED * N.norm_max();
+    is_same(&g.A, &h.A) && is_same(&g.B, &h.B) && is_same(&g.C, &h.C) && is_same(&g.D, &h.D)
 }
 
 fn bilinear(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {

@@ -29,6 +29,7 @@
 
 mod asymptotes;
 mod bounds;
+mod careful_response;
 pub mod components;
 pub mod connect;
 mod crossings;

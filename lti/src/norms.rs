@@ -7,9 +7,12 @@ use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
-use crate::roots::{examine_poles, is_stable, poles};
+use crate::roots::{boundary, examine_poles, is_stable, poles};
 use crate::scaling::balance;
-use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS};
+use crate::tolerance::{
+    FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, MAGNIFIED_GRAMIAN, NORM_POLE_ON_AXIS, PRECISE_SIZE,
+    SUSPECT_POLE,
+};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -46,14 +49,45 @@ fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
         Timebase::Discrete { .. } => linalg::dlyap_square_factor(&g.A, &g.B),
     };
     match factor {
-        Err(linalg::Error::NotStable { .. }) => Ok(None),
+        Err(linalg::Error::NotStable { eigenvalue, .. }) => lightly_damped_norm(g, eigenvalue),
         other => {
-            let norm = (&g.C * &other.with_operation("Gramian")?).norm_fro().hypot(g.D.norm_fro());
+            let factor = other.with_operation("Gramian")?;
+            if is_magnified(g, &factor)
+                && let Some(norm) = refined_norm(g)?
+            {
+                return Ok(Some(norm));
+            }
+            let norm = (&g.C * &factor).norm_fro().hypot(g.D.norm_fro());
             let known =
                 if norm.is_nan() { Err(linalg::Error::OutOfRange { what: "the H2 norm" }) } else { Ok(norm) };
             known.map(Some).with_operation("H2 norm")
         }
     }
+}
+
+/// Returns whether the Gramian of a small system is so much larger than the data that its modes beside the boundary have lost digits.
+fn is_magnified(g: &StateSpace, factor: &Mat) -> bool {
+    let size = if g.timebase == Timebase::Continuous { g.A.norm_fro() } else { 1.0 };
+    g.order() <= PRECISE_SIZE && factor.norm_fro().powi(2) * size > MAGNIFIED_GRAMIAN * g.B.norm_fro().powi(2)
+}
+
+/// Returns the H2 norm with a refined Gramian; `None` if it does not settle.
+fn refined_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
+    let found =
+        linalg::refined_square_norm(&g.A, &g.B, &g.C, boundary(g.timebase)).with_operation("H2 norm")?;
+    let square = found.filter(|square| *square >= 0.0 && square.is_finite());
+    Ok(square.map(|square| square.sqrt().hypot(g.D.norm_fro())))
+}
+
+/// Returns the H2 norm of a small system of which an eigenvalue in doubles is not stable, if that is the rounding of the eigenvalue; `None` otherwise.
+fn lightly_damped_norm(g: &StateSpace, eigenvalue: C64) -> Result<Option<f64>, Error> {
+    let boundary = boundary(g.timebase);
+    let is_near = boundary.excess(eigenvalue).abs() <= SUSPECT_POLE * g.A.norm_fro().max(eigenvalue.norm());
+    if g.order() > PRECISE_SIZE || !is_near {
+        return Ok(None);
+    }
+    let is_clear = linalg::boundary_eigenvalues(&g.A, boundary).with_operation("H2 norm")?.is_empty();
+    if is_clear { refined_norm(g) } else { Ok(None) }
 }
 
 /// Returns the H-infinity norm: the peak of the largest singular value for a stable system, infinite for
@@ -152,7 +186,9 @@ fn pole_on_the_border(g: &StateSpace, poles: &[C64]) -> Result<Option<f64>, Erro
         Timebase::Continuous => p.re.abs() <= NORM_POLE_ON_AXIS * largest,
         Timebase::Discrete { .. } => (p.norm() - 1.0).abs() <= NORM_POLE_ON_AXIS,
     };
-    let pole = match poles.iter().find(on_border) {
+    // The eigenvalues of a small matrix beside the boundary are corrected in 32 digits before they are examined.
+    let quick = if g.order() > PRECISE_SIZE { poles.iter().find(on_border) } else { None };
+    let pole = match quick {
         Some(pole) => Some(*pole),
         None => examine_poles(g, poles)?.pop(),
     };

@@ -63,7 +63,7 @@ pub(crate) fn examine_poles(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, E
 }
 
 /// Returns the boundary of the region of stability.
-fn boundary(timebase: Timebase) -> Boundary {
+pub(crate) fn boundary(timebase: Timebase) -> Boundary {
     match timebase {
         Timebase::Continuous => Boundary::ImaginaryAxis,
         Timebase::Discrete { .. } => Boundary::UnitCircle,

@@ -1,13 +1,14 @@
 //! A loop's response on a grid that is as fine as the loop asks for, with its extremes refined on it.
 
 use crate::asymptotes::Asymptotes;
+use crate::careful_response::CarefulResponse;
 use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP,
-    SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP,
-    SCAN_TO_NYQUIST, ZOOMS,
+    AT_ORIGIN, CAREFUL_ROUNDING, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL,
+    NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION,
+    SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -16,6 +17,8 @@ pub(crate) struct Scan {
     response: Response,
     /// Zeros, poles and gain, and the frequencies beyond which the response is computed from them.
     asymptotes: Option<Asymptotes>,
+    /// The response where rounding blurs the other one.
+    careful: Option<CarefulResponse>,
     /// Seconds by which the response is delayed besides.
     delay_s: f64,
     /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one from the gain at that end of
@@ -36,19 +39,28 @@ pub(crate) struct Limits {
 impl Scan {
     /// Resolves the loop's response.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
-        Self::with_zeros(g, &zeros(g)?)
+        let zeros = zeros(g)?;
+        let mut scan = Self::on_starting_grid(g, &zeros)?;
+        scan.careful = CarefulResponse::of(g, &scan.response, &scan.points);
+        if scan.careful.is_some() {
+            let rates: Vec<f64> = scan.points.iter().map(|point| point.rate).collect();
+            scan.points = scan.evaluate(&rates);
+        }
+        scan.completed(g, &zeros)
     }
 
     /// Resolves the loop's response on a grid that starts from zeros without the correction in 32 digits.
     pub fn of_candidate(g: &StateSpace) -> Result<Self, Error> {
-        Self::with_zeros(g, &uncorrected_zeros(g)?)
+        let zeros = uncorrected_zeros(g)?;
+        Self::on_starting_grid(g, &zeros)?.completed(g, &zeros)
     }
 
-    fn with_zeros(g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
+    fn on_starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
         let response = Response::of(g)?;
         let mut scan = Self {
             response,
             asymptotes: None,
+            careful: None,
             delay_s: 0.0,
             limits: Limits::default(),
             grows_towards_rest: false,
@@ -56,9 +68,14 @@ impl Scan {
         };
         let rates = starting_grid(g, zeros)?;
         scan.points = scan.evaluate(&rates);
-        scan.refine();
-        scan.extend(g, zeros)?;
         Ok(scan)
+    }
+
+    /// Refines the grid and extends it beyond its ends.
+    fn completed(mut self, g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
+        self.refine();
+        self.extend(g, zeros)?;
+        Ok(self)
     }
 
     /// Returns the response of the same loop with a delay in seconds, up to the frequency from which on the gain is below
@@ -184,9 +201,10 @@ impl Scan {
     /// Returns the response at the given frequencies, without those that are poles.
     pub fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
         let values = self.response.scalar_at_all(rates);
+        let careful = |rate: f64| self.careful.as_ref().and_then(|careful| careful.at(rate));
         let exact = |rate: f64, value: C64| match &self.asymptotes {
             Some(asymptotes) if asymptotes.is_beyond(rate) => asymptotes.at(rate),
-            _ => value,
+            _ => careful(rate).unwrap_or(value),
         };
         let turned = |rate: f64, value: C64| match self.delay_s {
             0.0 => value,
@@ -210,6 +228,9 @@ impl Scan {
             // the state space gives the response at rest
             Some(asymptotes) if point.rate > 0.0 && asymptotes.is_beyond(point.rate) => {
                 asymptotes.rounding() * point.value.norm()
+            }
+            _ if self.careful.as_ref().is_some_and(|careful| careful.covers(point.rate)) => {
+                CAREFUL_ROUNDING * point.value.norm()
             }
             _ => self.response.rounding_at(point.rate),
         }

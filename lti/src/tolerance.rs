@@ -114,6 +114,9 @@ pub const HAMILTONIAN_STEPS: usize = 40;
 /// An upper bound is looked for up to this, relative to the lower one.
 pub const LARGEST_EXCESS: f64 = 10.0;
 
+/// A Gramian larger than its data by this is refined: its modes are so close to the boundary that rounding their damping costs six of sixteen digits.
+pub const MAGNIFIED_GRAMIAN: f64 = 1e6;
+
 /// Poles this near to the border of stability, relative to the largest, are on it.
 pub const NORM_POLE_ON_AXIS: f64 = 1e-14;
 
@@ -238,6 +241,15 @@ pub const GAIN_POINTS: i32 = 40;
 /// of one machine are at most 24 decades apart, so no root of a model is this small.
 pub const AT_ORIGIN: f64 = 1e-30;
 
+/// A response is computed with care where one rounding of each operand changes it by more than this share: crossings keep eight digits otherwise.
+pub const BLURRED: f64 = 1e-9;
+
+/// One of so many points of a grid is examined for that: a tenth of a decade is then the least width of a blurred part.
+pub const BLURRED_STRIDE: usize = 4;
+
+/// Relative error of a response with residuals in twice the working precision: a rounding of each part.
+pub const CAREFUL_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Points of a run of one sign at which the sign is compared with rounding: the certain part of a run may be a tenth of it.
 pub const SIGN_SAMPLES: usize = 12;
 
@@ -292,9 +304,14 @@ pub const DELAYED_BOUNDARY_POLE: f64 = 1e-3;
 /// A sweep over the scalings that gains less than this share of the norm is the last one.
 pub const MULTILOOP_SETTLED: f64 = 1e-3 * MULTILOOP_NORM;
 
-/// Scales of states that differ by more than this cost Tustin's method digits: a third of those that a double has. Below, the operations stay
-/// those on the system as it is given.
+/// Scales of states that differ by more than this cost Tustin's method digits: a third of those that a double has.
 pub const SPREAD_UNITS: f64 = 1e6;
+
+/// Scales of states that differ by less than this cost Tustin's method no digit that matters; between the two, the result in scaled states tells.
+pub const NARROW_UNITS: f64 = 1e3;
+
+/// The operations of Tustin's method stay those on the system as it is given if the result in scaled states differs by less than this share.
+pub const SAME_SAMPLED: f64 = 3e-13;
 
 /// A solution of the Riccati equation of a level proves the level if its error, as estimated, is below this share of it: six digits of a
 /// solution that does not exist are not settled by Newton's method.
@@ -302,6 +319,20 @@ pub const KNOWN_SOLUTION: f64 = 1e-6;
 
 /// An eigenvalue in 32 digits is off the axis if its real part exceeds this share of its size: a hundred roundings of a double.
 pub const CLEAR_OF_AXIS: f64 = 2e-14;
+
+/// Frequencies a decade at which a response whose peak rounding has made uncertain is computed with care: a flat top is met, and resonances have
+/// places of their own.
+pub const CAREFUL_PER_DECADE: f64 = 8.0;
+
+/// Decades that these frequencies go beyond the slowest and the fastest pole.
+pub const CAREFUL_BEYOND: f64 = 10.0;
+
+/// Half the width of a resonance, as a share of its frequency, up to which its top is looked for between two doubles: the gain at the nearer of two is
+/// too low by the square of 1e-16 over it.
+pub const NARROW_PEAK: f64 = 1e-8;
+
+/// Rise of the inverse square of the gain at the points of a parabola: a million roundings, and little enough for a parabola.
+pub const VERTEX_RISE: f64 = 1e-9;
 
 /// Shares of the frequency by which the top of a hill is looked for beside a place that rounding has made uncertain.
 pub const PEAK_WIDTHS: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];

@@ -10,3 +10,4 @@ mod margins;
 mod odd;
 mod odd_calls;
 mod properties;
+mod stiff;

@@ -3,6 +3,7 @@
 //! Source: Chu, Fan and Lin, A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations,
 //! Lin. Alg. Appl. 396 (2005); for discrete time the same with Hwang and Wang, Int. J. Control 77 (2004).
 
+use crate::compact;
 use crate::dense::{Factors, LARGE_SYMMETRIC, solve, symmetric_product, view};
 use crate::error::Error;
 use crate::mat::Mat;
@@ -112,7 +113,10 @@ fn double(form: &mut Problem) -> Option<f64> {
     if n > LARGE_SYMMETRIC {
         return double_large(form);
     }
-    let middle = Mat::eye(n) + &form.G * &form.Q;
+    if n <= compact::PRODUCTS {
+        return double_small(form);
+    }
+    let middle = shifted_product(&form.G, &form.Q);
     // Both parts of the next form, (I + G Q)^-1 [A, G].
     let solved = solve(&middle, &form.A.hstack(&form.G)).ok()?;
     let transposed = form.A.t();
@@ -130,9 +134,38 @@ fn double(form: &mut Problem) -> Option<f64> {
     Some(change)
 }
 
+/// `I + G Q`
+fn shifted_product(G: &Mat, Q: &Mat) -> Mat {
+    let mut product = G * Q;
+    (0..product.nrows()).for_each(|k| product[(k, k)] += 1.0);
+    product
+}
+
+/// The same for a small problem, with fewer matrices: `(I + G Q)^-1 G` is computed only if there is a next form.
+fn double_small(form: &mut Problem) -> Option<f64> {
+    let factors = compact::Factors::of(shifted_product(&form.G, &form.Q))?;
+    let moved = factors.solve(form.A.clone());
+    let transposed = form.A.t();
+    let step = (&transposed * (&form.Q * &moved)).symmetric_part();
+    form.Q += &step;
+    let change = step.norm_fro() / form.Q.norm_fro().max(f64::MIN_POSITIVE);
+    if !change.is_finite() {
+        return None;
+    }
+    if change >= DOUBLING_SETTLED {
+        let driven = &form.A * &factors.solve(form.G.clone());
+        if !driven.is_finite() {
+            return None;
+        }
+        form.G += &(&driven * &transposed).symmetric_part();
+        form.A = &form.A * &moved;
+    }
+    Some(change)
+}
+
 /// The same for a large problem: half of each symmetric product is computed, and `(I + G Q)^-1 G` only if there is a next form.
 fn double_large(form: &mut Problem) -> Option<f64> {
-    let middle = Mat::eye(form.A.nrows()) + &form.G * &form.Q;
+    let middle = shifted_product(&form.G, &form.Q);
     let factors = Factors::of(&middle).ok()?;
     let moved = factors.solve(form.A.clone()).ok()?;
     let step = symmetric_product(view(&form.A).transpose(), &(&form.Q * &moved));

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use crate::mat::C64;
 use crate::spectrum::{Reach, Spectrum};
+use crate::stability::Boundary;
 use crate::sylvester::Kind;
 
 use super::scaling::Problem;
@@ -46,9 +47,9 @@ impl<'a> Modes<'a> {
     }
 
     /// Those on the boundary of stability as far as the entries of `A` say.
-    pub(super) fn modes_on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<Mode<'_>> {
+    pub(super) fn modes_on_boundary(&self, boundary: Boundary) -> Vec<Mode<'_>> {
         let Some(table) = self.table() else { return Vec::new() };
-        let found = table.spectrum.eigenvalues_on_boundary(excess);
+        let found = table.spectrum.eigenvalues_on_boundary(boundary);
         self.all().filter(|mode| found.contains(&mode.value())).collect()
     }
 

@@ -6,6 +6,7 @@ use crate::decomposition::csingular_values;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
 use crate::spectrum::Reach;
+use crate::stability::Boundary;
 use crate::sylvester::Kind;
 use crate::tolerance::{
     AXIS_NEIGHBOUR, AXIS_REAL_PART, AXIS_ROUNDING, EPS, EXACT_MODE_STATES, HAMILTONIAN_BOUNDARY,
@@ -172,7 +173,7 @@ pub(super) fn certainly_unsolvable(modes: &Modes, X: &Mat) -> Option<Reason> {
 /// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.
 fn certainly_unseen(modes: &Modes) -> Option<Reason> {
     let n = modes.problem.A.nrows() as f64;
-    let sights = modes.modes_on_boundary(|l| l.re).into_iter().map(Mode::sight);
+    let sights = modes.modes_on_boundary(Boundary::ImaginaryAxis).into_iter().map(Mode::sight);
     let mut unseen = sights.filter(|sight| sight.normwise.max(sight.entrywise) < n * LOST_MODE);
     unseen.next().map(|sight| Reason::Unobservable { mode: sight.mode, distance: sight.normwise })
 }

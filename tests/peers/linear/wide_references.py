@@ -1,4 +1,6 @@
 """References of wide.py: exact fractions, and numbers of 1000 bits."""
+import functools
+
 import flint
 import numpy as np
 
@@ -208,8 +210,11 @@ def delayed_error(answer, reference, problem):
 def matrices(problem, random=None):
     """A, B, C, D in long numbers, each entry changed by a tiny share if random numbers are given; sampled ones by the bilinear map."""
     A, B, C, D = (flint.arb_mat([[flint.arb(e) for e in row] for row in fractions(problem[k], random)]) for k in 'ABCD')
-    if 'period' not in problem:
-        return A, B, C, D
+    return bilinear(A, B, C, D) if 'period' in problem else (A, B, C, D)
+
+
+def bilinear(A, B, C, D):
+    """The continuous system that takes the same values by z = (1 + s) / (1 - s)."""
     n = A.nrows()
     inverse = solve(mid(A + eye(n)), eye(n))
     root = flint.arb(2).sqrt()
@@ -241,8 +246,12 @@ def hamiltonian_rates(system, level):
 
 
 def norm(problem, random=None):
-    """The norm by Bruinsma and Steinbuch's iteration in 1000 bits."""
-    system = matrices(problem, random)
+    """The norm in 1000 bits, see [`norm_of`]."""
+    return norm_of(matrices(problem, random))
+
+
+def norm_of(system):
+    """The norm of a continuous system in long numbers by Bruinsma and Steinbuch's iteration."""
     D = flint.acb_mat(system[3])
     poles = [v.mid() for v in flint.acb_mat(system[0]).eig(algorithm='approx')]
     candidates = [flint.arb(0)] + [abs(v).mid() for v in poles] + [abs(v.imag).mid() for v in poles]
@@ -255,8 +264,9 @@ def norm(problem, random=None):
         rates = hamiltonian_rates(system, (level * (1 + flint.arb(2) ** -120)).mid())
         if not rates:
             return level
-        middles = [((a + b) / 2).mid() for a, b in zip(rates, rates[1:])] + [rates[0], rates[-1], flint.arb(0)]
-        better = max([gain(system, flint.acb(0, w)) for w in middles], key=float)
+        pairs = list(zip(rates, rates[1:]))
+        middles = [((a + b) / 2).mid() for a, b in pairs] + [(a * b).sqrt().mid() for a, b in pairs] + [rates[0], rates[-1], flint.arb(0)]
+        better = functools.reduce(lambda a, b: b if b > a else a, [gain(system, flint.acb(0, w)) for w in middles])
         if not better > level * (1 + flint.arb(2) ** -110):
             return level
         level = better
@@ -277,9 +287,41 @@ def bounds_error(answer, reference, problem):
     exact = reference['value']
     if not float(exact):
         return abs(answer['value'])
-    share = lambda v: float((flint.arb(v) / exact - 1).mid()) if np.isfinite(v) else 1e3
+    share = lambda v: float((flint.arb(v) / exact - 1).mid()) if v is not None and np.isfinite(v) else 1e3
     upper = share(answer['upper'] if answer['upper'] is not None else float('inf'))
     return max(abs(share(answer['value'])), -upper, 0.0 if upper < 1e-6 else upper)
+
+
+# --- margins of several loops -----------------------------------------------------------------------------------------------
+
+def multiloop(problem):
+    """The disk margin of each channel, the others closed, and of all with any coupling, from the norms of (S - T)/2."""
+    def made(random=None):
+        A, B, C = (flint.arb_mat([[flint.arb(e) for e in row] for row in fractions(problem[k], random)]) for k in 'ABC')
+        m, half = B.ncols(), flint.arb(1) / 2
+        channels = [list(range(m))] + [[k] for k in range(m)]
+        closed, found = mid(A - B * C), []
+        for some in channels:
+            b = flint.arb_mat([[B[i, j] for j in some] for i in range(A.nrows())])
+            c = flint.arb_mat([[-C[j, i] for i in range(A.nrows())] for j in some])
+            system = closed, b, c, eye(len(some)) * half
+            found.append(1 / norm_of(bilinear(*system) if 'period' in problem else system))
+        return found
+    exact = made()
+    others = [made(np.random.default_rng(seed)) for seed in range(SEEDS)]
+    change = max(float(abs(b / a - 1).mid()) for other in others for a, b in zip(exact, other))
+    return dict(exists=True, values=exact, condition=10 * change / hard.SHARE)
+
+
+def multiloop_error(answer, reference, problem):
+    """The error of the margins that have exact values; one with coupling may be a millionth too low but not too high. The others must be in order."""
+    if 'each' not in answer:
+        return float('inf')
+    share = lambda ours, exact: float((flint.arb(ours) / exact - 1).mid())
+    full = share(answer['full'], reference['values'][0])
+    worst = max([abs(share(a, b)) for a, b in zip(answer['each'], reference['values'][1:])] + [full, 0.0 if full > -1e-6 else -full])
+    ordered = [answer['full'], answer['proved'], answer['diagonal'], min(answer['each'])]
+    return max([worst] + [a / b - 1 for a, b in zip(ordered, ordered[1:])])
 
 
 def h2(problem):
@@ -416,8 +458,12 @@ def c2d_error(answer, reference, problem):
         return float('inf')
     if not answer['A']:
         return 0.0
-    M = [long(answer[k]) for k in 'ABCD']
-    return distance([response(*M, flint.acb(0, angle).exp()) for angle in ANGLES], reference['values'])
+    at = lambda M: [response(*M, flint.acb(0, angle).exp()) for angle in ANGLES]
+    r, found = np.random.default_rng(7), at([long(answer[k]) for k in 'ABCD'])
+    rounded = lambda M: long((np.array(M, float) * (1 + 2.0 ** -52 * r.integers(-1, 2, np.shape(M)))).tolist())
+    # What rounding the entries of the sampled system changes cannot be asked of it.
+    noise = max(distance(at([rounded(answer[k]) for k in 'ABCD']), found) for _ in range(SEEDS))
+    return max(0.0, distance(found, reference['values']) - 10 * noise)
 
 
 # --- reduction ----------------------------------------------------------------------------------------------------------------
@@ -430,8 +476,19 @@ def balred(problem):
     P, W = lyapunov(A.transpose(), mid(B * B.transpose()), gamma), lyapunov(A, mid(C.transpose() * C), gamma)
     if P is None or W is None:
         return dict(exists=False)
-    values = sorted((float(abs(v).sqrt().mid()) for v in flint.acb_mat(mid(P * W)).eig(algorithm='approx')), reverse=True)
-    return dict(exists=True, hankel=values, condition=1e3)
+    values = hankel_values(P, W)
+    change = 0.0
+    for seed in range(SEEDS):
+        A1, B1, C1, _ = matrices({k: v for k, v in problem.items() if k != 'period'}, np.random.default_rng(seed))
+        P1, W1 = lyapunov(A1.transpose(), mid(B1 * B1.transpose()), gamma), lyapunov(A1, mid(C1.transpose() * C1), gamma)
+        if P1 is not None and W1 is not None:
+            change = max([change] + [float(abs(a - b).mid()) for a, b in zip(hankel_values(P1, W1), values)])
+    return dict(exists=True, hankel=[float(v) for v in values], condition=max(1e3, 10 * change / max(float(values[0]), 1e-300) / hard.SHARE))
+
+
+def hankel_values(P, W):
+    """The square roots of the eigenvalues of a product of Gramians, largest first."""
+    return sorted((abs(v).sqrt().mid() for v in flint.acb_mat(mid(P * W)).eig(algorithm='approx')), key=float, reverse=True)
 
 
 def balred_error(answer, reference, problem):
@@ -489,6 +546,6 @@ def minimal_error(answer, reference, problem):
     return 0.0 if 'A' in answer and len(answer['A']) == reference['order'] else 1.0
 
 
-KINDS = dict(delayed=delayed, mzeros=mzeros, bounds=bounds, mh2=h2, c2d=c2d, c2d_delayed=c2d, balred=balred, minimal=minimal)
+KINDS = dict(delayed=delayed, mzeros=mzeros, bounds=bounds, mh2=h2, c2d=c2d, c2d_delayed=c2d, balred=balred, minimal=minimal, multiloop=multiloop)
 ERRORS = dict(delayed=delayed_error, mzeros=mzeros_error, bounds=bounds_error, mh2=h2_error, c2d=c2d_error,
-              c2d_delayed=c2d_error, balred=balred_error, minimal=minimal_error)
+              c2d_delayed=c2d_error, balred=balred_error, minimal=minimal_error, multiloop=multiloop_error)

@@ -1,0 +1,61 @@
+//! The response of a small loop where rounding blurs it: with residuals in twice the working precision.
+
+use crate::response::{Point, Response, point};
+use crate::scaling::balance;
+use crate::tolerance::{BLURRED, BLURRED_STRIDE, CERTAIN_SIGN, LEAST_GAIN, PRECISE_SIZE};
+use crate::{C64, StateSpace};
+use counterpoise_linalg::{self as linalg, Realisation};
+
+/// A loop with one input and one output, and the frequencies between which its response is computed with care.
+pub(crate) struct CarefulResponse {
+    system: StateSpace,
+    /// Ascending, apart from each other, rad/s.
+    intervals: Vec<[f64; 2]>,
+}
+
+impl CarefulResponse {
+    /// Returns the response of a loop about those points of a grid at which rounding decides where the gain is one or the phase is -180 degrees; `None` if
+    /// there are none, or if the loop has more than [`PRECISE_SIZE`] states.
+    ///
+    /// One point of a few is examined, because an estimate of the rounding takes longer than the response.
+    pub(crate) fn of(g: &StateSpace, response: &Response, points: &[Point]) -> Option<Self> {
+        if g.order() > PRECISE_SIZE {
+            return None;
+        }
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        for at in (0..points.len()).step_by(BLURRED_STRIDE) {
+            if !is_blurred(response, points[at]) {
+                continue;
+            }
+            let low = points[at.saturating_sub(BLURRED_STRIDE)].rate;
+            let high = points[(at + BLURRED_STRIDE).min(points.len() - 1)].rate;
+            match intervals.last_mut().filter(|last| last[1] >= low) {
+                Some(last) => last[1] = high,
+                None => intervals.push([low, high]),
+            }
+        }
+        (!intervals.is_empty()).then(|| Self { system: balance(g).0, intervals })
+    }
+
+    /// Returns whether the response at a frequency is computed here.
+    pub(crate) fn covers(&self, rate: f64) -> bool {
+        let next = self.intervals.partition_point(|interval| interval[1] < rate);
+        self.intervals.get(next).is_some_and(|interval| interval[0] <= rate)
+    }
+
+    /// Returns the response at a frequency, rad/s; `None` if it is not computed here, or at a pole.
+    pub(crate) fn at(&self, rate: f64) -> Option<C64> {
+        if !self.covers(rate) {
+            return None;
+        }
+        let StateSpace { A, B, C, D, timebase } = &self.system;
+        let H = linalg::refined_transfer(Realisation { A, B, C, D }, point(rate, *timebase)).ok()?;
+        Some(H[(0, 0)])
+    }
+}
+
+/// Returns whether rounding changes more than the last digits of a response that may matter to a margin.
+fn is_blurred(response: &Response, point: Point) -> bool {
+    let (gain, noise) = (point.value.norm(), response.rounding_at(point.rate));
+    noise > BLURRED * gain && gain + CERTAIN_SIGN * noise > LEAST_GAIN
+}
