@@ -116,7 +116,8 @@ const OTHERS: [(&str, &str); 8] = [
          plant.motor = { torque_constant = 45.0 }
          plant.drive = { kind = \"current\", limit = 9.0 }
          plant.sensors.encoder = { resolution = 1e-6 }
-         plant.interface = { sample_period = 0.25e-3 }",
+         plant.interface = { sample_period = 0.25e-3 }
+         verify.step.rate = 0.1",
     ),
     (
         "series elastic joint with a torque sensor against a spring",

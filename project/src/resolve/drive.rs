@@ -108,7 +108,9 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     choose(v, &kind, &mut takes);
     let stated = keys(v, plant, takes);
     v.leave();
-    if takes == Takes::Voltage && !v.has("motor.resistance") {
+    // Without a motor, a transmission that has a stiffness asks for the motor first.
+    let asks_for_motor = !plant.gearbox.is_rigid() && !v.has("motor");
+    if takes == Takes::Voltage && !asks_for_motor && !v.has("motor.resistance") {
         let hint = "add `resistance` to [plant.motor]; if none is known, measure it between two terminals, or divide a voltage by the current at stall";
         v.complain(
             "drive",
