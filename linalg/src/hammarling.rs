@@ -4,6 +4,7 @@
 //! after each block of columns the right-hand side is updated by a term of its rank, no factor is ever recomputed. The
 //! continuous equation stays real, the sampled one goes through complex triangular form.
 
+use crate::boundary::Boundary;
 use crate::dense::qr_r;
 use crate::error::{Error, check_range, check_shape, check_square};
 use crate::hammarling_leaf;
@@ -11,7 +12,6 @@ use crate::kernel::vectorised;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::{DiagonalBlock, Schur, blocks, schur};
 use crate::spectrum::Spectrum;
-use crate::stability::Boundary;
 use crate::sylvester::Kind;
 
 /// Returns the lower triangular factor `L`, `P = L L'`, of the solution of `A P + P A' + B B' = 0`; `A` n x n stable, `B` n x m.

@@ -8,7 +8,7 @@
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`invariant_subspace`] (how well one is determined), [`generalised_sylvester`],
 //! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`transfer_matrix`] (a transfer matrix to the last digits).
+//! [`boundary`], [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`transfer_matrix`] (a transfer matrix to the last digits).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};
@@ -24,6 +24,7 @@
 #![allow(non_snake_case)]
 
 pub mod balance;
+pub mod boundary;
 mod compact;
 pub mod cone_program;
 pub mod decomposition;
@@ -61,6 +62,7 @@ pub mod tolerance;
 pub mod transfer_matrix;
 
 pub use balance::{Balanced, balance};
+pub use boundary::Boundary;
 pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
 pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, lstsq,
@@ -82,7 +84,7 @@ pub use range_basis::RangeBasis;
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
 pub use schur::{Schur, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};
-pub use stability::{Boundary, boundary_eigenvalues, is_clear_of_boundary};
+pub use stability::{boundary_eigenvalues, is_clear_of_boundary};
 pub use staircase::{MinimalPart, minimal_part};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};
 pub use transfer_matrix::{Realisation, refined_transfer};

@@ -1,11 +1,11 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
+use crate::boundary::Boundary;
 use crate::dense::{LARGE_SYMMETRIC, symmetric_product, view};
 use crate::error::{Error, check_range, check_shape, check_square};
 use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
-use crate::stability::Boundary;
 use crate::stein_leaf;
 use crate::sylvester::{Kind, check_spectra, middle};
 use crate::tolerance::{CORRECTED_STATES, DOUBTFUL_SEPARATION, MAGNIFIED};

@@ -68,18 +68,28 @@ fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> 
     None
 }
 
-/// Corrects some eigenvalues of a matrix in 32 digits, each to a hundredth of the distance given with it; `all` are approximations of all eigenvalues. Returns
+/// An eigenvalue whose digits do not decide on which side of the boundary it lies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DoubtfulMode {
+    /// Its approximation.
+    pub eigenvalue: C64,
+    /// By how much rounding may move it across the boundary.
+    pub across: f64,
+}
+
+/// Corrects some eigenvalues of a matrix in 32 digits, each to a hundredth of what rounding may move it across the boundary; `all` are approximations of all eigenvalues. Returns
 /// pairs of an approximation and its correction; none if the matrix has more than [`PENCIL_MODES`] rows or the iteration does not converge.
 ///
 /// The others need no correction: Aberth's step vanishes at an eigenvalue wherever they are.
-pub(crate) fn corrected_modes(M: &Mat, all: &[C64], doubtful: &[(C64, f64)]) -> Vec<(C64, C64)> {
+pub(crate) fn corrected_modes(M: &Mat, all: &[C64], doubtful: &[DoubtfulMode]) -> Vec<(C64, C64)> {
     let n = M.nrows();
     if doubtful.is_empty() || n > PENCIL_MODES {
         return Vec::new();
     }
     let mass = vec![1.0; n];
-    let within =
-        |l: &C64| doubtful.iter().find(|(mode, _)| mode == l || mode.conj() == *l).map(|(_, d)| 0.01 * d);
+    let within = |l: &C64| {
+        doubtful.iter().find(|d| d.eigenvalue == *l || d.eigenvalue.conj() == *l).map(|d| 0.01 * d.across)
+    };
     let limits: Vec<Option<f64>> = all.iter().map(within).collect();
     // A pair of real approximations may belong to a complex pair, which no step along the axis finds.
     let turn = C64::from_polar(1.0, PENCIL_TURN);

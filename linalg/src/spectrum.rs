@@ -2,12 +2,12 @@
 //! eigenvalue is determined by the entries of its matrix.
 
 use crate::balance::balance;
+use crate::boundary::Boundary;
 use crate::dense::dot;
 use crate::error::Error;
 use crate::mat::{C64, Mat};
-use crate::pencil_roots::corrected_modes;
+use crate::pencil_roots::{DoubtfulMode, corrected_modes};
 use crate::schur::{Schur, schur};
-use crate::stability::Boundary;
 use crate::tolerance::{BOUNDARY_SUSPECT, EIGENVALUE_ERROR, EPS, FIRST_ORDER, GROWN_ENTRIES, VECTOR_NOISE};
 
 /// A matrix `A = D B D^-1`, its balanced form `B` and the Schur form of that.
@@ -91,8 +91,8 @@ impl Spectrum {
         let is_doubtful = |(l, moved): &&(C64, Movement)| {
             distance(*l) > 0.0 && distance(*l) <= moved.by_entries.max(moved.by_norm)
         };
-        let doubtful: Vec<(C64, f64)> =
-            suspects.iter().filter(is_doubtful).map(|(l, moved)| (*l, moved.across)).collect();
+        let of = |(l, moved): &(C64, Movement)| DoubtfulMode { eigenvalue: *l, across: moved.across };
+        let doubtful: Vec<DoubtfulMode> = suspects.iter().filter(is_doubtful).map(of).collect();
         let corrected = corrected_modes(&self.balanced, &self.form.eigenvalues(), &doubtful);
         let is_on_boundary =
             |(l, moved): &&(C64, Movement)| match corrected.iter().find(|(mode, _)| mode == l) {

@@ -2,9 +2,9 @@
 
 use std::cell::OnceCell;
 
+use crate::boundary::Boundary;
 use crate::mat::C64;
 use crate::spectrum::{Reach, Spectrum};
-use crate::stability::Boundary;
 use crate::sylvester::Kind;
 
 use super::scaling::Problem;

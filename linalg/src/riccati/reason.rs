@@ -2,11 +2,11 @@
 
 use std::fmt;
 
+use crate::boundary::Boundary;
 use crate::decomposition::csingular_values;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
 use crate::spectrum::Reach;
-use crate::stability::Boundary;
 use crate::sylvester::Kind;
 use crate::tolerance::{
     AXIS_NEIGHBOUR, AXIS_REAL_PART, AXIS_ROUNDING, EPS, EXACT_MODE_STATES, HAMILTONIAN_BOUNDARY,
