@@ -86,20 +86,20 @@ impl Spectrum {
     pub(crate) fn eigenvalues_on_boundary(&self, boundary: Boundary) -> Vec<C64> {
         let distance = |l: C64| boundary.excess(l).abs();
         let near = |l: &C64| distance(*l) <= BOUNDARY_SUSPECT * self.size.max(l.norm());
-        let suspects: Vec<(C64, Movement)> =
+        let nearby: Vec<(C64, Movement)> =
             self.modes().into_iter().filter(near).map(|l| (l, self.movements(l, boundary))).collect();
         let is_doubtful = |(l, moved): &&(C64, Movement)| {
             distance(*l) > 0.0 && distance(*l) <= moved.by_entries.max(moved.by_norm)
         };
         let of = |(l, moved): &(C64, Movement)| DoubtfulMode { eigenvalue: *l, across: moved.across };
-        let doubtful: Vec<DoubtfulMode> = suspects.iter().filter(is_doubtful).map(of).collect();
+        let doubtful: Vec<DoubtfulMode> = nearby.iter().filter(is_doubtful).map(of).collect();
         let corrected = corrected_modes(&self.balanced, &self.form.eigenvalues(), &doubtful);
         let is_on_boundary =
             |(l, moved): &&(C64, Movement)| match corrected.iter().find(|(mode, _)| mode == l) {
                 Some((_, exact)) => distance(*exact) <= moved.across,
                 None => distance(*l) <= moved.by_entries,
             };
-        suspects.iter().filter(is_on_boundary).map(|(l, _)| *l).collect()
+        nearby.iter().filter(is_on_boundary).map(|(l, _)| *l).collect()
     }
 
     /// By how much rounding the entries of `A` may move an eigenvalue.
