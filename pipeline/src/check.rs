@@ -26,7 +26,7 @@ pub struct CheckResult {
     pub machine: String,
     /// The plant in a few numbers; `None` if it cannot be built.
     pub plant: Option<PlantOverview>,
-    /// Every section with its values, in the units of the keys.
+    /// Every section with what the file states in it and with what is taken beside that, in the units of the keys.
     pub sections: Vec<SectionStatement>,
     /// Values with tolerances.
     pub tolerances: Vec<Tolerance>,
@@ -106,7 +106,7 @@ pub fn check(document: &Document, parsed: &Parsed, systems: LoopSystems) -> Chec
         parts: document.parts().to_vec(),
         machine: project.plant.name.clone(),
         plant,
-        sections: project.statements(),
+        sections: project.statements_of(document),
         tolerances: project.tolerances.clone(),
         assumptions,
         effects,

@@ -10,7 +10,7 @@ use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::Sensor;
-use counterpoise_models::plant::{Angles, FrictionLinearisation};
+use counterpoise_models::plant::{Angles, FrictionLinearisation, LinearPlant};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
@@ -167,6 +167,7 @@ fn circumstances(
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
         others: plants_beside(project, modelled, &plant)?,
+        load_output: Some(load_output(&plant)),
         sampling: sampling(asked, modelled)?,
         noise_rms: reading.noise_rms,
         reading_step: converter_step(reading, p.interface.input_bits),
@@ -179,6 +180,15 @@ fn circumstances(
         pitch: opposed.and_then(|m| motion(&m.pitch, &p.sensors.platform_gyro, modelled)),
         plant,
     })
+}
+
+/// Returns the output that is the load's motion where the sensor measures something else: that of the hub, or of the tip where the hub's own is
+/// measured.
+fn load_output(plant: &DesignPlant) -> usize {
+    match plant.weighted_plant().rate {
+        LinearPlant::HUB_RATE => LinearPlant::TIP_RATE,
+        _ => LinearPlant::HUB_RATE,
+    }
 }
 
 /// Returns the plant with gravity's gradient, and with dry friction at rest if there is any.

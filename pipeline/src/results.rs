@@ -26,6 +26,7 @@ use crate::exchange::{
 };
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
+use crate::tolerance::ROUNDED_POLE;
 pub use certificate::CertificateResult;
 pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
@@ -374,6 +375,31 @@ pub struct PartingResult {
 pub struct ReplayResult {
     /// Recordings.
     pub recordings: Vec<RecordingResult>,
+}
+
+/// A pole as a natural frequency and a damping ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoleFigures {
+    /// Its modulus over 2 pi, Hz.
+    pub frequency_hz: f64,
+    /// Minus its real part over its modulus; 0 for a pole at the origin, which has none of either sign.
+    pub damping_ratio: f64,
+}
+
+impl ModelResult {
+    /// Returns each real pole and the upper one of each pair, in order. What is no more than the rounding of the quickest pole lies at the
+    /// origin.
+    pub fn pole_figures(&self) -> Vec<PoleFigures> {
+        let size = |pole: &Pair| pole[0].hypot(pole[1]);
+        let rounding = ROUNDED_POLE * self.poles_rad_s.iter().map(size).fold(0.0, f64::max);
+        let figures = |pole: &Pair| match size(pole) {
+            size if size <= rounding => PoleFigures { frequency_hz: 0.0, damping_ratio: 0.0 },
+            size => {
+                PoleFigures { frequency_hz: size / std::f64::consts::TAU, damping_ratio: -pole[0] / size }
+            }
+        };
+        self.poles_rad_s.iter().filter(|pole| pole[1] >= 0.0).map(figures).collect()
+    }
 }
 
 impl From<&Modelled> for ModelResult {

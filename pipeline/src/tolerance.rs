@@ -26,6 +26,10 @@ pub(crate) const LEAST_SWING_RAD: f64 = 1e-12;
 /// Distance of a pole from the unit circle that is rounding: a pole that only drifts (an integrator, a free angle) is off by less.
 pub(crate) const DRIFTING_POLE: f64 = 1e-6;
 
+/// Modulus of a pole, relative to the largest, that is rounding of an eigenvalue at the origin: a few units in the last place. A pair that
+/// rounding splits by more is shown as it was computed.
+pub(crate) const ROUNDED_POLE: f64 = 1e-14;
+
 /// Share of the largest Hankel value from which on a state is kept if the project states no order: the a priori bound of the error is then
 /// about 1e-6 of the response, below what a drawing shows or a margin feels.
 pub(crate) const KEPT_HANKEL_SHARE: f64 = 1e-6;

@@ -15,7 +15,13 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     lines.extend(found.plant.iter().flat_map(plant));
     lines.push(String::new());
     lines.push("Understood:".to_owned());
-    lines.extend(understood(&found.sections));
+    lines.extend(understood(&stated_part(&found.sections, Origin::File)));
+    let beside = stated_part(&found.sections, Origin::Elsewhere);
+    if !beside.is_empty() {
+        lines.push(String::new());
+        lines.push("Taken beside it, by default or from what is stated elsewhere:".to_owned());
+        lines.extend(understood(&beside));
+    }
     if !found.tolerances.is_empty() {
         lines.push(String::new());
         lines.push("Known within a tolerance:".to_owned());
@@ -95,14 +101,51 @@ fn understood(sections: &[SectionStatement]) -> Vec<String> {
     sections.chunk_by(is_alike).flat_map(|alike| capped(alike, MOST_ALIKE, section)).collect()
 }
 
+/// Where a value comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// It is written in the file.
+    File,
+    /// It is a default, or follows from other keys.
+    Elsewhere,
+}
+
+/// Returns the sections with the values that come from one place; those without any are left out. The file's format and the machine's name
+/// stand in the heading.
+fn stated_part(sections: &[SectionStatement], origin: Origin) -> Vec<SectionStatement> {
+    let is_here = |value: &ValueStatement| value.written.is_some() == (origin == Origin::File);
+    let is_in_heading =
+        |section: &SectionStatement, key: &str| matches!((section.path.as_str(), key), ("plant", "name"));
+    let part = |section: &SectionStatement| {
+        let mut part = section.clone();
+        part.values.retain(|value| is_here(value) && !is_in_heading(section, &value.key));
+        (!part.values.is_empty()).then_some(part)
+    };
+    sections.iter().filter_map(part).collect()
+}
+
 /// Returns a section on one line: its meaning, then its values.
 fn section(section: &SectionStatement) -> String {
-    let value = |value: &ValueStatement| {
-        let unit = if value.unit.is_empty() { String::new() } else { format!(" {}", value.unit) };
-        format!("{} {}{unit}", value.key.replace('_', " "), value.value)
-    };
     let values: Vec<String> = section.values.iter().map(value).collect();
     format!("  {} ({}): {}", section.path, section.meaning, values.join(", "))
+}
+
+/// Returns a value as the file spells it; a quantity with a unit of its own is followed by what it is in the unit of the key.
+fn value(value: &ValueStatement) -> String {
+    let with_unit = |text: &str| match value.unit {
+        "" => text.to_owned(),
+        unit => format!("{text} {unit}"),
+    };
+    let rounded = value.value.parse::<f64>().map_or_else(|_| value.value.clone(), short);
+    let is_number = value.value.parse::<f64>().is_ok();
+    let shown = match &value.written {
+        Some(written) if is_number && written.parse::<f64>().is_ok() => with_unit(written),
+        Some(written) if is_number && *written != with_unit(&rounded) => {
+            format!("{written} ({})", with_unit(&rounded))
+        }
+        _ => with_unit(&rounded),
+    };
+    format!("{} {shown}", value.key.replace('_', " "))
 }
 
 fn tolerance(tolerance: &Tolerance) -> String {
@@ -115,16 +158,37 @@ const MOST_LISTED: usize = 60;
 /// Most sections of one kind that are listed one by one.
 const MOST_ALIKE: usize = 20;
 
-/// Returns what is assumed, one value a line.
+/// Returns what is assumed, one value a line; keys that nothing is taken for stand together at the end.
 fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     if assumptions.is_empty() {
         return vec!["Nothing is assumed: every value of the plant is stated.".to_owned()];
     }
+    let is_nothing = |a: &&Assumption| a.value == 0.0 && a.usual.is_none();
+    let (nothing, something): (Vec<&Assumption>, Vec<&Assumption>) = assumptions.iter().partition(is_nothing);
     let line =
-        |a: &Assumption| format!("  {} = {} ({}; {})", a.key, with_unit(a.value, a.unit), a.rule, a.source);
+        |a: &&Assumption| format!("  {} = {} ({}; {})", a.key, with_unit(a.value, a.unit), a.rule, a.source);
     let mut lines = vec!["Assumed, because the file does not state it:".to_owned()];
-    lines.extend(capped(assumptions, MOST_LISTED, line));
+    lines.extend(capped(&something, MOST_LISTED, line));
+    if !nothing.is_empty() {
+        lines.push("  0, as in an ideal machine:".to_owned());
+        let section = |a: &&Assumption| section_of(&a.key).to_owned();
+        let alike = nothing.chunk_by(|a, b| section(a) == section(b));
+        lines.extend(alike.map(|alike| {
+            let keys: Vec<&str> = alike.iter().map(|a| key_of(&a.key)).collect();
+            format!("    {}: {}", section(&alike[0]), keys.join(", "))
+        }));
+    }
     lines
+}
+
+/// Returns the path of the section in which a key stands.
+fn section_of(path: &str) -> &str {
+    path.rsplit_once('.').map_or("", |(section, _)| section)
+}
+
+/// Returns a key without the path of its section.
+fn key_of(path: &str) -> &str {
+    path.rsplit_once('.').map_or(path, |(_, key)| key)
 }
 
 /// Returns how much the assumptions matter, one on a line below a heading, the largest effect first, and those without an effect together on

@@ -79,12 +79,10 @@ fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<Tile> {
 fn poles(result: &ModelResult) -> Table {
     let columns = [Column::Number("frequency [Hz]"), Column::Number("damping ratio")];
     let mut table = Table::new("Poles of the linear plant", &columns);
-    let mut upper: Vec<[f64; 2]> = result.poles_rad_s.iter().filter(|p| p[1] >= 0.0).copied().collect();
-    upper.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-    for [re, im] in upper {
-        let size = re.hypot(im);
-        let damping = -re / size.max(f64::MIN_POSITIVE);
-        table.rows.push(vec![Cell::number(size / std::f64::consts::TAU), Cell::number(damping)]);
+    let mut rising = result.pole_figures();
+    rising.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    for pole in rising {
+        table.rows.push(vec![Cell::number(pole.frequency_hz), Cell::number(pole.damping_ratio)]);
     }
     table
 }

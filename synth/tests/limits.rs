@@ -49,6 +49,7 @@ impl Machine {
         Circumstances {
             plant,
             others: Vec::new(),
+            load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },
             noise_rms: self.noise / self.period_s.sqrt(),
             reading_step: self.reading_step,

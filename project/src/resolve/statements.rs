@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Project;
+use crate::file::Document;
 use crate::file::lister::Line;
 use crate::file::writer;
 
@@ -30,11 +31,27 @@ pub struct ValueStatement {
     pub meaning: &'static str,
     /// Its tolerance, if it has one.
     pub tolerance: Option<String>,
+    /// What stands in the file, as it is written there; `None` if the value is a default or follows from other keys.
+    pub written: Option<String>,
 }
 
 impl Project {
     /// Returns the sections of the project with the values that are not their keys' defaults.
     pub fn statements(&self) -> Vec<SectionStatement> {
+        self.statements_where(|_| None)
+    }
+
+    /// Returns the sections of the project as a file states them: the values that the file writes, and those that are not their
+    /// keys' defaults.
+    pub fn statements_of(&self, document: &Document) -> Vec<SectionStatement> {
+        self.statements_where(|path| {
+            let of_tolerance = document.source_text_at(&format!("{path}.value"));
+            of_tolerance.or_else(|| document.source_text_at(path))
+        })
+    }
+
+    /// Returns the sections with the values that stand in a file or are not their keys' defaults.
+    fn statements_where(&self, written_at: impl Fn(&str) -> Option<String>) -> Vec<SectionStatement> {
         let mut sections: Vec<SectionStatement> = Vec::new();
         let mut open: Vec<usize> = Vec::new();
         for line in self.lines() {
@@ -46,13 +63,17 @@ impl Project {
                 Line::Close => {
                     open.pop();
                 }
-                Line::Value { key, setting, unit, meaning, usual: false, tolerance, .. } => {
-                    let value = ValueStatement { key, value: setting.as_written(), unit, meaning, tolerance };
+                Line::Value { path, key, setting, unit, meaning, usual, tolerance } => {
+                    let written = written_at(&path);
+                    if usual && written.is_none() {
+                        continue;
+                    }
+                    let value = setting.as_written();
+                    let value = ValueStatement { key, value, unit, meaning, tolerance, written };
                     if let Some(section) = open.last().and_then(|at| sections.get_mut(*at)) {
                         section.values.push(value);
                     }
                 }
-                Line::Value { .. } => {}
             }
         }
         sections.retain(|section| !section.values.is_empty());

@@ -13,6 +13,7 @@ use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::studies::fra::{Map, MapRemark, RecordedMap};
+use counterpoise_plot::number::short_number;
 
 use super::learned::describe_beyond;
 
@@ -257,10 +258,11 @@ fn describe_meaning(meaning: Meaning) -> &'static str {
 /// Describes a recorded control that the project's controller does not make.
 pub fn describe_control_mismatch(mismatch: &ControlMismatch) -> String {
     format!(
-        "it is not what the project's recording controller makes of the recorded readings, but {:.3} V RMS off, {:.0} times what \
+        "it is not what the project's recording controller makes of the recorded readings, but {} V RMS off, {} times what \
          rounding leaves: another controller was in the loop, or a column is not what it read or gave. The recorded control is \
          played back",
-        mismatch.rms_v, mismatch.ratio
+        short_number(mismatch.rms_v),
+        short_number(mismatch.ratio)
     )
 }
 

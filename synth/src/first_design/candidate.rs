@@ -3,10 +3,12 @@
 use std::f64::consts::SQRT_2;
 
 use counterpoise_linalg::C64;
+use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::response::Response;
+use counterpoise_lti::{StateSpace, zeros};
 
 use super::Circumstances;
-use crate::tolerance::{BLIND_BELOW, BLIND_FALL, BLIND_SPAN};
+use crate::tolerance::{BLIND_BELOW, BLIND_FALL, BLIND_SPAN, LIGHTLY_DAMPED};
 use crate::{Error, FeedbackWeights, Weight};
 
 /// Multiples of the bandwidth that shape the weights.
@@ -20,6 +22,8 @@ pub(super) struct Shape {
     roll_off: f64,
     /// Whether control is dear at the modes that are lightly damped.
     modes: Modes,
+    /// At the slowest lightly damped zero, the cost of what the load does over that of the control that moves it; 0 leaves the load out.
+    load: f64,
 }
 
 /// What the control weight does at lightly damped modes.
@@ -31,24 +35,37 @@ enum Modes {
     Dear,
 }
 
+const USUAL: Shape = Shape { integral: 5.0, observer: 4.0, roll_off: 4.0, modes: Modes::Plain, load: 0.0 };
+const QUICK: Shape = Shape { integral: 8.0, observer: 8.0, roll_off: 8.0, ..USUAL };
+const QUICKEST: Shape = Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, ..USUAL };
+
 /// Shapes that are tried in order: the usual one, one with more phase at the cost of noise, one that attenuates modes, and
 /// one with the roll-off of the quickest filter and little integral action for long delays. The usual one leaves a loop of
-/// one integrator 57 degrees of phase.
-pub(super) const SHAPES: [Shape; 8] = [
-    Shape { integral: 5.0, observer: 4.0, roll_off: 4.0, modes: Modes::Plain },
-    Shape { integral: 8.0, observer: 8.0, roll_off: 8.0, modes: Modes::Plain },
-    Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, modes: Modes::Plain },
-    Shape { integral: 8.0, observer: 4.0, roll_off: 4.0, modes: Modes::Dear },
-    Shape { integral: 12.0, observer: 2.5, roll_off: 4.0, modes: Modes::Dear },
-    Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, modes: Modes::Dear },
-    Shape { integral: 16.0, observer: 16.0, roll_off: 8.0, modes: Modes::Dear },
-    Shape { integral: 16.0, observer: 16.0, roll_off: 4.0, modes: Modes::Dear },
+/// one integrator 57 degrees of phase. Then those that attenuate modes and leave more phase, and those that damp the load.
+pub(super) const SHAPES: [Shape; 14] = [
+    USUAL,
+    QUICK,
+    QUICKEST,
+    Shape { integral: 8.0, modes: Modes::Dear, ..USUAL },
+    Shape { integral: 12.0, observer: 2.5, modes: Modes::Dear, ..USUAL },
+    Shape { modes: Modes::Dear, ..QUICKEST },
+    Shape { roll_off: 8.0, modes: Modes::Dear, ..QUICKEST },
+    Shape { roll_off: 4.0, modes: Modes::Dear, ..QUICKEST },
+    Shape { load: 3.0, ..USUAL },
+    Shape { load: 3.0, ..QUICK },
+    Shape { load: 1.0, ..QUICKEST },
+    Shape { load: 3.0, ..QUICKEST },
+    Shape { load: 10.0, ..QUICK },
+    Shape { load: 10.0, ..QUICKEST },
 ];
 /// The shapes that attenuate modes with the usual observer: 3 and 4.
 pub(super) const DEAR: std::ops::Range<usize> = 3..5;
 /// The shapes from here on attenuate modes and leave more phase. They are tried where 3 or 4 lacks nothing but phase, by a loop that its clock
 /// does not limit: a quick clock leaves a resonance in the phase in which it harms, where the lag of a slow one had turned it away.
 pub(super) const MORE_PHASE: usize = 5;
+/// The shapes from here on damp the load where the reading has a lightly damped zero. Regulators without it put poles on such a zero, where the
+/// reading shows nothing of them: a load that is a little heavier, or a transmission a little softer, then makes the loop unstable.
+pub(super) const DAMPED_LOAD: usize = 8;
 
 /// Factor on the control weight at a lightly damped mode: 20 dB.
 const PEAK: f64 = 10.0;
@@ -72,6 +89,17 @@ pub(super) struct PlantGain {
     is_blind_at_zero: bool,
     /// Lightly damped modes, rad/s, rising.
     pub modes: Vec<f64>,
+    /// What the load does where the reading shows nothing of it.
+    pub load: Option<LoadGain>,
+}
+
+/// The load's motion at the slowest lightly damped zero of the reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LoadGain {
+    /// The output of the plant.
+    output: usize,
+    /// Its modulus over that of the control.
+    gain: f64,
 }
 
 impl PlantGain {
@@ -87,7 +115,7 @@ impl PlantGain {
         // Two decades apart far below everything: a gain that falls with frequency towards zero has a zero there.
         let lowest = BLIND_BELOW * circumstances.sampling.highest_rad_s();
         let is_blind_at_zero = gain(BLIND_SPAN * lowest) < BLIND_FALL * gain(lowest);
-        Ok(Self { response, is_blind_at_zero, modes })
+        Ok(Self { response, is_blind_at_zero, modes, load: load_gain(circumstances, &seen)? })
     }
 
     /// The modulus around a frequency, as a geometric mean.
@@ -114,6 +142,11 @@ pub(super) fn weights(
     aim_rad_s: f64,
     shape: Shape,
 ) -> Option<FeedbackWeights> {
+    let combination = match (shape.load, gain.load) {
+        (0.0, _) => Vec::new(),
+        (cost, Some(load)) => vec![VectorEntry::new(load.output, round_weight(cost / load.gain))],
+        (_, None) => return None,
+    };
     let level = gain.around(aim_rad_s);
     if !(level > 0.0 && level.is_finite()) {
         return None;
@@ -131,11 +164,29 @@ pub(super) fn weights(
     Some(FeedbackWeights {
         error: error(gain, round_weight(aim_rad_s / shape.integral), round_weight(1.0 / level)),
         control: control(gain, aim_rad_s, shape)?,
-        combination: Vec::new(),
+        combination,
         measurement_noise: round_weight(measurement_noise),
         disturbances: Vec::new(),
         loop_recovery: round_weight(loop_recovery),
     })
+}
+
+/// Returns what the load does at the slowest lightly damped zero from the control to the reading; `None` if there is no such zero, or the load is
+/// what is read.
+fn load_gain(circumstances: &Circumstances, seen: &StateSpace) -> Result<Option<LoadGain>, Error> {
+    let plant = circumstances.plant.weighted_plant();
+    let Some(output) = circumstances.load_output.filter(|output| *output != plant.rate) else {
+        return Ok(None);
+    };
+    let is_light = |zero: &C64| zero.im > 0.0 && zero.re.abs() < LIGHTLY_DAMPED * zero.norm();
+    let rates = zeros(seen)?.into_iter().filter(is_light).map(|zero| zero.norm());
+    let slowest = rates.fold(f64::INFINITY, f64::min);
+    if slowest > circumstances.sampling.highest_rad_s() {
+        return Ok(None);
+    }
+    let motion = plant.measured_plant()?.select(&[1 + output], &[plant.control]);
+    let gain = Response::of(&motion)?.at(slowest).map_or(0.0, |value| value.norm_max());
+    Ok((gain > 0.0 && gain.is_finite()).then_some(LoadGain { output, gain }))
 }
 
 /// RMS noise of what the weights are for: the difference of two noisy readings over a period in a cascade.

@@ -13,7 +13,7 @@ use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffen;
-use super::scan::{Candidate, PER_DECADE, Scan, Tried};
+use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, Tried};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::tolerance::HIGHER_BANDWIDTH;
@@ -146,14 +146,14 @@ fn search_in_parallel(
 struct Given<'a> {
     circumstances: &'a Circumstances,
     unknown: Vec<Unknown>,
-    has_more_phase: bool,
+    further_shapes: FurtherShapes,
     processors: ParallelRun<'a>,
 }
 
 impl<'a> Given<'a> {
     fn of(scan: &Scan<'a>) -> Self {
-        let Scan { circumstances, has_more_phase, processors, .. } = *scan;
-        Self { circumstances, unknown: scan.unknown.clone(), has_more_phase, processors }
+        let Scan { circumstances, further_shapes, processors, .. } = *scan;
+        Self { circumstances, unknown: scan.unknown.clone(), further_shapes, processors }
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
@@ -174,7 +174,7 @@ impl<'a> Given<'a> {
     fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut lifted = Scan::new(other, self.processors)?;
         lifted.unknown.clone_from(&self.unknown);
-        lifted.has_more_phase = self.has_more_phase;
+        lifted.further_shapes = self.further_shapes;
         lifted.judge_up_to(1);
         let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
         higher(&lifted, highest.get(&Vec::new()), found.judgement.bandwidth_rad_s)

@@ -46,6 +46,9 @@ pub struct Circumstances {
     /// Plants that the loop must hold too: the same machine with what the linear plant leaves out (gravity's gradient, dry friction
     /// at rest).
     pub others: Vec<DesignPlant>,
+    /// The output of the plant (of its inner loop, if it has one) that is the load's motion, where a sensor measures something else; `None` if
+    /// nothing but the measured signal is known.
+    pub load_output: Option<usize>,
     /// How the controller is sampled.
     pub sampling: Sampling,
     /// RMS noise of a reading, in the unit of the measured signal.

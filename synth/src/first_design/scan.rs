@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use counterpoise_lti::StateSpace;
 
 use super::Circumstances;
-use super::candidate::{DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
+use super::candidate::{DAMPED_LOAD, DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
 use crate::bandwidth::{Limit, LimitKind, Unknown};
@@ -42,6 +42,20 @@ impl Candidate {
     }
 }
 
+/// The shapes that a search tries beside the usual ones.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct FurtherShapes {
+    /// Those that attenuate modes and leave more phase.
+    have_more_phase: bool,
+    /// Those that damp the load.
+    damp_the_load: bool,
+}
+
+/// Quotient of an aim and the next lower one.
+fn step_of_aims() -> f64 {
+    10f64.powf(1.0 / f64::from(PER_DECADE))
+}
+
 /// Aims per decade.
 pub(super) const PER_DECADE: i32 = 10;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
@@ -61,8 +75,8 @@ pub(super) struct Scan<'a> {
     pub unknown: Vec<Unknown>,
     tried: Vec<Tried>,
     best: Option<Tried>,
-    /// Whether the shapes that attenuate modes and leave more phase are tried.
-    pub has_more_phase: bool,
+    /// The shapes that are tried beside the usual ones.
+    pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
     pub processors: ParallelRun<'a>,
@@ -93,7 +107,7 @@ impl<'a> Scan<'a> {
             unknown,
             tried: Vec::new(),
             best: None,
-            has_more_phase: false,
+            further_shapes: FurtherShapes::default(),
             most_missed,
             processors,
             attempts,
@@ -131,7 +145,11 @@ impl<'a> Scan<'a> {
                 break;
             }
         }
-        if self.is_free_of_clock() { self.attenuate_modes(highest) } else { Ok(()) }
+        if self.is_free_of_clock() {
+            self.attenuate_modes(highest)?;
+        }
+        let is_slow = self.best.is_none() || self.is_free_of_clock();
+        if is_slow && self.gain.load.is_some() { self.damp_load(highest) } else { Ok(()) }
     }
 
     /// Whether the answer is far below what the clock allows.
@@ -142,30 +160,53 @@ impl<'a> Scan<'a> {
     /// Tries the shapes that attenuate modes and leave more phase, from the highest aim at which 3 or 4 lacks nothing but phase down to the
     /// answer.
     fn attenuate_modes(&mut self, highest_rad_s: f64) -> Result<(), Error> {
-        self.has_more_phase = true;
-        let step = 10f64.powf(1.0 / f64::from(PER_DECADE));
+        self.further_shapes.have_more_phase = true;
         let mut aim = highest_rad_s;
         while aim > self.reached() {
             self.look_ahead(
-                [aim, aim / step]
+                [aim, aim / step_of_aims()]
                     .into_iter()
                     .flat_map(|aim_rad_s| DEAR.map(move |shape| Candidate { aim_rad_s, shape })),
             );
-            for shape in MORE_PHASE..SHAPES.len() {
-                let Some(found) = self.attempt_if_worthwhile(aim, shape)? else { continue };
-                // Between two aims the bandwidth rises no more than the aim.
-                let is_promising = found.judgement.bandwidth_rad_s * step > self.reached();
-                if is_promising && self.keeps_all(&found.judgement) {
-                    let closer = self.close_in(found, Some(aim * step))?;
-                    if closer.judgement.bandwidth_rad_s > self.reached() {
-                        self.best = Some(closer);
-                    }
-                }
+            for shape in MORE_PHASE..DAMPED_LOAD {
+                self.improve(aim, shape)?;
             }
-            aim /= step;
+            aim /= step_of_aims();
         }
         // Without an answer among them they are no part of the search for what limits it.
-        self.has_more_phase = self.best.as_ref().is_some_and(|best| best.shape >= MORE_PHASE);
+        self.further_shapes.have_more_phase =
+            self.best.as_ref().is_some_and(|best| (MORE_PHASE..DAMPED_LOAD).contains(&best.shape));
+        Ok(())
+    }
+
+    /// Tries the shapes that damp the load, from the highest aim down to the answer.
+    fn damp_load(&mut self, highest_rad_s: f64) -> Result<(), Error> {
+        self.further_shapes.damp_the_load = true;
+        let (mut aim, lowest) = (highest_rad_s, highest_rad_s * 10f64.powi(-DECADES));
+        while aim > self.reached().max(lowest) {
+            let shapes = DAMPED_LOAD..SHAPES.len();
+            self.look_ahead(shapes.clone().map(|shape| Candidate { aim_rad_s: aim, shape }));
+            for shape in shapes {
+                self.improve(aim, shape)?;
+            }
+            aim /= step_of_aims();
+        }
+        self.further_shapes.damp_the_load = self.best.as_ref().is_some_and(|best| best.shape >= DAMPED_LOAD);
+        Ok(())
+    }
+
+    /// Takes the feedback of an aim and a further shape, or one of an aim closely above, if it keeps everything and has a higher bandwidth than
+    /// the answer.
+    fn improve(&mut self, aim_rad_s: f64, shape: usize) -> Result<(), Error> {
+        let Some(found) = self.attempt_if_worthwhile(aim_rad_s, shape)? else { return Ok(()) };
+        // Between two aims the bandwidth rises no more than the aim.
+        let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.reached();
+        if is_promising && self.keeps_all(&found.judgement) {
+            let closer = self.close_in(found, Some(aim_rad_s * step_of_aims()))?;
+            if closer.judgement.bandwidth_rad_s > self.reached() {
+                self.best = Some(closer);
+            }
+        }
         Ok(())
     }
 
@@ -235,16 +276,17 @@ impl<'a> Scan<'a> {
         Ok(best)
     }
 
-    /// Returns the feedback of an aim and the number of a shape as [`Self::attempt`] does; `None` also if the shape leaves more phase and the
-    /// shapes that it stands in for miss something else.
+    /// Returns the feedback of an aim and the number of a shape as [`Self::attempt`] does; `None` also if the shape is not among those that are
+    /// tried, or leaves more phase and the shapes that it stands in for miss something else.
     ///
     /// # Errors
     /// Those of the design.
     pub fn attempt_if_worthwhile(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
-        if shape < MORE_PHASE {
+        let FurtherShapes { have_more_phase, damp_the_load } = self.further_shapes;
+        if shape < MORE_PHASE || (shape >= DAMPED_LOAD && damp_the_load) {
             return self.attempt(aim_rad_s, shape);
         }
-        if !self.has_more_phase {
+        if shape >= DAMPED_LOAD || !have_more_phase {
             return Ok(None);
         }
         for usual in DEAR {
@@ -254,7 +296,7 @@ impl<'a> Scan<'a> {
                 None => self.most_missed == 1,
             };
             if lacks_phase {
-                self.look_ahead((shape..SHAPES.len()).map(|shape| Candidate { aim_rad_s, shape }));
+                self.look_ahead((shape..DAMPED_LOAD).map(|shape| Candidate { aim_rad_s, shape }));
                 return self.attempt(aim_rad_s, shape);
             }
         }
