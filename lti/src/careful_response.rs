@@ -11,6 +11,8 @@ pub(crate) struct CarefulResponse {
     system: StateSpace,
     /// Ascending, apart from each other, rad/s.
     intervals: Vec<[f64; 2]>,
+    /// Points a tenth of a decade apart in those intervals: between two at which the gain is large no margin lies.
+    known: Vec<Point>,
 }
 
 impl CarefulResponse {
@@ -34,7 +36,14 @@ impl CarefulResponse {
                 None => intervals.push([low, high]),
             }
         }
-        (!intervals.is_empty()).then(|| Self { system: balance(g).0, intervals })
+        if intervals.is_empty() {
+            return None;
+        }
+        let mut careful = Self { system: balance(g).0, intervals, known: Vec::new() };
+        let rates = points.iter().step_by(BLURRED_STRIDE).map(|point| point.rate);
+        let known = |rate: f64| careful.computed_at(rate).map(|value| Point { rate, value });
+        careful.known = rates.filter(|rate| careful.covers(*rate)).filter_map(known).collect();
+        Some(careful)
     }
 
     /// Returns whether the response at a frequency is computed here.
@@ -43,19 +52,39 @@ impl CarefulResponse {
         self.intervals.get(next).is_some_and(|interval| interval[0] <= rate)
     }
 
-    /// Returns the response at a frequency, rad/s; `None` if it is not computed here, or at a pole.
+    /// Returns the response at a frequency, rad/s; `None` if it is not computed here, or at a pole. Between two points with gains above 60 dB it is
+    /// interpolated, straight in logarithms.
     pub(crate) fn at(&self, rate: f64) -> Option<C64> {
         if !self.covers(rate) {
             return None;
         }
+        self.large_at(rate).or_else(|| self.computed_at(rate))
+    }
+
+    /// Returns the response at a frequency between two known ones at which the gain is large; `None` elsewhere.
+    fn large_at(&self, rate: f64) -> Option<C64> {
+        let next = self.known.partition_point(|point| point.rate < rate);
+        let (a, b) = (self.known.get(next.checked_sub(1)?)?, self.known.get(next)?);
+        let is_large = |point: &Point| point.value.norm() > 1.0 / LEAST_GAIN;
+        let is_one_stretch = self.intervals.iter().any(|[low, high]| *low <= a.rate && b.rate <= *high);
+        if !(is_one_stretch && is_large(a) && is_large(b)) {
+            return None;
+        }
+        let share = (rate / a.rate).ln() / (b.rate / a.rate).ln();
+        Some(a.value * (b.value / a.value).powf(share))
+    }
+
+    fn computed_at(&self, rate: f64) -> Option<C64> {
         let StateSpace { A, B, C, D, timebase } = &self.system;
         let H = linalg::refined_transfer(Realisation { A, B, C, D }, point(rate, *timebase)).ok()?;
         Some(H[(0, 0)])
     }
 }
 
-/// Returns whether rounding changes more than the last digits of a response that may matter to a margin.
+/// Returns whether rounding changes more than the last digits of a response that may matter to a margin: one whose gain may be within 60 dB of one.
 fn is_blurred(response: &Response, point: Point) -> bool {
     let (gain, noise) = (point.value.norm(), response.rounding_at(point.rate));
-    noise > BLURRED * gain && gain + CERTAIN_SIGN * noise > LEAST_GAIN
+    let may_matter =
+        gain + CERTAIN_SIGN * noise > LEAST_GAIN && gain - CERTAIN_SIGN * noise < 1.0 / LEAST_GAIN;
+    noise > BLURRED * gain && may_matter
 }

@@ -8,8 +8,8 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, margins};
 use counterpoise_models::reference;
 use counterpoise_synth::{
-    Circumstances, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins, Sampling, Unknown, design,
-    discretise, first_design,
+    Circumstances, Design, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins, Sampling, Unknown,
+    design, discretise, first_design,
 };
 
 const CEILING: f64 = std::f64::consts::TAU / 20.0;
@@ -17,6 +17,7 @@ const CEILING: f64 = std::f64::consts::TAU / 20.0;
 fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
     Circumstances {
         plant,
+        load_output: None,
         others: Vec::new(),
         sampling,
         noise_rms: 0.0,
@@ -164,4 +165,46 @@ fn noise_and_an_asked_bandwidth_lower_it() {
     println!("{:?}", asked.bandwidth);
     assert!((asked.bandwidth.bandwidth_rad_s / 10.0 - 1.0).abs() < 0.02);
     assert_eq!(asked.bandwidth.limited_by, [LimitKind::Asked]);
+}
+
+/// A motor that winds a spring up against a load on a spring of its own: outputs \[torque of the first spring, rate of the load\].
+fn series_elastic(load_inertia: f64) -> DesignPlant {
+    let (motor, spring, damping, support, drag) = (0.0825, 300.0, 0.2, 40.0, 0.3);
+    let system = StateSpace::new(
+        Mat::from_rows(&[
+            &[-damping / motor, -spring / motor, damping / motor, 0.0],
+            &[1.0, 0.0, -1.0, 0.0],
+            &[
+                damping / load_inertia,
+                spring / load_inertia,
+                -(damping + drag) / load_inertia,
+                -support / load_inertia,
+            ],
+            &[0.0, 0.0, 1.0, 0.0],
+        ]),
+        Mat::col(&[4.0 / motor, 0.0, 0.0, 0.0]),
+        Mat::from_rows(&[&[damping, spring, -damping, 0.0], &[0.0, 0.0, 1.0, 0.0]]),
+        Mat::zeros(2, 1),
+        Timebase::Continuous,
+    );
+    DesignPlant { delay_s: 1e-3, pade_order: 2, ..DesignPlant::ideal(system.unwrap(), 0, 0) }
+}
+
+#[test]
+fn a_load_that_the_reading_does_not_show_is_damped_and_holds_for_other_loads() {
+    let sampling = Sampling { delay_samples: 1, ..Sampling::new(1e-3, 10.0) };
+    let blind = Circumstances { noise_rms: 0.05, ..circumstances(series_elastic(0.09), sampling) };
+    let seen = Circumstances { load_output: Some(1), ..blind.clone() };
+    let (without, with) = (exported(&blind).unwrap(), exported(&seen).unwrap());
+    let rates = [&without, &with].map(|found| found.bandwidth.bandwidth_rad_s);
+    println!("{rates:?}");
+    assert!(rates[1] > 20.0 * rates[0], "{rates:?}");
+    let designed = design(&seen.plant, &with.specification).unwrap();
+    for factor in [0.7, 0.85, 1.15, 1.3] {
+        let other = DesignPlant { system: series_elastic(0.09 * factor).system, ..designed.plant.clone() };
+        let loop_gain =
+            discretise(&Design { plant: other, ..designed.clone() }, &seen.sampling).unwrap().loop_gain;
+        let found = margins(&loop_gain).unwrap();
+        assert!(found.closed_loop_stable && found.ms.value < 2.0, "{factor}: {:?}", found.ms);
+    }
 }

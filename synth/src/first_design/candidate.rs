@@ -42,7 +42,7 @@ const QUICKEST: Shape = Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, 
 /// Shapes that are tried in order: the usual one, one with more phase at the cost of noise, one that attenuates modes, and
 /// one with the roll-off of the quickest filter and little integral action for long delays. The usual one leaves a loop of
 /// one integrator 57 degrees of phase. Then those that attenuate modes and leave more phase, and those that damp the load.
-pub(super) const SHAPES: [Shape; 14] = [
+pub(super) const SHAPES: [Shape; 15] = [
     USUAL,
     QUICK,
     QUICKEST,
@@ -57,6 +57,7 @@ pub(super) const SHAPES: [Shape; 14] = [
     Shape { load: 3.0, ..QUICKEST },
     Shape { load: 10.0, ..QUICK },
     Shape { load: 10.0, ..QUICKEST },
+    Shape { modes: Modes::Dear, load: 1.0, ..QUICKEST },
 ];
 /// The shapes that attenuate modes with the usual observer: 3 and 4.
 pub(super) const DEAR: std::ops::Range<usize> = 3..5;
