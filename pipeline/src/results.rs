@@ -85,6 +85,27 @@ pub struct ModelResult {
     pub accuracy: Vec<Accuracy>,
 }
 
+/// A pole of the plant, as an engineer states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DampedFrequency {
+    /// Modulus, rad/s.
+    pub frequency_rad_s: f64,
+    /// Damping ratio; 0 at the origin, of either sign.
+    pub damping_ratio: f64,
+}
+
+impl ModelResult {
+    /// Returns frequency and damping ratio of the poles with an imaginary part of 0 or above, in the order of the poles.
+    pub fn damped_frequencies(&self) -> Vec<DampedFrequency> {
+        let of = |[re, im]: &Pair| {
+            let frequency_rad_s = re.hypot(*im);
+            let damping_ratio = if *re == 0.0 { 0.0 } else { -re / frequency_rad_s };
+            DampedFrequency { frequency_rad_s, damping_ratio }
+        };
+        self.poles_rad_s.iter().filter(|pole| pole[1] >= 0.0).map(of).collect()
+    }
+}
+
 /// The reduction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReduceResult {
@@ -336,6 +357,13 @@ pub struct ChannelResult {
     pub floor: f64,
     /// Variance accounted for, percent.
     pub vaf: f64,
+}
+
+impl ChannelResult {
+    /// Returns the RMS error over the noise floor.
+    pub fn error_over_floor(&self) -> f64 {
+        self.rms_error / self.floor
+    }
 }
 
 /// Fit of one recording.

@@ -1,29 +1,16 @@
 //! The report of the frequency response analyser: gain and phase over frequency for every amplitude, beside the linear models.
 
-use counterpoise_pipeline::studies::fra::{Around, Map, Point};
-use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, Sticking};
+use counterpoise_pipeline::studies::fra::{Around, Map};
+use counterpoise_pipeline::studies::fra_points::Point;
+use counterpoise_pipeline::studies::fra_summary::{
+    AmplitudePoints, MapTotals, Pace, Sticking, total_of_maps,
+};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
-
-/// How long the measuring of a map took.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pace {
-    /// Threads that it was measured on.
-    pub threads: usize,
-    /// Time, s.
-    pub seconds: f64,
-}
-
-impl Pace {
-    /// Returns how many times as fast as the first of a list, which is on one thread.
-    pub fn speed_up(&self, all: &[Pace]) -> f64 {
-        all.first().map_or(1.0, |first| first.seconds / self.seconds)
-    }
-}
 
 /// Returns the report of one or more maps of one machine, and of how fast they were measured.
 pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
@@ -45,8 +32,7 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
 }
 
 fn headline(maps: &[Map]) -> Headline {
-    let count: usize = maps.iter().map(|map| map.points.len()).sum();
-    let unsettled: usize = maps.iter().map(|map| map.unsettled_count()).sum();
+    let MapTotals { points: count, unsettled, .. } = total_of_maps(maps);
     let text = match unsettled {
         0 => format!("{count} points measured, every one settled"),
         n => format!("{count} points measured, {n} not settled or not excited"),
@@ -100,8 +86,8 @@ fn label(map: &Map, amplitude: f64) -> String {
     }
 }
 
-fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
-    let at = |p: &&Point| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
+fn curve(name: &str, colour: Colour, points: &[Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
+    let at = |p: &Point| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
 }
 
@@ -152,7 +138,7 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
 
 /// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
 fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
-    let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
+    let simulated_s = total_of_maps(maps).simulated_s;
     let columns = [
         Column::Number("threads"),
         Column::Number("time [s]"),
@@ -165,7 +151,7 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
         table.rows.push(vec![
             Cell::text(pace.threads.to_string()),
             Cell::number(pace.seconds),
-            Cell::number(simulated_s / pace.seconds),
+            Cell::number(pace.times_real_time(simulated_s)),
             Cell::number(pace.speed_up(speed)),
         ]);
     }
@@ -173,7 +159,7 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
     (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
 }
 
-fn beside_models(map: &Map, family: &AmplitudePoints<'_>, colour: Colour) -> Figure {
+fn beside_models(map: &Map, family: &AmplitudePoints, colour: Colour) -> Figure {
     let (name, points) = (label(map, family.amplitude), &family.points);
     let mut described = curve("describing function", Colour::Second, points, |p| p.describing);
     described.dash = Dash::Dotted;
@@ -261,7 +247,7 @@ fn points_table(map: &Map) -> Table {
         Column::Text("settled"),
     ];
     let mut table = Table::new(&format!("Amplitudes in {}", map.signals.input_unit), &columns);
-    for p in &map.points {
+    for p in map.points.iter() {
         table.rows.push(vec![
             Cell::number(p.amplitude),
             Cell::number(p.frequency_hz),

@@ -84,21 +84,16 @@ const fn no(file: &'static str, name: &'static str, why: NoToleranceReason) -> N
 }
 
 /// Every constant that reads like a tolerance and is none, with the reason.
-const NO_TOLERANCES: [NoTolerance; 17] = [
+const NO_TOLERANCES: [NoTolerance; 12] = [
     no("models/src/parameters/cylinder.rs", "LAMINAR_SHARE", NoToleranceReason::Model),
     no("models/src/parameters/drive_limits.rs", "FOLD_K", NoToleranceReason::Model),
     no("pipeline/src/model.rs", "CONVERTER_RANGE_V", NoToleranceReason::Model),
     no("pipeline/src/reduction_views.rs", "SMALLEST_ERROR", NoToleranceReason::Page),
-    no("pipeline/src/synth/demanded_rate.rs", "LEAST_LEFT", NoToleranceReason::Model),
     no("pipeline/src/synth/friction_observers.rs", "BREAKAWAY_RAD", NoToleranceReason::Model),
     no("pipeline/src/tuning.rs", "HIGHEST_SHARE", NoToleranceReason::Grid),
     no("pipeline/src/tuning.rs", "MOST_LINES", NoToleranceReason::Grid),
     no("project/src/file/setting.rs", "LARGEST_PLAIN", NoToleranceReason::Page),
     no("project/src/file/setting.rs", "SMALLEST_PLAIN", NoToleranceReason::Page),
-    no("report/src/bode.rs", "DEPTH_DB", NoToleranceReason::Page),
-    no("report/src/error_budget.rs", "LEAST_COMPARED_URAD", NoToleranceReason::Page),
-    no("report/src/first_design.rs", "ALLOWS_MORE", NoToleranceReason::Page),
-    no("report/src/residual.rs", "COHERENT", NoToleranceReason::Page),
     no("synth/src/first_design/feedforwards.rs", "ROLL_OFF", NoToleranceReason::Model),
     no("synth/src/tuning/starts.rs", "CROSSOVERS", NoToleranceReason::Grid),
     no("verify/src/linear/root_locus.rs", "LEAST_GAIN", NoToleranceReason::Grid),

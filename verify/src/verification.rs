@@ -7,6 +7,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
+use crate::Quantity;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
@@ -14,6 +15,7 @@ use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
 use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
+use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
     ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
     Unmeasured, Verdict, nonlinear,
@@ -80,7 +82,36 @@ impl VerifiedController {
     }
 }
 
+/// A motion of the platform under which the feedforwards make what the loop controls worse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorseFeedforward {
+    /// On which plant.
+    pub model: Model,
+    /// Under which motion.
+    pub source: Source,
+    /// RMS with feedback alone.
+    pub without: f64,
+    /// RMS with the feedforwards.
+    pub with: f64,
+}
+
 impl Verification {
+    /// Returns the motions of the platform under which the feedforwards make the RMS of what the loop controls worse.
+    pub fn worse_feedforwards(&self) -> Vec<WorseFeedforward> {
+        let mut worse = Vec::new();
+        for model in [Model::Nonlinear, Model::Linear] {
+            for source in [Source::Heave, Source::Pitch, Source::Both, Source::Road] {
+                let rms = |arrangement| {
+                    self.value(Figure::Disturbance(model, source, arrangement, Quantity::HubRms))
+                };
+                let both = rms(Arrangement::Feedback).zip(rms(Arrangement::Compensated));
+                let found = both.filter(|(without, with)| *with > WORSE_FEEDFORWARD * without);
+                worse.extend(found.map(|(without, with)| WorseFeedforward { model, source, without, with }));
+            }
+        }
+        worse
+    }
+
     /// Returns what the loop controls.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         self.evidence.controlled

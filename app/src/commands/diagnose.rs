@@ -120,7 +120,7 @@ fn print_held_out(recordings: &[HeldOutText]) {
             "after / floor"
         );
         for (name, c) in &recording.channels {
-            let ratio = c.after / c.floor;
+            let ratio = c.residual_over_floor();
             say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
         }
         recording.remarks.iter().for_each(|remark| say!("    {remark}"));

@@ -8,11 +8,13 @@ use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
+use counterpoise_pipeline::studies::fra_summary::{MapTotals, Pace, total_of_maps};
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, fra_report, map_title, sticking_lines};
+use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
+use ndarray::Array2;
 
 use crate::exit::{Done, Exit};
 use crate::options::Outputs;
@@ -168,7 +170,7 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
 
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
 /// last bit.
-fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
+fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> Result<Vec<Pace>> {
     let all = Processors.processors();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
     let mut paces = Vec::new();
@@ -176,7 +178,7 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result
         let start = Moment::now();
         let measured = run_on(threads, || analyser.measure(plan, &Workers::new(Progress::Quiet)))??;
         paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
-        if measured != expected {
+        if measured != *expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
         }
     }
@@ -185,14 +187,13 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result
 
 /// How fast a map was, and how its time falls with the threads.
 fn tell_speed(maps: &[Map], speed: &[Pace]) {
-    let points: usize = maps.iter().map(|map| map.points.len()).sum();
-    let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
+    let MapTotals { points, simulated_s, .. } = total_of_maps(maps);
     for pace in speed {
         let gained = match (speed, pace.speed_up(speed)) {
             _ if pace.threads == 1 || speed.len() == 1 => String::new(),
             (_, gained) => format!(", {gained:.2} times as fast as on one"),
         };
-        let times = simulated_s / pace.seconds;
+        let times = pace.times_real_time(simulated_s);
         let noun = if pace.threads == 1 { "thread" } else { "threads" };
         say!(
             "{points} points, {simulated_s:.0} s of motion simulated in {:.2} s: {times:.0} times real time on {} {noun}{gained}",
@@ -266,7 +267,7 @@ fn print(map: &Map) {
         "harmonics",
         format!("mean {}", map.signals.output_unit)
     );
-    for p in &map.points {
+    for p in map.points.iter() {
         let described = p.describing_gain_db().map_or("-".to_owned(), |gain| format!("{gain:.2}"));
         let [gain, phase] = match p.sticks() {
             true => ["sticks".to_owned(), "-".to_owned()],

@@ -98,11 +98,8 @@ fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
     }
     say!("states: {}", result.states.join(", "));
     say!("{:>14} {:>14}", "frequency Hz", "damping");
-    for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {
-        let size = re.hypot(*im);
-        // a pole at the origin has no damping, of either sign
-        let damping = if *re == 0.0 { 0.0 } else { -re / size };
-        say!("{:14.4} {damping:14.4}", size / std::f64::consts::TAU);
+    for pole in result.damped_frequencies() {
+        say!("{:14.4} {:14.4}", pole.frequency_rad_s / std::f64::consts::TAU, pole.damping_ratio);
     }
 }
 

@@ -48,12 +48,13 @@ fn print(answer: &StructureAnswer) {
     say!("{}: {}", structure_verdict_name(answer.verdict), answer.explanation);
     let head = best.map_or(String::new(), |t| format!("with {}", t.what));
     say!("  {:>4} {:>12} {:>12} {:>8}   {head}", "mode", "measured Hz", "model Hz", "error %");
+    let off = answer.errors_percent(&answer.model_hz);
     for (k, measured) in answer.measured_hz.iter().enumerate() {
-        let error = |f: f64| 100.0 * (f / measured - 1.0);
         let model = answer.model_hz[k];
-        let improved =
-            best.map_or(String::new(), |t| format!("{:12.3} {:+8.2}", t.modes_hz[k], error(t.modes_hz[k])));
-        say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, error(model));
+        let improved = best.map_or(String::new(), |t| {
+            format!("{:12.3} {:+8.2}", t.modes_hz[k], answer.errors_percent(&t.modes_hz)[k])
+        });
+        say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, off[k]);
     }
     say!();
     say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "held out %");

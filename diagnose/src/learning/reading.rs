@@ -69,6 +69,12 @@ impl Reading {
         self.find(name).map_or(0.0, |p| p.half_width)
     }
 
+    /// Returns the 95 % interval of a parameter by its name.
+    pub fn interval(&self, name: &str) -> [f64; 2] {
+        let (value, half) = (self.value(name), self.half_width(name));
+        [value - half, value + half]
+    }
+
     fn find(&self, name: &str) -> Option<&FormParameter> {
         self.parameters.iter().find(|p| p.name == name)
     }

@@ -37,6 +37,13 @@ pub struct StructureAnswer {
     pub alternatives: Vec<String>,
 }
 
+impl StructureAnswer {
+    /// Returns by how much each frequency of a structure is off, percent of the measured one; `modes_hz` in the order of the measured modes.
+    pub fn errors_percent(&self, modes_hz: &[f64]) -> Vec<f64> {
+        modes_hz.iter().zip(&self.measured_hz).map(|(hz, measured)| 100.0 * (hz / measured - 1.0)).collect()
+    }
+}
+
 /// The answer, and the project with what was named.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureDiagnosis {

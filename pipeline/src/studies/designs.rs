@@ -77,6 +77,26 @@ pub struct DesignRow {
     pub why: Option<String>,
 }
 
+/// How far a bound of the best linear feedback is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundGap {
+    /// By how much the value exceeds the dual bound of the basis, percent of that.
+    pub above_dual_percent: f64,
+    /// By how much the value with half of the basis exceeds the value, percent of that; `None` if half the basis keeps no such limits.
+    pub half_basis_percent: Option<f64>,
+}
+
+impl DesignRow {
+    /// Returns how far the bound is known; `None` if the row is no bound.
+    pub fn bound_gap(&self) -> Option<BoundGap> {
+        let (bound, value) = (self.bound.as_ref()?, self.linear.as_ref()?.residual.value);
+        Some(BoundGap {
+            above_dual_percent: 100.0 * (value / bound.lower_bound - 1.0),
+            half_basis_percent: bound.half_basis.map(|half| 100.0 * (half / value - 1.0)),
+        })
+    }
+}
+
 /// How good the bound of the best linear feedback is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundResult {

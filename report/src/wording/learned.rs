@@ -332,8 +332,8 @@ fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
         "{subject} is {} x + {} x^3 ({} to {}), x in {unit}{what}",
         short_number(slope),
         short_number(cube),
-        short_number(cube - reading.half_width("cubic")),
-        short_number(cube + reading.half_width("cubic"))
+        short_number(reading.interval("cubic")[0]),
+        short_number(reading.interval("cubic")[1])
     )
 }
 

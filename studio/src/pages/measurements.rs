@@ -5,6 +5,7 @@ use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParamete
 use counterpoise_verify::Limit;
 use counterpoise_verify::robust::Sense;
 use egui::{RichText, Ui};
+use ndarray::ArrayView1;
 
 use super::frequency_charts::frequency_chart;
 use super::widgets;
@@ -93,17 +94,21 @@ pub fn show_map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &
 fn map_chart(view: &View, map: &Map) -> Chart {
     let theme = &view.theme;
     let mut chart = frequency_chart(view, "Platform rate to hub rate, as an analyser measures it", "modulus");
-    let displayed = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        points.iter().map(|p| [view.units.display_frequency(p[0]), view.units.display_gain(p[1])]).collect()
+    let rates = map.points.frequency_rad_s();
+    let displayed = |moduli: ArrayView1<'_, f64>| -> Vec<[f64; 2]> {
+        let points = rates.iter().zip(moduli);
+        points.map(|(rate, h)| [view.units.display_frequency(*rate), view.units.display_gain(*h)]).collect()
     };
-    for (k, one) in map.amplitude_curves().iter().enumerate() {
-        if k == 0 {
-            chart = chart.with_curve("linear", theme.weak, Dash::Dashed, displayed(&one.linear));
-        }
-        let amplitude = format_short(view.units.angle_factor() * one.amplitude);
+    if map.points.amplitudes() > 0 {
+        let linear = displayed(map.points.linear_modulus().view());
+        chart = chart.with_curve("linear", theme.weak, Dash::Dashed, linear);
+    }
+    for (k, measured) in map.points.modulus().columns().into_iter().enumerate() {
+        let amplitude = map.points.amplitude.column(k).first().copied().unwrap_or(f64::NAN);
+        let amplitude = format_short(view.units.angle_factor() * amplitude);
         let name = format!("{amplitude} {}", view.units.angular_rate_unit());
         let colour = theme.curves[k % theme.curves.len()];
-        chart = chart.with_curve(&name, colour, Dash::Solid, displayed(&one.measured));
+        chart = chart.with_curve(&name, colour, Dash::Solid, displayed(measured));
     }
     chart
 }
