@@ -2,7 +2,7 @@
 
 use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
 use crate::wording::{capitalise_first, name_in_words};
-use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::channel_fits::Channels;
 
 use counterpoise_plot::number::short_number;
@@ -55,13 +55,13 @@ fn headline(answer: &AnswerText) -> Headline {
         .collect();
     let sentence = capitalise_first(describe_verdict(answer.verdict).sentence);
     let tone = match answer.verdict {
-        Verdict::Consistent | Verdict::Named => Tone::Good,
-        Verdict::Ambiguous | Verdict::Incomplete => Tone::Neutral,
-        Verdict::Unknown => Tone::Bad,
+        DiagnosisVerdict::Consistent | DiagnosisVerdict::Named => Tone::Good,
+        DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => Tone::Neutral,
+        DiagnosisVerdict::Unknown => Tone::Bad,
     };
     let text = match answer.verdict {
-        Verdict::Consistent | Verdict::Unknown => sentence,
-        Verdict::Named | Verdict::Ambiguous | Verdict::Incomplete => {
+        DiagnosisVerdict::Consistent | DiagnosisVerdict::Unknown => sentence,
+        DiagnosisVerdict::Named | DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => {
             format!("{sentence}: {}", names.join(", "))
         }
     };

@@ -1,7 +1,7 @@
 //! The report of a structure's diagnosis: measured frequencies beside those of every model that was tried.
 
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
-use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -15,7 +15,7 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         title: format!("Structure of {machine}"),
         subtitle: "natural frequencies, measured and modelled".to_owned(),
         headline: Headline {
-            tone: if answer.verdict == StructureVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
+            tone: if answer.verdict == DiagnosisVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
             text: answer.explanation.clone(),
             detail: answer
                 .alternatives

@@ -14,7 +14,7 @@ use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
-use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
+use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
     ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
@@ -25,7 +25,7 @@ use crate::{
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// Every figure that was measured.
-    pub figures: Vec<Measured>,
+    pub figures: Vec<MeasuredFigure>,
     /// Every requirement with its verdict, in the order given.
     pub verdicts: Vec<(Requirement, Verdict)>,
     /// What the figures were read from.
@@ -335,7 +335,7 @@ pub fn frequency_figures(
 /// Figures of a linear loop that need no motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyFigures {
-    figures: Vec<Measured>,
+    figures: Vec<MeasuredFigure>,
     /// Whether the closed loop is stable.
     pub is_stable: bool,
 }
@@ -347,7 +347,7 @@ impl FrequencyFigures {
     }
 }
 
-fn value_of(figures: &[Measured], figure: Figure) -> Option<f64> {
+fn value_of(figures: &[MeasuredFigure], figure: Figure) -> Option<f64> {
     figures.iter().find(|measured| measured.figure == figure).and_then(|measured| match measured.value {
         Value::Is(number) => Some(number),
         Value::Absent { .. } => None,
@@ -360,7 +360,7 @@ struct LinearLoops {
     loops: Vec<ArrangedLoop>,
     broken: StateSpace,
     margins: Margins,
-    figures: Vec<Measured>,
+    figures: Vec<MeasuredFigure>,
 }
 
 fn linear_loops(
@@ -430,7 +430,7 @@ pub(crate) fn rejection_figures(
     closed: &Closed,
     arrangement: Arrangement,
     frequencies: &[f64],
-) -> Result<Vec<Measured>, Error> {
+) -> Result<Vec<MeasuredFigure>, Error> {
     let mut figures = Vec::new();
     let stable = arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
     for rejection in rejections(sampled, closed, arrangement, frequencies)? {
@@ -438,7 +438,7 @@ pub(crate) fn rejection_figures(
             let figure =
                 Figure::Rejection { source: rejection.source, arrangement, frequency_hz: *frequency_hz };
             let db = if stable { 20.0 * h.norm().log10() } else { f64::INFINITY };
-            figures.push(Measured { figure, value: Value::Is(db) });
+            figures.push(MeasuredFigure { figure, value: Value::Is(db) });
         }
     }
     Ok(figures)
@@ -449,7 +449,7 @@ fn linear_histories(
     sampled: &SampledPlant,
     loops: &[ArrangedLoop],
     procedure: &Procedure,
-    figures: &mut Vec<Measured>,
+    figures: &mut Vec<MeasuredFigure>,
     histories: &mut Vec<History>,
 ) -> Result<(), Error> {
     for ArrangedLoop { arrangement, closed } in loops {

@@ -14,7 +14,7 @@ use counterpoise_report::html_page;
 use crate::exit::{Done, verdict_code};
 use crate::options::Outputs;
 use crate::output::{self, say};
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, ProjectWorld};
 
 /// Arguments of `adapt`.
 #[derive(Args)]
@@ -30,7 +30,7 @@ pub struct AdaptOptions {
 pub fn run(options: &AdaptOptions) -> Done {
     let loaded = projects::load_project(&options.project, Purpose::Verify)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
-    let world = Surroundings::of(&loaded, options.outputs.results.progress());
+    let world = ProjectWorld::of(&loaded, options.outputs.results.progress());
     let result = study_adaptation(&loaded.project, &world)?;
     let (runs, tried) = (&result.runs, &result.trials);
     if let Some(path) = &options.outputs.report {

@@ -22,7 +22,7 @@ use crate::output::{self, say};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::clock::Moment;
 use counterpoise_host::projects::{self, Loaded};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::{Processors, Workers, run_on};
 
 /// Arguments of `fra`.
@@ -164,7 +164,7 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
-    let map = analyser.compare(&measured, &Workers::new(Progress::Quiet))?;
+    let map = analyser.compare(&measured, &Workers::new(ProgressDisplay::Quiet))?;
     Ok((vec![describe_map(map)], speed))
 }
 
@@ -176,7 +176,7 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> 
     let mut paces = Vec::new();
     for threads in doubling.chain([all]) {
         let start = Moment::now();
-        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(Progress::Quiet)))??;
+        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(ProgressDisplay::Quiet)))??;
         paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
         if measured != *expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");

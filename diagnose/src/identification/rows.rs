@@ -9,7 +9,7 @@
 //! their parts of the viscous friction in the project (they differ while the gear twists); w is the rate of the mean
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
-use counterpoise_models::{AccelerometerAxis, Axis, Measured, Parameters};
+use counterpoise_models::{AccelerometerAxis, Axis, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::signal::{Chain, Kernel};
@@ -352,21 +352,23 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     let motor = r.samples(Channel::MotorRate).filter(|_| fitted).map(&mut filled);
     let measured = p.sensors.measured;
     let relative: Vec<f64> = match measured {
-        Measured::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
-        Measured::RelativeRate | Measured::MotorRate => reading.clone(),
-        Measured::HubPosition | Measured::MotorPosition => derivative(&reading, r.sample_period_s),
+        FeedbackSignal::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
+        FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => reading.clone(),
+        FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => {
+            derivative(&reading, r.sample_period_s)
+        }
         // A torque and a current show no motion; the motor's tachometer does, and a torque how far the load stays behind.
-        Measured::Torque => {
+        FeedbackSignal::Torque => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
             behind_the_gear(&chain.as_gyro(motor), &reading, r.sample_period_s, p)
         }
-        Measured::Current => {
+        FeedbackSignal::Current => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
             motor.iter().map(|rate| rate / p.gearbox.ratio).collect()
         }
     };
     let hub = match measured {
-        Measured::HubRate => reading.clone(),
+        FeedbackSignal::HubRate => reading.clone(),
         _ => relative.iter().zip(&platform).map(|(r, p)| r + p).collect(),
     };
     let turned = || integral(&relative, r.sample_period_s);
@@ -378,7 +380,7 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         None => turned(),
     };
     let noise = match measured {
-        Measured::Torque => RateNoise::WhiteOfMotor,
+        FeedbackSignal::Torque => RateNoise::WhiteOfMotor,
         _ if measured.is_position() => RateNoise::Differentiated,
         _ => RateNoise::White,
     };

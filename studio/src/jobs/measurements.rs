@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use counterpoise_diagnose::simulator_access::map;
-use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
@@ -70,10 +70,14 @@ const FREQUENCY_COUNT: usize = 21;
 const PARTIAL_INTERVAL: usize = 10;
 
 /// Returns a worker that measures, says its progress, and leaves what a campaign has found so far in `partial`.
-pub fn measurement_worker(wake: &Wake, progress: &Progress, partial: &PartialCampaign) -> MeasurementWorker {
+pub fn measurement_worker(
+    wake: &Wake,
+    progress: &SharedProgress,
+    partial: &PartialCampaign,
+) -> MeasurementWorker {
     let (progress, own_wake, partial) = (progress.clone(), Arc::clone(wake), Arc::clone(partial));
     Worker::new(Arc::clone(wake), move |request: MeasurementRequest, token: &Token| {
-        let watch = Watch { token, progress: &progress, wake: &own_wake };
+        let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
         match &request {
             MeasurementRequest::Map(of) => {
@@ -86,7 +90,7 @@ pub fn measurement_worker(wake: &Wake, progress: &Progress, partial: &PartialCam
     })
 }
 
-fn measure_map(of: &VerificationRequest, watch: &Watch) -> Result<Map, pipeline::PipelineError> {
+fn measure_map(of: &VerificationRequest, watch: &CancellablePool) -> Result<Map, pipeline::PipelineError> {
     let [low, high] = FREQUENCIES_HZ;
     let frequency = |k: usize| low * (high / low).powf(k as f64 / (FREQUENCY_COUNT - 1) as f64);
     let plan = Plan {
@@ -104,7 +108,7 @@ fn run_campaign(
     of: &VerificationRequest,
     verified: &VerifiedController,
     partial: &PartialCampaign,
-    watch: &Watch,
+    watch: &CancellablePool,
 ) -> Result<CampaignResult, ErrorLines> {
     let design = &of.design;
     let campaign = pipeline::prepare_campaign(&design.project, &design.modelled, verified, &of.folder)

@@ -15,7 +15,7 @@ pub mod propagation;
 pub mod sources;
 
 use counterpoise_controller::Controller;
-use counterpoise_models::{Measured, Plant};
+use counterpoise_models::{FeedbackSignal, Plant};
 use counterpoise_simulate::{Simulator, TimeHistory};
 
 use crate::line_of_sight::{SightAngles, experiment};
@@ -157,7 +157,7 @@ pub fn error_budget(
 ) -> Result<Option<ErrorBudget>, Error> {
     let holds_rate = matches!(
         plant.parameters().sensors.measured,
-        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate
+        FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate
     );
     let Some(sight) = procedure.line_of_sight.filter(|_| holds_rate) else {
         return Ok(None);
