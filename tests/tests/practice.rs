@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_tests::Threads;
 use counterpoise_models::Plant;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
+use counterpoise_tests::Threads;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

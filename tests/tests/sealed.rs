@@ -5,8 +5,8 @@
 
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Answer;
-use counterpoise_tests::Threads;
 use counterpoise_models::{Parameters, reference};
+use counterpoise_tests::Threads;
 use counterpoise_tests::sealed::row::recordings;
 use counterpoise_tests::sealed::table::upper_bound;
 use counterpoise_tests::sealed::{Family, Sealed, case, controller};

@@ -96,7 +96,7 @@ fn print_confirmation(replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
-            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.rms_error / c.floor))
+            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.error_over_floor()))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }

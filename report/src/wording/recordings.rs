@@ -296,9 +296,9 @@ fn describe_fault_kind(kind: &FaultKind) -> String {
         FaultKind::Clipped { limit, share } => {
             format!("is clipped at {limit:.6}: {:.1} % of its samples lie there", 100.0 * share)
         }
-        FaultKind::Coarse { step, expected } => format!(
+        FaultKind::Coarse { step, .. } => format!(
             "moves in steps of {step:.3e}, {:.0} times the step of the project's converter",
-            step / expected
+            kind.step_ratio().unwrap_or(f64::NAN)
         ),
         FaultKind::Held { samples } => {
             format!("changes only every {samples} samples: it was recorded at a lower rate and held")

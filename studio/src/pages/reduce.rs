@@ -188,7 +188,7 @@ fn show_modes(
                 choose_order(queue, method, states);
             }
             ui.label(format_short(view.units.display_frequency(pole.norm())));
-            ui.label(format_short(-pole.re / pole.norm().max(f64::MIN_POSITIVE)));
+            ui.label(format_short(counterpoise_lti::damping_ratio(*pole)));
             ui.end_row();
         }
     });

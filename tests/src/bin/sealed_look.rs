@@ -5,8 +5,8 @@
 
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Answer;
-use counterpoise_tests::Threads;
 use counterpoise_models::{Parameters, reference};
+use counterpoise_tests::Threads;
 use counterpoise_tests::sealed::oracle::compare_fits;
 use counterpoise_tests::sealed::row::{recordings, score};
 use counterpoise_tests::sealed::truth::ALL;
