@@ -115,12 +115,12 @@ pub struct FrictionLoop {
 
 impl FrictionLoop {
     /// Returns the torque (N m) over the angle, as a share of the loop's largest.
-    pub fn over_relative_angle(&self) -> Vec<[f64; 2]> {
+    pub fn torque_against_relative_angle(&self) -> Vec<[f64; 2]> {
         over_largest(&self.points)
     }
 
     /// Returns the torque (N m) over the rate, as a share of the loop's largest.
-    pub fn over_relative_rate(&self) -> Vec<[f64; 2]> {
+    pub fn torque_against_relative_rate(&self) -> Vec<[f64; 2]> {
         over_largest(&self.over_rate)
     }
 }

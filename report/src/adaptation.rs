@@ -2,7 +2,7 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::Axis;
-use counterpoise_pipeline::studies::adapt::{AdaptRun, Trace, summarise_runs};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Trace};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
     Bands, Load, METHODS, Motion, Refusal, TrialRow, Trials,
@@ -162,8 +162,12 @@ fn load(load: Load) -> &'static str {
 }
 
 /// Returns the report.
-pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
-    let adapted = summarise_runs(runs);
+pub fn adaptation_report(
+    machine: &str,
+    command: &str,
+    runs: &[AdaptRun],
+    adapted: AdaptedIntervals,
+) -> Report {
     let tone = if adapted.returned == adapted.intervals { Tone::Good } else { Tone::Bad };
     let text = format!(
         "{} of {} adapted intervals come back to within 10 % of run (a)",

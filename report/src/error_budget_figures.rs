@@ -1,7 +1,7 @@
 //! The spectrum of the line of sight as figures: its power spectral density and its cumulative RMS, with the shares of its sources.
 
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
-use counterpoise_verify::sight_spectrum::{SightSpectrum, cumulative_rms, cumulative_share, densities};
+use counterpoise_verify::sight_spectrum::SightSpectrum;
 use counterpoise_verify::{Contribution, ErrorBudget};
 
 /// Microradians in a radian.
@@ -29,26 +29,21 @@ pub fn error_budget_figures(budget: &ErrorBudget) -> Vec<Figure> {
 fn figure(budget: &ErrorBudget, place: Place) -> Figure {
     let largest = largest(budget, place);
     let linear = budget.linear_spectrum();
-    let density = |bands: &[f64]| density(&budget.edges_hz, bands);
+    let density = |bands: &[f64]| density(budget, bands);
     let total = (place.of)(&budget.total);
     let mut powers = vec![Series::solid_line("all sources", Colour::Muted, density(total))];
-    let mut roots =
-        vec![Series::solid_line("all sources", Colour::Muted, cumulative(&budget.edges_hz, total))];
+    let mut roots = vec![Series::solid_line("all sources", Colour::Muted, cumulative(budget, total))];
     let mut shares = Vec::new();
     for (one, colour) in largest.iter().zip(Colour::CYCLE) {
         let share = (place.of)(&one.share);
         powers.push(Series::solid_line(one.source.name(), colour, density(share)));
-        shares.push(Series::solid_line("", colour, part(&budget.edges_hz, share, total)));
+        shares.push(Series::solid_line("", colour, part(budget, share, total)));
         if let Some(linear) = &one.linear {
             let name = format!("{}, linear loop", one.source.name());
             powers.push(Series::dotted_line(&name, colour, density((place.of)(&linear.spectrum))));
         }
     }
-    roots.push(Series::dotted_line(
-        "linear loop",
-        Colour::Muted,
-        cumulative(&budget.edges_hz, (place.of)(&linear)),
-    ));
+    roots.push(Series::dotted_line("linear loop", Colour::Muted, cumulative(budget, (place.of)(&linear))));
     let panels = vec![
         Panel::new(Axis::logarithmic("power spectrum", "urad\u{B2}/Hz"), powers).with_height(260.0),
         Panel::new(Axis::linear("cumulative RMS", "urad"), roots).with_height(150.0),
@@ -74,14 +69,14 @@ fn largest(budget: &ErrorBudget, place: Place) -> Vec<&Contribution> {
     all
 }
 
-fn density(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
-    densities(edges_hz, bands).into_iter().map(|[hz, density]| (hz, MICRO * MICRO * density)).collect()
+fn density(budget: &ErrorBudget, bands: &[f64]) -> Vec<(f64, f64)> {
+    budget.densities(bands).into_iter().map(|[hz, density]| (hz, MICRO * MICRO * density)).collect()
 }
 
-fn cumulative(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
-    cumulative_rms(edges_hz, bands).into_iter().map(|[hz, rms]| (hz, MICRO * rms)).collect()
+fn cumulative(budget: &ErrorBudget, bands: &[f64]) -> Vec<(f64, f64)> {
+    budget.cumulative_rms(bands).into_iter().map(|[hz, rms]| (hz, MICRO * rms)).collect()
 }
 
-fn part(edges_hz: &[f64], share: &[f64], total: &[f64]) -> Vec<(f64, f64)> {
-    cumulative_share(edges_hz, share, total).into_iter().map(|[hz, share]| (hz, 100.0 * share)).collect()
+fn part(budget: &ErrorBudget, share: &[f64], total: &[f64]) -> Vec<(f64, f64)> {
+    budget.cumulative_share(share, total).into_iter().map(|[hz, share]| (hz, 100.0 * share)).collect()
 }

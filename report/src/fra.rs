@@ -2,9 +2,7 @@
 
 use counterpoise_pipeline::studies::fra::{Around, Map};
 use counterpoise_pipeline::studies::fra_points::Point;
-use counterpoise_pipeline::studies::fra_summary::{
-    AmplitudePoints, MapTotals, Pace, Sticking, total_of_maps,
-};
+use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MapTotals, Pace, Sticking};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
@@ -12,18 +10,18 @@ use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Til
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
-/// Returns the report of one or more maps of one machine, and of how fast they were measured.
-pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
+/// Returns the report of one or more maps of one machine, with their numbers together, and of how fast they were measured.
+pub fn fra_report(maps: &[Map], totals: MapTotals, speed: &[Pace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
     Report {
         title: format!("Frequency responses of {name}"),
         subtitle: first.map(map_title).unwrap_or_default(),
-        headline: headline(maps),
+        headline: headline(maps, totals),
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
         glance: first.map(|map| overview(map, command)).into_iter().collect(),
-        sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(maps, speed)).collect(),
+        sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(totals, speed)).collect(),
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
             ProvenanceEntry::new("command", command),
@@ -31,8 +29,8 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     }
 }
 
-fn headline(maps: &[Map]) -> Headline {
-    let MapTotals { points: count, unsettled, .. } = total_of_maps(maps);
+fn headline(maps: &[Map], totals: MapTotals) -> Headline {
+    let MapTotals { points: count, unsettled, .. } = totals;
     let text = match unsettled {
         0 => format!("{count} points measured, every one settled"),
         n => format!("{count} points measured, {n} not settled or not excited"),
@@ -137,8 +135,8 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
 }
 
 /// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
-fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
-    let simulated_s = total_of_maps(maps).simulated_s;
+fn pace(totals: MapTotals, speed: &[Pace]) -> Option<Section> {
+    let simulated_s = totals.simulated_s;
     let columns = [
         Column::Number("threads"),
         Column::Number("time [s]"),

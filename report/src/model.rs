@@ -310,8 +310,8 @@ fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
     let milli = |one: &FrictionLoop| one.points.iter().map(|p| (1e3 * p[0], p[1])).collect();
     let pairs = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, torque]| (x, torque)).collect();
     let presliding = curves(PRESLIDING, &milli);
-    let sliding = curves(loops.len(), &|one| pairs(one.over_relative_angle()));
-    let rates = curves(loops.len(), &|one| pairs(one.over_relative_rate()));
+    let sliding = curves(loops.len(), &|one| pairs(one.torque_against_relative_angle()));
+    let rates = curves(loops.len(), &|one| pairs(one.torque_against_relative_rate()));
     [
         Figure::new(&format!("Presliding at the {place}"), Axis::linear("angle", "mrad"), vec![presliding])
             .with_caption("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),

@@ -1,6 +1,6 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
-use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, summarise_runs};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Interval};
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_project::Purpose;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
@@ -37,7 +37,13 @@ pub fn run(options: &AdaptOptions) -> Done {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write_file(
             path,
-            html_page(&adaptation_report(&loaded.project.plant.name, &command, runs)).as_bytes(),
+            html_page(&adaptation_report(
+                &loaded.project.plant.name,
+                &command,
+                runs,
+                AdaptedIntervals::of(runs),
+            ))
+            .as_bytes(),
         )?;
     }
     if !output::write_json(&options.outputs.results, &result)? {
@@ -73,6 +79,6 @@ fn print(runs: &[AdaptRun]) {
             );
         }
     }
-    let adapted = summarise_runs(runs);
+    let adapted = AdaptedIntervals::of(runs);
     say!("{} of {} adapted intervals are within 10 % of run (a)", adapted.returned, adapted.intervals);
 }

@@ -8,7 +8,7 @@ use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
-use counterpoise_pipeline::studies::fra_summary::{MapTotals, Pace, total_of_maps};
+use counterpoise_pipeline::studies::fra_summary::{MapTotals, Pace};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
@@ -117,7 +117,10 @@ pub fn run(options: &FraOptions) -> Done {
             .chain(std::env::args().skip_while(|argument| argument != "fra"))
             .collect::<Vec<_>>()
             .join(" ");
-        projects::write_file(path, html_page(&fra_report(&maps, &speed, &command)).as_bytes())?;
+        projects::write_file(
+            path,
+            html_page(&fra_report(&maps, MapTotals::of(&maps), &speed, &command)).as_bytes(),
+        )?;
     }
     if !output::json_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(print);
@@ -187,7 +190,7 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> 
 
 /// How fast a map was, and how its time falls with the threads.
 fn tell_speed(maps: &[Map], speed: &[Pace]) {
-    let MapTotals { points, simulated_s, .. } = total_of_maps(maps);
+    let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
     for pace in speed {
         let gained = match (speed, pace.speed_up(speed)) {
             _ if pace.threads == 1 || speed.len() == 1 => String::new(),

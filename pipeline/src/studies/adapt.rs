@@ -114,17 +114,19 @@ pub struct AdaptedIntervals {
     pub largest_estimate_error_kg_m: f64,
 }
 
-/// Summarises the adapted intervals of runs.
-pub fn summarise_runs(runs: &[AdaptRun]) -> AdaptedIntervals {
-    let adapted = runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted);
-    adapted.fold(AdaptedIntervals::default(), |all, one| AdaptedIntervals {
-        intervals: all.intervals + 1,
-        returned: all.returned + usize::from(one.has_returned()),
-        largest_over_default: all.largest_over_default.max(one.over_default),
-        largest_estimate_error_kg_m: all
-            .largest_estimate_error_kg_m
-            .max((one.used_kg_m - one.out_of_balance_kg_m).abs()),
-    })
+impl AdaptedIntervals {
+    /// Returns what the adapted intervals of runs came to.
+    pub fn of(runs: &[AdaptRun]) -> Self {
+        let adapted = runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted);
+        adapted.fold(Self::default(), |all, one| Self {
+            intervals: all.intervals + 1,
+            returned: all.returned + usize::from(one.has_returned()),
+            largest_over_default: all.largest_over_default.max(one.over_default),
+            largest_estimate_error_kg_m: all
+                .largest_estimate_error_kg_m
+                .max((one.used_kg_m - one.out_of_balance_kg_m).abs()),
+        })
+    }
 }
 
 /// Share of an interval that is left to the estimate before the RMS is taken.

@@ -151,12 +151,14 @@ pub struct MapTotals {
     pub simulated_s: f64,
 }
 
-/// Returns the numbers of maps together.
-pub fn total_of_maps<Remark>(maps: &[Map<Remark>]) -> MapTotals {
-    MapTotals {
-        points: maps.iter().map(|map| map.points.len()).sum(),
-        unsettled: maps.iter().map(|map| map.unsettled_count()).sum(),
-        simulated_s: maps.iter().map(|map| map.simulated_s).sum(),
+impl MapTotals {
+    /// Returns the numbers of maps together.
+    pub fn of<Remark>(maps: &[Map<Remark>]) -> Self {
+        Self {
+            points: maps.iter().map(|map| map.points.len()).sum(),
+            unsettled: maps.iter().map(|map| map.unsettled_count()).sum(),
+            simulated_s: maps.iter().map(|map| map.simulated_s).sum(),
+        }
     }
 }
 

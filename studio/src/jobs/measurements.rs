@@ -20,7 +20,7 @@ use crate::versioned_results::Versioned;
 #[derive(Debug, Clone, Default)]
 pub struct Measurements {
     /// The analyser's map, or why there is none.
-    pub map: Option<Versioned<Result<Map, ErrorLines>>>,
+    pub map: Option<Versioned<Result<Box<Map>, ErrorLines>>>,
     /// The campaign, or why there is none.
     pub campaign: Option<Versioned<Result<CampaignResult, ErrorLines>>>,
 }
@@ -38,7 +38,7 @@ pub enum MeasurementRequest {
 #[derive(Debug, Clone)]
 pub enum MeasurementResult {
     /// The map.
-    Map(Result<Map, ErrorLines>),
+    Map(Result<Box<Map>, ErrorLines>),
     /// The campaign.
     Campaign(Result<CampaignResult, ErrorLines>),
 }
@@ -80,9 +80,9 @@ pub fn measurement_worker(
         let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
         match &request {
-            MeasurementRequest::Map(of) => {
-                MeasurementResult::Map(measure_map(of, &watch).map_err(|error| error_lines(&error)))
-            }
+            MeasurementRequest::Map(of) => MeasurementResult::Map(
+                measure_map(of, &watch).map(Box::new).map_err(|error| error_lines(&error)),
+            ),
             MeasurementRequest::Campaign(of, verified) => {
                 MeasurementResult::Campaign(run_campaign(of, verified, &partial, &watch))
             }

@@ -114,6 +114,37 @@ impl ErrorBudget {
         self.edges_hz.get(band.filter(|_| total > 0.0)? + 1).copied()
     }
 
+    /// Returns the middle of each band, Hz, and the power density in it, rad^2/Hz. The lowest band, which begins at 0 and so has no middle on a
+    /// logarithmic axis, stands at half its width; a density that is not positive is NaN.
+    pub fn densities(&self, bands_rad2: &[f64]) -> Vec<[f64; 2]> {
+        let middle = |low: f64, high: f64| if low > 0.0 { (low * high).sqrt() } else { 0.5 * high };
+        let density = |(edges, square): (&[f64], &f64)| {
+            let density = square / (edges[1] - edges[0]);
+            [middle(edges[0], edges[1]), if density > 0.0 { density } else { f64::NAN }]
+        };
+        self.edges_hz.windows(2).zip(bands_rad2).map(density).collect()
+    }
+
+    /// Returns the upper edge of each band, Hz, and the RMS of all bands up to it, rad.
+    pub fn cumulative_rms(&self, bands_rad2: &[f64]) -> Vec<[f64; 2]> {
+        self.sums(bands_rad2).into_iter().map(|[hz, sum]| [hz, sum.max(0.0).sqrt()]).collect()
+    }
+
+    /// Returns the upper edge of each band, Hz, and what a source has in all bands up to it, as a share of the whole.
+    pub fn cumulative_share(&self, bands_rad2: &[f64], whole_rad2: &[f64]) -> Vec<[f64; 2]> {
+        let whole: f64 = whole_rad2.iter().sum();
+        self.sums(bands_rad2).into_iter().map(|[hz, sum]| [hz, sum / whole]).collect()
+    }
+
+    fn sums(&self, bands: &[f64]) -> Vec<[f64; 2]> {
+        let mut sum = 0.0;
+        let mut next = |(edge, square): (&f64, &f64)| {
+            sum += square;
+            [*edge, sum]
+        };
+        self.edges_hz.iter().skip(1).zip(bands).map(&mut next).collect()
+    }
+
     /// Returns the sum of the spectra of the linear loop over all sources.
     pub fn linear_spectrum(&self) -> SightSpectrum {
         let start = SightSpectrum::at_rest(self.edges_hz.len().saturating_sub(1));
