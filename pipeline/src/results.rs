@@ -87,7 +87,7 @@ pub struct ModelResult {
 
 /// A pole of the plant, as an engineer states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DampedFrequency {
+pub struct PoleCharacteristics {
     /// Modulus, rad/s.
     pub frequency_rad_s: f64,
     /// Damping ratio; 0 at the origin, of either sign.
@@ -96,11 +96,11 @@ pub struct DampedFrequency {
 
 impl ModelResult {
     /// Returns frequency and damping ratio of the poles with an imaginary part of 0 or above, in the order of the poles.
-    pub fn damped_frequencies(&self) -> Vec<DampedFrequency> {
+    pub fn pole_characteristics(&self) -> Vec<PoleCharacteristics> {
         let of = |[re, im]: &Pair| {
             let frequency_rad_s = re.hypot(*im);
             let damping_ratio = if *re == 0.0 { 0.0 } else { -re / frequency_rad_s };
-            DampedFrequency { frequency_rad_s, damping_ratio }
+            PoleCharacteristics { frequency_rad_s, damping_ratio }
         };
         self.poles_rad_s.iter().filter(|pole| pole[1] >= 0.0).map(of).collect()
     }

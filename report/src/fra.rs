@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::studies::fra::{Around, Map};
 use counterpoise_pipeline::studies::fra_points::Point;
-use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MapTotals, Pace, Sticking};
+use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MapTotals, MeasuringPace, Sticking};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
@@ -11,7 +11,7 @@ use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
 /// Returns the report of one or more maps of one machine, with their numbers together, and of how fast they were measured.
-pub fn fra_report(maps: &[Map], totals: MapTotals, speed: &[Pace], command: &str) -> Report {
+pub fn fra_report(maps: &[Map], totals: MapTotals, speed: &[MeasuringPace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
     Report {
@@ -135,7 +135,7 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
 }
 
 /// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
-fn pace(totals: MapTotals, speed: &[Pace]) -> Option<Section> {
+fn pace(totals: MapTotals, speed: &[MeasuringPace]) -> Option<Section> {
     let simulated_s = totals.simulated_s;
     let columns = [
         Column::Number("threads"),

@@ -79,7 +79,7 @@ fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<Tile> {
 fn poles(result: &ModelResult) -> Table {
     let columns = [Column::Number("frequency [Hz]"), Column::Number("damping ratio")];
     let mut table = Table::new("Poles of the linear plant", &columns);
-    let mut poles = result.damped_frequencies();
+    let mut poles = result.pole_characteristics();
     poles.sort_by(|a, b| a.frequency_rad_s.total_cmp(&b.frequency_rad_s));
     for pole in poles {
         let frequency_hz = pole.frequency_rad_s / std::f64::consts::TAU;

@@ -8,7 +8,7 @@ use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
-use counterpoise_pipeline::studies::fra_summary::{MapTotals, Pace};
+use counterpoise_pipeline::studies::fra_summary::{MapTotals, MeasuringPace};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
@@ -144,7 +144,7 @@ fn check_platform_is_measured(loaded: &Loaded, around: Around) -> Result<()> {
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
 /// on fewer.
-fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<Pace>)> {
+fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<MeasuringPace>)> {
     let modelled = pipeline::model(&loaded.project)?;
     let project = &loaded.project;
     let analyser = Analyser::new(project, &modelled, plan, On::Simulation)?;
@@ -163,7 +163,7 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     let seconds = start.elapsed().as_secs_f64();
     workers.finish();
     let measured = measured?;
-    let mut speed = vec![Pace { threads: Processors.processors(), seconds }];
+    let mut speed = vec![MeasuringPace { threads: Processors.processors(), seconds }];
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
@@ -173,14 +173,14 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
 
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
 /// last bit.
-fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> Result<Vec<Pace>> {
+fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> Result<Vec<MeasuringPace>> {
     let all = Processors.processors();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
     let mut paces = Vec::new();
     for threads in doubling.chain([all]) {
         let start = Moment::now();
         let measured = run_on(threads, || analyser.measure(plan, &Workers::new(ProgressDisplay::Quiet)))??;
-        paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
+        paces.push(MeasuringPace { threads, seconds: start.elapsed().as_secs_f64() });
         if measured != *expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
         }
@@ -189,7 +189,7 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> 
 }
 
 /// How fast a map was, and how its time falls with the threads.
-fn tell_speed(maps: &[Map], speed: &[Pace]) {
+fn tell_speed(maps: &[Map], speed: &[MeasuringPace]) {
     let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
     for pace in speed {
         let gained = match (speed, pace.speed_up(speed)) {

@@ -98,7 +98,7 @@ fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
     }
     say!("states: {}", result.states.join(", "));
     say!("{:>14} {:>14}", "frequency Hz", "damping");
-    for pole in result.damped_frequencies() {
+    for pole in result.pole_characteristics() {
         say!("{:14.4} {:14.4}", pole.frequency_rad_s / std::f64::consts::TAU, pole.damping_ratio);
     }
 }

@@ -121,16 +121,16 @@ impl<Remark> Map<Remark> {
 
 /// How long the measuring of a map took.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pace {
+pub struct MeasuringPace {
     /// Threads that it was measured on.
     pub threads: usize,
     /// Time, s.
     pub seconds: f64,
 }
 
-impl Pace {
+impl MeasuringPace {
     /// Returns how many times as fast as the first of a list, which is on one thread.
-    pub fn speed_up(&self, all: &[Pace]) -> f64 {
+    pub fn speed_up(&self, all: &[MeasuringPace]) -> f64 {
         all.first().map_or(1.0, |first| first.seconds / self.seconds)
     }
 

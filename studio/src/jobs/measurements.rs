@@ -22,7 +22,7 @@ pub struct Measurements {
     /// The analyser's map, or why there is none.
     pub map: Option<Versioned<Result<Box<Map>, ErrorLines>>>,
     /// The campaign, or why there is none.
-    pub campaign: Option<Versioned<Result<CampaignResult, ErrorLines>>>,
+    pub campaign: Option<Versioned<Result<CampaignView, ErrorLines>>>,
 }
 
 /// What is to be measured.
@@ -40,12 +40,12 @@ pub enum MeasurementResult {
     /// The map.
     Map(Result<Box<Map>, ErrorLines>),
     /// The campaign.
-    Campaign(Result<CampaignResult, ErrorLines>),
+    Campaign(Result<CampaignView, ErrorLines>),
 }
 
 /// The requirements over many mechanisms.
 #[derive(Debug, Clone)]
-pub struct CampaignResult {
+pub struct CampaignView {
     /// One row for each requirement.
     pub rows: Vec<RequirementSpread>,
     /// Number of mechanisms that were simulated.
@@ -55,7 +55,7 @@ pub struct CampaignResult {
 }
 
 /// What a running campaign has found so far.
-pub type PartialCampaign = Arc<Mutex<Option<CampaignResult>>>;
+pub type PartialCampaign = Arc<Mutex<Option<CampaignView>>>;
 
 /// Measures.
 pub type MeasurementWorker = Worker<MeasurementRequest, MeasurementResult>;
@@ -109,7 +109,7 @@ fn run_campaign(
     verified: &VerifiedController,
     partial: &PartialCampaign,
     watch: &CancellablePool,
-) -> Result<CampaignResult, ErrorLines> {
+) -> Result<CampaignView, ErrorLines> {
     let design = &of.design;
     let campaign = pipeline::prepare_campaign(&design.project, &design.modelled, verified, &of.folder)
         .map_err(|error| error_lines(&error))?;
@@ -130,7 +130,7 @@ fn run_campaign(
     Ok(campaign_result(&campaign, &samples))
 }
 
-fn campaign_result(campaign: &Campaign, samples: &[Sample]) -> CampaignResult {
+fn campaign_result(campaign: &Campaign, samples: &[Sample]) -> CampaignView {
     let rows = requirement_spreads(campaign, samples);
-    CampaignResult { rows, done: samples.len(), total: campaign.len() }
+    CampaignView { rows, done: samples.len(), total: campaign.len() }
 }

@@ -11,7 +11,7 @@ use super::frequency_charts::frequency_chart;
 use super::widgets;
 use crate::charts::chart::{Chart, Dash};
 use crate::command::Command;
-use crate::jobs::measurements::{CampaignResult, Measurements};
+use crate::jobs::measurements::{CampaignView, Measurements};
 use crate::number_format::format_short;
 use crate::theme::{Theme, space};
 use crate::versioned_results::Freshness;
@@ -139,7 +139,7 @@ pub fn show_campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, sho
     }
 }
 
-fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, result: &CampaignResult) {
+fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, result: &CampaignView) {
     let theme = view.theme;
     egui::ScrollArea::vertical().max_height(0.55 * ui.available_height()).show(ui, |ui| {
         theme.card().show(ui, |ui| {
@@ -156,7 +156,7 @@ fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, 
     }
 }
 
-fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignResult) {
+fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignView) {
     let theme = view.theme;
     widgets::show_heading(ui, &format!("{} of {} mechanisms", result.done, result.total));
     egui::Grid::new("robustness").num_columns(6).striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
@@ -177,7 +177,7 @@ fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignResult) {
 const ALL: f64 = 0.999;
 
 /// Shows the requirement of an index; its name is a button.
-fn show_row(ui: &mut Ui, view: &View, result: &CampaignResult, index: usize) -> egui::Response {
+fn show_row(ui: &mut Ui, view: &View, result: &CampaignView, index: usize) -> egui::Response {
     let (row, is_selected) = (&result.rows[index], view.requirement == index);
     let theme = &view.theme;
     let unit = view.units.display_unit(row.requirement.figure.unit(row.controlled));
