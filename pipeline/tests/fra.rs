@@ -142,6 +142,23 @@ fn usual_points_suit_the_machine() {
 }
 
 #[test]
+fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
+    let project = rig();
+    let modelled = model(&project).unwrap();
+    let (amplitudes, frequencies_hz) = (vec![0.5, 1.0], vec![4.5, 9.5, 12.0]);
+    let plan = Plan { around: Around::Plant, amplitudes, frequencies_hz, offset_m: 0.0 };
+    let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
+    let map = analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap();
+    assert_eq!(map.points.response.dim(), (3, 2));
+    assert_eq!(map.points.amplitude.column(1).to_vec(), [1.0; 3]);
+    let in_json = serde_json::to_value(&map.points).unwrap();
+    let places: Vec<_> =
+        in_json.as_array().unwrap().iter().map(|p| p["amplitude"].as_f64().unwrap()).collect();
+    assert_eq!(places, [0.5, 0.5, 0.5, 1.0, 1.0, 1.0]);
+    assert_eq!(in_json[4]["gain_db"].as_f64().unwrap(), map.points.gain_db()[(1, 1)]);
+}
+
+#[test]
 fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
     let points = mapped(Around::Disconnected, &[0.002, 0.5], &[1.0]);
     assert!(points[0].gain_db > points[1].gain_db + 1.0, "{} {}", points[0].gain_db, points[1].gain_db);

@@ -1,5 +1,6 @@
 //! The longer measurements of the page Verify: the analyser's map, and the requirements over many mechanisms.
 
+use crate::tolerance::HELD_BY_ALL_SHARE;
 use counterpoise_pipeline::studies::fra::Map;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParameter};
 use counterpoise_verify::Limit;
@@ -173,9 +174,6 @@ fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignView) {
     });
 }
 
-/// Share above which a requirement counts as held by all mechanisms: rounding of a share of thousands.
-const ALL: f64 = 0.999;
-
 /// Shows the requirement of an index; its name is a button.
 fn show_row(ui: &mut Ui, view: &View, result: &CampaignView, index: usize) -> egui::Response {
     let (row, is_selected) = (&result.rows[index], view.requirement == index);
@@ -188,7 +186,7 @@ fn show_row(ui: &mut Ui, view: &View, result: &CampaignView, index: usize) -> eg
     let shown = ui.selectable_label(is_selected, widgets::figure_name_layout(&name, theme));
     shown.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, name.clone()));
     ui.label(format!("{sign} {} {}", written(row.requirement.limit.value()), unit.name));
-    let colour = if s.share >= ALL { theme.good } else { theme.bad };
+    let colour = if s.share >= HELD_BY_ALL_SHARE { theme.good } else { theme.bad };
     ui.label(RichText::new(format!("{:.0} %", 100.0 * s.share)).color(colour));
     ui.label(written(s.median));
     ui.label(format!("{} to {}", written(s.q05), written(s.q95)));

@@ -1,5 +1,6 @@
 //! The page Reduce: the order of the model for the design, by Hankel singular values and by the responses of both plants.
 
+use crate::tolerance::SMALLEST_VALUE;
 use counterpoise_pipeline::preview::PlantPreview;
 use counterpoise_pipeline::reduction_views::ReductionComparison;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
@@ -193,9 +194,6 @@ fn show_modes(
         }
     });
 }
-
-/// Smallest value of a logarithmic axis: below it lies rounding.
-const SMALLEST_VALUE: f64 = 1e-16;
 
 fn hankel_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
     let title = if comparison.hankel.is_empty() {
