@@ -23,3 +23,6 @@ pub(crate) const TOLERANCE_PX: f64 = 0.3;
 
 /// Largest exponent of ten that a number can have.
 pub(crate) const LARGEST_EXPONENT: f64 = 300.0;
+
+/// Distance of a logarithmic tick from a whole power of ten, in decades, that is rounding.
+pub(crate) const WHOLE_DECADE: f64 = 1e-6;

@@ -1,6 +1,6 @@
 //! Ticks and numbers of axes.
 
-use crate::tolerance::LARGEST_EXPONENT;
+use crate::tolerance::{LARGEST_EXPONENT, WHOLE_DECADE};
 use counterpoise_plot::ticks;
 use egui_plot::{GridInput, GridMark};
 
@@ -55,7 +55,7 @@ pub fn format_decade_tick(mark: GridMark) -> String {
     if mark.step_size < 0.9 {
         return String::new();
     }
-    let is_decade = (mark.value - mark.value.round()).abs() < 1e-6;
+    let is_decade = (mark.value - mark.value.round()).abs() < WHOLE_DECADE;
     if is_decade && !(-3.01..=4.01).contains(&mark.value) {
         format!("1e{}", mark.value.round() as i32)
     } else {
