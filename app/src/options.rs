@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise_host::stages::Progress;
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
 
 /// Where a result goes.
@@ -19,8 +19,8 @@ pub struct Results {
 
 impl Results {
     /// Returns whether progress is printed.
-    pub fn progress(&self) -> Progress {
-        if self.quiet { Progress::Quiet } else { Progress::Shown }
+    pub fn progress(&self) -> ProgressDisplay {
+        if self.quiet { ProgressDisplay::Quiet } else { ProgressDisplay::Shown }
     }
 
     /// Returns whether a result contains systems for other programs: if it is written as JSON.

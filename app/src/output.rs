@@ -12,7 +12,7 @@ use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::json::json_text;
 use counterpoise_host::projects::{self, Loaded};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::terminal::escape_controls;
 use counterpoise_host::terminal::{error_causes, print_message};
 use counterpoise_pipeline::exchange::SCHEMA;
@@ -102,8 +102,8 @@ fn with_schema(text: String) -> String {
 }
 
 /// Prints what is suspicious in a project file.
-pub fn print_warnings(loaded: &Loaded, progress: Progress) {
-    if progress == Progress::Shown {
+pub fn print_warnings(loaded: &Loaded, progress: ProgressDisplay) {
+    if progress == ProgressDisplay::Shown {
         if has_unsaved_edits(&state_folder(), &loaded.path) {
             let path = loaded.path.display();
             eprintln!(

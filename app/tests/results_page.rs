@@ -98,8 +98,11 @@ check a result against the definition that has the name of the command. Version 
 ";
 
 /// Commands whose keys are compared on another project, which takes less time and has the same keys: name and project. What is stored, and so
-/// what the page shows, is the result of the command as listed.
-const QUICKER: [(&str, &str); 5] = [
+/// what the page shows, is the result of the command as listed. `FEW` is `RIG` with its first requirements alone, whose worst cases are searched, and
+/// `BRIEF` the example of the diagnosis with the first seconds of its recording.
+const QUICKER: [(&str, &str); 7] = [
+    ("diagnose", "BRIEF"),
+    ("sweep", "FEW"),
     ("design", "RIG"),
     ("compare", "examples/direct-gimbal"),
     ("verify", "RIG"),
@@ -120,11 +123,41 @@ fn stored(name: &str) -> PathBuf {
     root().join("app/tests/data/results").join(format!("{name}.json"))
 }
 
-/// Returns the reference rig with a campaign of eight mechanisms; its runs are short unless the results are stored.
-fn small_campaign() -> String {
-    let folder = support::folder("results-page").join("rig");
-    fs::create_dir_all(&folder).unwrap();
-    support::write_short_rig(&folder, 8);
+/// Folders of projects that take less time than the examples.
+struct Quick {
+    /// The reference rig with a campaign of eight mechanisms; its runs are short unless the results are stored.
+    rig: String,
+    /// The same with the first requirements alone.
+    few: String,
+    /// The example of the diagnosis, which uses the first seconds of a recording.
+    brief: String,
+}
+
+impl Quick {
+    fn write() -> Self {
+        let folder = support::folder("results-page");
+        let rig = small_campaign(&folder.join("rig"));
+        let few = folder.join("few");
+        fs::create_dir_all(&few).unwrap();
+        let text = support::write_short_rig(&few, 8);
+        let requirements: Vec<&str> = text.split("[[verify.requirement]]").collect();
+        let (_, campaign) = text.split_once("\n[sweep]\n").unwrap();
+        let text = format!("{}\n[sweep]\n{campaign}", requirements[..4].join("[[verify.requirement]]"));
+        fs::write(few.join("project.toml"), text).unwrap();
+        let brief = folder.join("brief");
+        fs::create_dir_all(&brief).unwrap();
+        let text = fs::read_to_string(root().join("examples/left-out-friction/project.toml")).unwrap();
+        let text = text + "\n[recording]\nwindows = [[0.0, 2.0]]\n";
+        fs::write(brief.join("project.toml"), text).unwrap();
+        let [few, brief] = [few, brief].map(|folder| folder.to_str().unwrap().to_owned());
+        Self { rig, few, brief }
+    }
+}
+
+/// Writes the reference rig with a campaign of eight mechanisms into a folder, and returns its path.
+fn small_campaign(folder: &Path) -> String {
+    fs::create_dir_all(folder).unwrap();
+    support::write_short_rig(folder, 8);
     if writes() {
         let text = fs::read_to_string(support::EXAMPLE).unwrap();
         fs::write(folder.join("project.toml"), text.replace("\nsamples = 200\n", "\nsamples = 8\n")).unwrap();
@@ -134,11 +167,11 @@ fn small_campaign() -> String {
 
 /// Runs the commands of all examples, as many at once as the machine has processors, and returns their results in order.
 fn run_all() -> Vec<Value> {
-    let (rig, next) = (small_campaign(), AtomicUsize::new(0));
+    let (quick, next) = (Quick::write(), AtomicUsize::new(0));
     let results: Vec<OnceLock<Value>> = EXAMPLES.iter().map(|_| OnceLock::new()).collect();
     let work = || {
         while let Some((k, example)) = EXAMPLES.iter().enumerate().nth(next.fetch_add(1, Ordering::Relaxed)) {
-            results[k].set(run(example, &rig)).unwrap();
+            results[k].set(run(example, &quick)).unwrap();
         }
     };
     std::thread::scope(|scope| {
@@ -149,8 +182,8 @@ fn run_all() -> Vec<Value> {
     results.into_iter().map(|result| result.into_inner().unwrap()).collect()
 }
 
-/// Runs the command of an example and returns its result; `rig` is the folder of the small campaign.
-fn run(example: &Example, rig: &str) -> Value {
+/// Runs the command of an example and returns its result.
+fn run(example: &Example, quick: &Quick) -> Value {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join(example.name);
     let _ = fs::remove_dir_all(&out);
     fs::create_dir_all(&out).unwrap();
@@ -158,7 +191,12 @@ fn run(example: &Example, rig: &str) -> Value {
     let quicker = QUICKER.iter().find(|(name, _)| *name == example.name && !writes());
     let substituted = |word: &&str| {
         let word = quicker.filter(|_| *word == example.command[1]).map_or(*word, |(_, project)| *project);
-        word.replace("OUT", out.to_str().unwrap()).replace("RIG", rig)
+        match word {
+            "RIG" => quick.rig.clone(),
+            "FEW" => quick.few.clone(),
+            "BRIEF" => quick.brief.clone(),
+            other => other.replace("OUT", out.to_str().unwrap()),
+        }
     };
     let done = Command::new(env!("CARGO_BIN_EXE_counterpoise"))
         .args(example.command.iter().map(substituted))

@@ -3,9 +3,9 @@
 
 use std::fs;
 
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, ProjectWorld};
 use counterpoise_host::shards;
-use counterpoise_host::stages::Progress;
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_pipeline as pipeline;
 use counterpoise_project::Purpose;
 
@@ -17,7 +17,7 @@ use support::{CAMPAIGN, folder_with};
 fn every_single_bit_error_of_a_shard_is_refused() {
     let folder = folder_with("shard_bits", CAMPAIGN);
     let loaded = projects::load_project(&folder, Purpose::Sweep).unwrap();
-    let world = Surroundings::of(&loaded, Progress::Quiet);
+    let world = ProjectWorld::of(&loaded, ProgressDisplay::Quiet);
     let designed = pipeline::design(&loaded.project, &world).unwrap();
     let campaign = pipeline::prepare_campaign(
         &loaded.project,

@@ -11,7 +11,7 @@ use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, panel, time_axis};
 use super::identification::with_amplifier;
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::RETURNED;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Panel, Point};
@@ -36,18 +36,18 @@ fn sine(s: &Sine) -> Signal {
     Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz)
 }
 
-fn heaving(bench: &Bench<'_>, initial: Initial) -> Scenario {
+fn heaving(tested: &TestedDesign<'_>, initial: Initial) -> Scenario {
     let platform = PlatformMotion {
-        heave_m_s2: sine(&bench.procedure.heave),
-        pitch_rate_rad_s: sine(&bench.procedure.pitch),
+        heave_m_s2: sine(&tested.procedure.heave),
+        pitch_rate_rad_s: sine(&tested.procedure.pitch),
         ..PlatformMotion::STILL
     };
     Scenario { platform, initial, ..Scenario::at_rest(INTERVAL_S) }
 }
 
 /// Returns volts that hold one kg m at one m/s^2, and what the drive makes of a control.
-fn scale(bench: &Bench<'_>, parameters: &Parameters, gravity_m_s2: f64) -> Scale {
-    let nominal_g = bench.parameters().gravity_m_s2;
+fn scale(tested: &TestedDesign<'_>, parameters: &Parameters, gravity_m_s2: f64) -> Scale {
+    let nominal_g = tested.parameters().gravity_m_s2;
     let points = if parameters.amplifier.map.is_empty() {
         Vec::new()
     } else {
@@ -57,7 +57,7 @@ fn scale(bench: &Bench<'_>, parameters: &Parameters, gravity_m_s2: f64) -> Scale
         (-200..=200).map(drive).collect()
     };
     Scale {
-        volts_per_kg_m_s2: volts_per_kg_m(bench.parameters()) / nominal_g,
+        volts_per_kg_m_s2: volts_per_kg_m(tested.parameters()) / nominal_g,
         gravity_m_s2,
         curve: adaptation::Curve { points },
     }
@@ -70,12 +70,12 @@ fn volts_per_kg_m(p: &Parameters) -> f64 {
 }
 
 fn estimation(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     scale: Scale,
     start_kg_m: f64,
     telling: Telling,
 ) -> Result<Estimation, PipelineError> {
-    let sample_period_s = bench.parameters().interface.sample_period_s;
+    let sample_period_s = tested.parameters().interface.sample_period_s;
     if telling == Telling::Mean {
         return Ok(Estimation::Mean(WindowedMean::new(
             scale,
@@ -99,13 +99,17 @@ fn estimation(
 
 /// Returns the RMS hub rate, mrad/s, over the last part of each interval, the out-of-balance stepping between
 /// intervals.
-fn intervals(bench: &Bench<'_>, base: &Parameters, telling: Telling) -> Result<Vec<f64>, PipelineError> {
+fn intervals(
+    tested: &TestedDesign<'_>,
+    base: &Parameters,
+    telling: Telling,
+) -> Result<Vec<f64>, PipelineError> {
     let moment = nominal_moment(base);
-    let mut controller = bench.observed.runner();
+    let mut controller = tested.observed.runner();
     let mut adaptive = match telling {
         Telling::Mean | Telling::Squares => {
-            let estimation = estimation(bench, scale(bench, base, base.gravity_m_s2), moment, telling)?;
-            Some(Adaptive::new(bench.observed.runner(), estimation))
+            let estimation = estimation(tested, scale(tested, base, base.gravity_m_s2), moment, telling)?;
+            Some(Adaptive::new(tested.observed.runner(), estimation))
         }
         Telling::Nobody | Telling::Truth => None,
     };
@@ -121,7 +125,7 @@ fn intervals(bench: &Bench<'_>, base: &Parameters, telling: Telling) -> Result<V
             Some(adaptive) => adaptive,
             None => &mut controller,
         };
-        let run = Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heaving(bench, initial))?;
+        let run = Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heaving(tested, initial))?;
         let rates = &run.truth.hub_rate_rad_s;
         let first = ((1.0 - JUDGED) * rates.len() as f64) as usize;
         found.push(1e3 * rms(&rates[first..]));
@@ -142,14 +146,14 @@ fn words(values: &[f64]) -> String {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn adapted_feedforward(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let linear = bench.parameters().clone();
+pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let linear = tested.parameters().clone();
     let curved = with_amplifier(&linear, 1.0);
     let (mut lines, mut criteria) = (Vec::new(), Vec::new());
     let mut lowest = Vec::new();
     let mut panels = Vec::new();
     for (name, machine) in [("linear amplifier", &linear), ("measured amplifier", &curved)] {
-        let of = |telling| intervals(bench, machine, telling);
+        let of = |telling| intervals(tested, machine, telling);
         let (nobody, mean, squares, truth) =
             (of(Telling::Nobody)?, of(Telling::Mean)?, of(Telling::Squares)?, of(Telling::Truth)?);
         let most = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max) / truth[0];
@@ -230,10 +234,10 @@ fn why(lowest: &[f64]) -> String {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let mut weightless = bench.parameters().clone();
+pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let mut weightless = tested.parameters().clone();
     weightless.gravity_m_s2 = 0.0;
-    let no_bias: Controller = bench
+    let no_bias: Controller = tested
         .controller()
         .with(|parts| parts.bias_v_per_kg_m = 0.0)
         .map_err(counterpoise_verify::Error::from)?;
@@ -243,10 +247,10 @@ pub fn imbalance_without_gravity(bench: &Bench<'_>) -> Result<Claim, PipelineErr
     for share in [0.37, 0.75, 1.0, 1.48] {
         let mut machine = weightless.clone();
         machine.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= share);
-        let estimation = estimation(bench, scale(bench, &machine, 0.0), 0.0, Telling::Squares)?;
+        let estimation = estimation(tested, scale(tested, &machine, 0.0), 0.0, Telling::Squares)?;
         let mut adaptive = Adaptive::new(no_bias.runner(), estimation);
         let initial = Initial::Rest { hub_angle_rad: 0.0 };
-        Simulator::new(&Plant::from_lumped(&machine)?)?.run(&mut adaptive, &heaving(bench, initial))?;
+        Simulator::new(&Plant::from_lumped(&machine)?)?.run(&mut adaptive, &heaving(tested, initial))?;
         let history = adaptive.history_kg_m();
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);

@@ -4,7 +4,7 @@ use counterpoise_models::parameters::{Beam, Section, SectionShape};
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
 
 use super::drawing::{Curve, Style, drawing, panel};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -166,10 +166,10 @@ fn no_beam(id: &'static str, title: &'static str, says: &'static str) -> Claim {
 ///
 /// # Errors
 /// Those of the finite elements.
-pub fn uniform_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn uniform_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let (id, title) = ("C1", "uniform elements");
     let says = "14 uniform elements are within 4 % for modes 1 to 5, 3 within 1 % on mode 1 (free-free)";
-    let Some(beam) = &bench.project.plant.beam else { return Ok(no_beam(id, title, says)) };
+    let Some(beam) = &tested.project.plant.beam else { return Ok(no_beam(id, title, says)) };
     let (all, integration) = (&UNIFORM, Integration::UniformAverage);
     let many = deviations(beam, Mesh::Equal(14), integration)?;
     let few = deviations(beam, Mesh::Equal(3), integration)?;
@@ -219,10 +219,10 @@ pub fn uniform_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 ///
 /// # Errors
 /// Those of the finite elements.
-pub fn tapered_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn tapered_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let (id, title) = ("C2", "tapered elements");
     let says = "tapered elements are at least as close as uniform ones; 3 tapered within 0.2 % on mode 1";
-    let Some(beam) = &bench.project.plant.beam else { return Ok(no_beam(id, title, says)) };
+    let Some(beam) = &tested.project.plant.beam else { return Ok(no_beam(id, title, says)) };
     let (all, integration) = (&TAPERED, Integration::Quadrature);
     let mean = |r: &[f64]| r.iter().map(|x| x.abs()).sum::<f64>() / r.len().max(1) as f64;
     let first = |r: &[f64]| r.first().copied().unwrap_or(f64::NAN);

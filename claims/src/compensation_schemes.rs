@@ -8,7 +8,7 @@ use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, panel, time_axis};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::STOPPED_RAD_S;
 use counterpoise_pipeline::PipelineError;
 
@@ -70,7 +70,7 @@ impl SampledController for With {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn schemes_of_the_appendix(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn schemes_of_the_appendix(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let schemes = [
         (Scheme::None, "feedforwards alone"),
         (Scheme::Dither, "dither"),
@@ -79,13 +79,13 @@ pub fn schemes_of_the_appendix(bench: &Bench<'_>) -> Result<Claim, PipelineError
     ];
     let (mut rates, mut curves) = (Vec::new(), Vec::new());
     for (scheme, name) in schemes {
-        let hub = moved(bench, &mut with(bench, scheme))?;
-        rates.push(judged(bench, &hub));
-        curves.push(curve(bench, name, &hub));
+        let hub = moved(tested, &mut with(tested, scheme))?;
+        rates.push(judged(tested, &hub));
+        curves.push(curve(tested, name, &hub));
     }
-    let hub = moved(bench, &mut bench.observed.runner())?;
-    let observed = judged(bench, &hub);
-    curves.push(curve(bench, "friction observer", &hub));
+    let hub = moved(tested, &mut tested.observed.runner())?;
+    let observed = judged(tested, &hub);
+    curves.push(curve(tested, "friction observer", &hub));
     let words: Vec<String> =
         schemes.iter().zip(&rates).map(|((_, name), rate)| format!("{name} {:.2}", 1e3 * rate)).collect();
     let best = rates[1..].iter().copied().fold(f64::INFINITY, f64::min);
@@ -124,14 +124,14 @@ pub fn schemes_of_the_appendix(bench: &Bench<'_>) -> Result<Claim, PipelineError
     })
 }
 
-fn with(bench: &Bench<'_>, scheme: Scheme) -> With {
-    let p = bench.parameters();
+fn with(tested: &TestedDesign<'_>, scheme: Scheme) -> With {
+    let p = tested.parameters();
     let torque_per_volt =
         p.amplifier.stall_gain_a_v(&p.motor) * p.motor.torque_constant_nm_a * p.gearbox.ratio;
     let friction_nm = p.pivot_friction.coulomb_nm() + p.gearbox.ratio * p.motor_friction.coulomb_nm();
     let friction_v = friction_nm / torque_per_volt;
     With {
-        runner: bench.controller().runner(),
+        runner: tested.controller().runner(),
         scheme,
         friction_v,
         period_s: p.interface.sample_period_s,
@@ -140,30 +140,33 @@ fn with(bench: &Bench<'_>, scheme: Scheme) -> With {
 }
 
 /// Returns the hub rate while the platform heaves and pitches.
-fn moved(bench: &Bench<'_>, controller: &mut dyn SampledController) -> Result<Vec<f64>, PipelineError> {
+fn moved(
+    tested: &TestedDesign<'_>,
+    controller: &mut dyn SampledController,
+) -> Result<Vec<f64>, PipelineError> {
     let sine = |s: &Sine| Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz);
     let platform = PlatformMotion {
-        heave_m_s2: sine(&bench.procedure.heave),
-        pitch_rate_rad_s: sine(&bench.procedure.pitch),
+        heave_m_s2: sine(&tested.procedure.heave),
+        pitch_rate_rad_s: sine(&tested.procedure.pitch),
         ..PlatformMotion::STILL
     };
     let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
-    let run = Simulator::new(&Plant::from_lumped(bench.parameters())?)?.run(controller, &scenario)?;
+    let run = Simulator::new(&Plant::from_lumped(tested.parameters())?)?.run(controller, &scenario)?;
     Ok(run.truth.hub_rate_rad_s)
 }
 
-fn first(bench: &Bench<'_>) -> usize {
-    (DURATION_S.1 / bench.parameters().interface.sample_period_s).round() as usize
+fn first(tested: &TestedDesign<'_>) -> usize {
+    (DURATION_S.1 / tested.parameters().interface.sample_period_s).round() as usize
 }
 
-fn judged(bench: &Bench<'_>, hub: &[f64]) -> f64 {
-    rms(&hub[first(bench).min(hub.len())..])
+fn judged(tested: &TestedDesign<'_>, hub: &[f64]) -> f64 {
+    rms(&hub[first(tested).min(hub.len())..])
 }
 
 /// Returns the hub rate in mrad/s over time, of two seconds after the start.
-fn curve(bench: &Bench<'_>, name: &str, hub: &[f64]) -> Curve {
-    let period_s = bench.parameters().interface.sample_period_s;
-    let (from, count) = (first(bench), (2.0 / period_s).round() as usize);
+fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> Curve {
+    let period_s = tested.parameters().interface.sample_period_s;
+    let (from, count) = (first(tested), (2.0 / period_s).round() as usize);
     let points =
         hub.iter().enumerate().skip(from).take(count).map(|(k, rate)| (k as f64 * period_s, 1e3 * rate));
     Curve::line(name, points.map(Point::from).collect())

@@ -6,11 +6,11 @@ use counterpoise_models::plant::Plant;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
 
-use super::bench::{largest_db, rate_grid};
 use super::drawing::{
     Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, panel, time_axis,
 };
-use super::{Bench, Claim, Criterion};
+use super::tested_design::{largest_db, rate_grid};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{ALIKE_DB, MARGIN_ALIKE_DB, OVERSHOOT_ALIKE, RESIDUAL_ALIKE};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing};
@@ -23,29 +23,29 @@ const BAND_HZ: [f64; 2] = [0.1, 10.0];
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn designs_on_two_models(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let mut project = bench.project.clone();
+pub fn designs_on_two_models(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let mut project = tested.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, 3);
     project.verify.iter_mut().for_each(|verify| verify.road = None);
-    let other = counterpoise_pipeline::run_stages(&project, bench.world)?;
+    let other = counterpoise_pipeline::run_stages(&project, tested.world)?;
     let linear = |c: &Controller| {
         c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)
     };
-    let both = [linear(bench.controller())?, linear(other.verified.controller())?];
+    let both = [linear(tested.controller())?, linear(other.verified.controller())?];
     let mut apart = [0.0; 3];
     for (difference, input) in apart.iter_mut().zip([1, 3, 2]) {
         *difference = largest_db(&both[0], &both[1], input, BAND_HZ)?;
     }
     let fine = &other.modelled.plant;
-    let spillover = counterpoise_verify::verify_linear(fine, bench.controller(), &bench.procedure, &[])?;
+    let spillover = counterpoise_verify::verify_linear(fine, tested.controller(), &tested.procedure, &[])?;
     let radius = spillover.evidence.poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let margin_db = [
         spillover.evidence.margins.gain_margin_db(),
         other.verified.verification().evidence.margins.gain_margin_db(),
     ];
     let ran = [
-        on_elements(bench, fine, bench.controller())?,
-        on_elements(bench, fine, other.verified.controller())?,
+        on_elements(tested, fine, tested.controller())?,
+        on_elements(tested, fine, other.verified.controller())?,
     ];
     Ok(Claim {
         id: "C9",
@@ -67,22 +67,26 @@ pub fn designs_on_two_models(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         ),
         criteria: designs_criteria(&apart, radius, (margin_db[0] - margin_db[1]).abs(), &ran),
         why: String::new(),
-        drawings: designs_on_two_models_figures(bench, fine, &both, other.verified.controller())?,
+        drawings: designs_on_two_models_figures(tested, fine, &both, other.verified.controller())?,
     })
 }
 
 /// Overshoot in % and RMS hub rate in mrad/s under heave and pitch on a nonlinear plant.
-fn on_elements(bench: &Bench<'_>, plant: &Plant, controller: &Controller) -> Result<[f64; 2], PipelineError> {
+fn on_elements(
+    tested: &TestedDesign<'_>,
+    plant: &Plant,
+    controller: &Controller,
+) -> Result<[f64; 2], PipelineError> {
     let both =
         Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
     let wanted = [Figure::Step(Model::Nonlinear, StepFigure::Overshoot), both];
-    let values = figures_of(plant, controller, &bench.procedure, &wanted)?;
+    let values = figures_of(plant, controller, &tested.procedure, &wanted)?;
     let number = |k: usize| if let Value::Is(number) = values[k] { number } else { f64::NAN };
     Ok([number(0), 1e3 * number(1)])
 }
 
 fn designs_on_two_models_figures(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     fine: &Plant,
     linear: &[StateSpace; 2],
     other: &Controller,
@@ -101,16 +105,16 @@ fn designs_on_two_models_figures(
         drawing("The three controllers by both designs (V s/rad, V s²/m, V s/rad)", frequency_axis(), panels);
     let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
     let mut run = |controller: &Controller, experiment| {
-        counterpoise_verify::nonlinear::history(&mut simulator, controller, &bench.procedure, experiment)
+        counterpoise_verify::nonlinear::history(&mut simulator, controller, &tested.procedure, experiment)
     };
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
-    let steps = [run(bench.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
-    let motions = [run(bench.controller(), moving)?, run(other, moving)?];
+    let steps = [run(tested.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
+    let motions = [run(tested.controller(), moving)?, run(other, moving)?];
     let step = hub_panel(vec![
         Curve::line(names[0], hub_rates(&steps[0])),
         Curve::reference(names[1], hub_rates(&steps[1])),
     ]);
-    let from = bench.procedure.settle_s;
+    let from = tested.procedure.settle_s;
     let motion = hub_panel(vec![
         Curve::line(names[0], hub_from(&motions[0], from)),
         Curve::reference(names[1], hub_from(&motions[1], from)),

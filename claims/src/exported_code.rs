@@ -6,7 +6,7 @@ use counterpoise_lti::{Margins, margins};
 use counterpoise_verify::{Arrangement, Experiment, Source};
 
 use super::drawing::{Curve, drawing, panel};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SAME_LOOP_DB;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::export::run_targets;
@@ -19,13 +19,13 @@ const DRAWN: Experiment = Experiment::Disturbance(Source::Both, Arrangement::Com
 ///
 /// # Errors
 /// Those of the verification.
-pub fn exported_controller(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let design = margins(&bench.designed.synthesised.sampled.loop_gain)?;
-    let exported = &bench.designed.verified.verification().evidence.margins;
+pub fn exported_controller(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let design = margins(&tested.designed.synthesised.sampled.loop_gain)?;
+    let exported = &tested.designed.verified.verification().evidence.margins;
     let (before, after) = (design.gain_margin_db(), exported.gain_margin_db());
     let phase = |margins: &Margins| margins.phase_margin().map_or(f64::NAN, |phase| phase.deg);
     let (lag_before, lag_after) = (phase(&design), phase(exported));
-    let made = &bench.designed;
+    let made = &tested.designed;
     let ran = run_targets(&made.modelled, &made.verified, &made.procedure)?;
     let words: Vec<String> = ran.figures.iter().map(in_words).collect();
     let most_db = ran.figures.iter().map(cost_db).fold(0.0, f64::max);

@@ -7,7 +7,7 @@ use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
 use super::drawing::{Curve, drawing, factor_axis, panel, points_of, time_axis};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -47,15 +47,15 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let source = if bench.procedure.road.is_some() { Source::Road } else { Source::Both };
+pub fn tip_motion(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let source = if tested.procedure.road.is_some() { Source::Road } else { Source::Both };
     let run = |arrangement| {
         let experiment = Experiment::Disturbance(source, arrangement);
-        bench.history(bench.parameters(), bench.controller(), experiment)
+        tested.history(tested.parameters(), tested.controller(), experiment)
     };
     let (free, held) = (run(Arrangement::Uncontrolled)?, run(Arrangement::Compensated)?);
-    let first = held.index_at(bench.procedure.settle_s);
-    let predicted = predicted_tip(bench.parameters(), &held.hub_rate_rad_s);
+    let first = held.index_at(tested.procedure.settle_s);
+    let predicted = predicted_tip(tested.parameters(), &held.hub_rate_rad_s);
     let (tip, hub) = (&held.tip_rate_rad_s[first..], &held.hub_rate_rad_s[first..]);
     let as_hub = 1e3 * rms(&less(tip, hub));
     let as_predicted = 1e3 * rms(&less(tip, predicted.get(first..).unwrap_or(&[])));
@@ -125,16 +125,16 @@ fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: 
 ///
 /// # Errors
 /// Those of the verification.
-pub fn inertia_and_imbalance_apart(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn inertia_and_imbalance_apart(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let mut lines = Vec::new();
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     for moment in [0.5, 1.0, 1.5] {
         let mut row = Vec::new();
         for inertia in [0.5, 1.0, 2.0] {
-            let mut parameters = bench.parameters().clone();
+            let mut parameters = tested.parameters().clone();
             Varied::OutOfBalance.scale(&mut parameters, moment)?;
             Varied::HubInertia.scale(&mut parameters, inertia)?;
-            let found = bench.behaviour(&parameters, &bench.observed)?;
+            let found = tested.behaviour(&parameters, &tested.observed)?;
             row.push(Cell {
                 overshoot_percent: found.overshoot_percent,
                 residual_mrad_s: 1e3 * found.residual_rad_s,

@@ -8,7 +8,7 @@ use counterpoise_simulate::{Scenario, Signal, Simulator};
 
 use super::drawing::{Curve, drawing, frequency_axis, panel};
 use super::explicit_solver::Sliding;
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::LAWS_AGREE_DB;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -77,8 +77,8 @@ fn brush(s: Shared) -> FrictionLaw {
 }
 
 /// Returns the mechanism balanced, with its motor disconnected.
-fn free(bench: &Bench<'_>) -> Result<Parameters, PipelineError> {
-    let mut parameters = bench.parameters().clone();
+fn free(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError> {
+    let mut parameters = tested.parameters().clone();
     if let Some(lumped) = &mut parameters.lumped {
         lumped.out_of_balance_kg_m = 0.0;
         lumped.vertical_offset_kg_m = 0.0;
@@ -152,14 +152,14 @@ fn no_dahl(named: [&'static str; 4]) -> Claim {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn friction_laws_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let named = [
         "C15",
         "friction models",
         "7.2, figs 7-2 to 7-5",
         "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best",
     ];
-    let free = free(bench)?;
+    let free = free(tested)?;
     let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let maps = friction_laws_over_amplitude_maps(&free, shared)?;
     let truth = &maps[0].map;
@@ -274,28 +274,28 @@ fn friction_laws_over_amplitude_figures(rows: &[LawDistances], maps: &[LawMap]) 
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn cost_of_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let named = [
         "C16",
         "cost of a model",
         "7.2",
         "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre",
     ];
-    let Some(shared) = shared(bench.parameters()) else { return Ok(no_dahl(named)) };
+    let Some(shared) = shared(tested.parameters()) else { return Ok(no_dahl(named)) };
     let laws = [
-        ("Dahl", bench.parameters().pivot_friction.law.clone()),
+        ("Dahl", tested.parameters().pivot_friction.law.clone()),
         ("reset integrator", DYNAMIC[2].1(shared)),
         ("LuGre", DYNAMIC[1].1(shared)),
     ];
     let mut own = [0; 3];
-    let pitch = &bench.procedure.pitch;
+    let pitch = &tested.procedure.pitch;
     let steps = |law: &FrictionLaw| -> Result<usize, PipelineError> {
         let sliding = Sliding::new(law.clone(), shared.inertia_kg_m2, pitch.frequency_hz, pitch.amplitude)?;
         Ok(sliding.evaluations(WORKED_S))
     };
     let mut explicit = [0; 3];
     for (k, (_, law)) in laws.iter().enumerate() {
-        own[k] = work(bench, &with_law(bench.parameters(), law.clone()))?;
+        own[k] = work(tested, &with_law(tested.parameters(), law.clone()))?;
         explicit[k] = steps(law)?;
     }
     let stiffer = |times: f64| steps(&lugre(shared, times));
@@ -377,14 +377,14 @@ fn cost_of_friction_laws_figure(counts: [[usize; 3]; 2]) -> Drawing {
 }
 
 /// Evaluations in ten seconds of the closed loop while the platform heaves and pitches.
-fn work(bench: &Bench<'_>, parameters: &Parameters) -> Result<usize, PipelineError> {
+fn work(tested: &TestedDesign<'_>, parameters: &Parameters) -> Result<usize, PipelineError> {
     let sine =
         |s: &counterpoise_verify::Sine| Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz);
     let mut scenario = Scenario::at_rest(10.0);
-    scenario.platform.heave_m_s2 = sine(&bench.procedure.heave);
-    scenario.platform.pitch_rate_rad_s = sine(&bench.procedure.pitch);
+    scenario.platform.heave_m_s2 = sine(&tested.procedure.heave);
+    scenario.platform.pitch_rate_rad_s = sine(&tested.procedure.pitch);
     let mut simulator = Simulator::new(&Plant::from_lumped(parameters)?)?;
-    let run = simulator.run(&mut bench.controller().runner(), &scenario)?;
+    let run = simulator.run(&mut tested.controller().runner(), &scenario)?;
     Ok(run.effort.iterations + run.effort.rejected)
 }
 
@@ -392,14 +392,14 @@ fn work(bench: &Bench<'_>, parameters: &Parameters) -> Result<usize, PipelineErr
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn fitted_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let named = [
         "F3",
         "why the others fit worse",
         "9.2",
         "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps",
     ];
-    let free = free(bench)?;
+    let free = free(tested)?;
     let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let truth = map(&with_law(&free, brush(shared)))?;
     let dahl = whole(&distances(&map(&with_law(&free, DYNAMIC[0].1(shared)))?, &truth));

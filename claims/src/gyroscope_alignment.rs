@@ -9,7 +9,7 @@ use counterpoise_plot::{Axis, Point};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
 use super::drawing::{Curve, drawing, panel, time_axis};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
 /// Angle between a gyroscope's axis and the axis of the mechanism, in the plane of pitch and roll, rad: one degree.
@@ -48,15 +48,15 @@ impl SampledController for Misaligned {
 }
 
 /// Returns the hub rate under pitch and roll.
-fn moved(bench: &Bench<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>, PipelineError> {
-    let p = bench.parameters();
-    let pitch = &bench.procedure.pitch;
+fn moved(tested: &TestedDesign<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>, PipelineError> {
+    let p = tested.parameters();
+    let pitch = &tested.procedure.pitch;
     let platform = PlatformMotion {
         pitch_rate_rad_s: Signal::sine(pitch.amplitude, TAU * pitch.frequency_hz),
         ..PlatformMotion::STILL
     };
     let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
-    let runner = bench.observed.runner();
+    let runner = tested.observed.runner();
     let period_s = p.interface.sample_period_s;
     let mut controller = Misaligned { runner, hub_rad, platform_rad, period_s, sample: 0 };
     let run = Simulator::new(&Plant::from_lumped(p)?)?.run(&mut controller, &scenario)?;
@@ -64,8 +64,8 @@ fn moved(bench: &Bench<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>,
 }
 
 /// Returns what a misaligned run has more than the aligned one at the roll's frequency, over the roll rate.
-fn coupled(bench: &Bench<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
-    let period_s = bench.parameters().interface.sample_period_s;
+fn coupled(tested: &TestedDesign<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
+    let period_s = tested.parameters().interface.sample_period_s;
     let first = (DURATION_S.1 / period_s).round() as usize;
     let cycles = ((hub.len().saturating_sub(first)) as f64 * period_s * ROLL_HZ).floor();
     let count = (cycles / (ROLL_HZ * period_s)).round() as usize;
@@ -75,8 +75,8 @@ fn coupled(bench: &Bench<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
 }
 
 /// Returns the linear loop's complementary sensitivity at the roll's frequency.
-fn complementary(bench: &Bench<'_>) -> f64 {
-    let curves = &bench.designed.verified.verification().evidence.curves;
+fn complementary(tested: &TestedDesign<'_>) -> f64 {
+    let curves = &tested.designed.verified.verification().evidence.curves;
     let far = |k: &usize| (curves.frequency_hz[*k] / ROLL_HZ).ln().abs();
     let near = (0..curves.frequency_hz.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
     near.map_or(f64::NAN, |k| {
@@ -89,13 +89,13 @@ fn complementary(bench: &Bench<'_>) -> f64 {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn misaligned_gyroscopes(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let aligned = moved(bench, 0.0, 0.0)?;
-    let hub = moved(bench, ANGLE_RAD, 0.0)?;
-    let platform = moved(bench, 0.0, ANGLE_RAD)?;
-    let share = |of: &[f64]| coupled(bench, of, &aligned) / ANGLE_RAD.sin();
-    let (of_hub, of_platform, loop_) = (share(&hub), share(&platform), complementary(bench));
-    let period_s = bench.parameters().interface.sample_period_s;
+pub fn misaligned_gyroscopes(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let aligned = moved(tested, 0.0, 0.0)?;
+    let hub = moved(tested, ANGLE_RAD, 0.0)?;
+    let platform = moved(tested, 0.0, ANGLE_RAD)?;
+    let share = |of: &[f64]| coupled(tested, of, &aligned) / ANGLE_RAD.sin();
+    let (of_hub, of_platform, loop_) = (share(&hub), share(&platform), complementary(tested));
+    let period_s = tested.parameters().interface.sample_period_s;
     let curve = |name: &str, rates: &[f64]| {
         let first = (DURATION_S.1 / period_s).round() as usize;
         let points = rates.iter().enumerate().skip(first).take((2.0 / period_s) as usize);

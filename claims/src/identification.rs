@@ -9,7 +9,7 @@ use counterpoise_recordings::Recording;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 use super::drawing::{Curve, Style, drawing, panel};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -92,9 +92,10 @@ fn four(p: &Parameters) -> [f64; 4] {
 ///
 /// # Errors
 /// Those of the simulator and of the identification.
-pub fn triangle_identification(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let machine = concealed(bench.parameters());
-    let found = identify(bench.parameters(), &[&[recorded(&machine, &mut bench.controller().runner(), 1)?]])?;
+pub fn triangle_identification(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let machine = concealed(tested.parameters());
+    let found =
+        identify(tested.parameters(), &[&[recorded(&machine, &mut tested.controller().runner(), 1)?]])?;
     let b = &found.balances[0];
     let all = [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad];
     let names = ["out-of-balance [kg m]", "inertia [kg m^2]", "Coulomb [N m]", "viscous [N m s/rad]"];
@@ -168,13 +169,13 @@ pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
 ///
 /// # Errors
 /// Those of the simulator and of the identification.
-pub fn amplifier_curve(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let machines = STATES.map(|share| with_amplifier(bench.parameters(), share));
+pub fn amplifier_curve(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let machines = STATES.map(|share| with_amplifier(tested.parameters(), share));
     let (balanced, midpoint) = (
         recorded(&machines[0], &mut holding(&machines[0])?, 1)?,
         recorded(&machines[1], &mut holding(&machines[1])?, 2)?,
     );
-    let found = identify(bench.parameters(), &[&[balanced], &[midpoint]])?;
+    let found = identify(tested.parameters(), &[&[balanced], &[midpoint]])?;
     let points = found.amplifier.points();
     let (amplifier, motor) = (&machines[0].amplifier, &machines[0].motor);
     let truth = |v: f64| amplifier.drive_v(v, motor) * amplifier.stall_gain_a_v(motor);

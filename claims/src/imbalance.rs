@@ -6,9 +6,9 @@ use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
-use super::bench::{Member, largest_db, rate_grid};
 use super::drawing::{Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, panel, time_axis};
-use super::{Bench, Claim, Criterion};
+use super::tested_design::{Member, largest_db, rate_grid};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::{PipelineError, run_stages};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -16,11 +16,11 @@ use counterpoise_plot::{Axis, Figure as Drawing, Point};
 const BAND_HZ: [f64; 2] = [0.1, 10.0];
 
 pub(super) fn apply_configuration(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     name: &str,
 ) -> Result<Option<Parameters>, PipelineError> {
-    let found: Option<&Configuration> = bench.parameters().configurations.iter().find(|c| c.name == name);
-    Ok(found.map(|configuration| bench.parameters().with_configuration(configuration)).transpose()?)
+    let found: Option<&Configuration> = tested.parameters().configurations.iter().find(|c| c.name == name);
+    Ok(found.map(|configuration| tested.parameters().with_configuration(configuration)).transpose()?)
 }
 
 fn moment(parameters: &Parameters) -> f64 {
@@ -34,35 +34,42 @@ pub(super) fn rms(source: Source, arrangement: Arrangement) -> Figure {
 /// Table 4-1's configurations with another out-of-balance, the balanced one apart.
 const CONFIGURATIONS: [&str; 3] = ["37 percent", "75 percent", "148 percent"];
 
-fn normal_member<'a>(bench: &'a Bench<'_>) -> Member<'a> {
-    Member { name: "normal".to_owned(), parameters: bench.parameters().clone(), controller: &bench.observed }
+fn normal_member<'a>(tested: &'a TestedDesign<'_>) -> Member<'a> {
+    Member {
+        name: "normal".to_owned(),
+        parameters: tested.parameters().clone(),
+        controller: &tested.observed,
+    }
 }
 
 /// Returns row C13: other masses, the same controller.
 ///
 /// # Errors
 /// Those of the verification.
-pub fn other_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn other_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let wanted = [
         Figure::Step(Model::Nonlinear, StepFigure::Overshoot),
         rms(Source::Both, Arrangement::Feedback),
         rms(Source::Both, Arrangement::Compensated),
     ];
-    let normal = bench.figures(bench.parameters(), &bench.observed, &wanted)?;
-    let plain = bench.figures(bench.parameters(), bench.controller(), &wanted[2..])?[0];
-    let heave =
-        bench.figures(bench.parameters(), &bench.observed, &[rms(Source::Heave, Arrangement::Feedback)])?[0];
+    let normal = tested.figures(tested.parameters(), &tested.observed, &wanted)?;
+    let plain = tested.figures(tested.parameters(), tested.controller(), &wanted[2..])?[0];
+    let heave = tested.figures(
+        tested.parameters(),
+        &tested.observed,
+        &[rms(Source::Heave, Arrangement::Feedback)],
+    )?[0];
     let (mut words, mut criteria) = (Vec::new(), Vec::new());
-    let mut members = vec![normal_member(bench)];
+    let mut members = vec![normal_member(tested)];
     for name in CONFIGURATIONS {
-        let Some(parameters) = apply_configuration(bench, name)? else { continue };
+        let Some(parameters) = apply_configuration(tested, name)? else { continue };
         members.push(Member {
             name: name.to_owned(),
             parameters: parameters.clone(),
-            controller: &bench.observed,
+            controller: &tested.observed,
         });
-        let found = bench.figures(&parameters, &bench.observed, &wanted)?;
-        let share = moment(&parameters) / moment(bench.parameters());
+        let found = tested.figures(&parameters, &tested.observed, &wanted)?;
+        let share = moment(&parameters) / moment(tested.parameters());
         let expected = predicted_growth(share, heave, normal[2]);
         let thesis = GROWS[usize::from(share < 1.0)];
         criteria.extend(imbalance_criteria(
@@ -72,7 +79,7 @@ pub fn other_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             [found[0] - normal[0], found[2] / normal[2]],
         ));
         let (feedback, both) = (found[1] / normal[1], found[2] / normal[2]);
-        let without = bench.figures(&parameters, bench.controller(), &wanted[2..])?[0] / plain;
+        let without = tested.figures(&parameters, tested.controller(), &wanted[2..])?[0] / plain;
         words.push(format!(
             "{name}: overshoot {:.1} %, error x{feedback:.2} by feedback, x{both:.1} compensated (x{without:.1} without friction observer)",
             found[0]
@@ -95,7 +102,7 @@ pub fn other_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             1e3 * heave,
             1e3 * normal[2]
         ),
-        drawings: other_imbalance_figures(bench, &members)?,
+        drawings: other_imbalance_figures(tested, &members)?,
     })
 }
 
@@ -144,20 +151,23 @@ struct Redesigned {
 
 /// Returns the step, and heave and pitch by feedback alone and with both feedforwards, in every
 /// configuration.
-fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Drawing>, PipelineError> {
+fn other_imbalance_figures(
+    tested: &TestedDesign<'_>,
+    members: &[Member<'_>],
+) -> Result<Vec<Drawing>, PipelineError> {
     let mut panels = Vec::new();
     for arrangement in [Arrangement::Feedback, Arrangement::Compensated] {
         let mut curves = Vec::new();
         for member in members {
             let experiment = Experiment::Disturbance(Source::Both, arrangement);
-            let history = bench.history(&member.parameters, member.controller, experiment)?;
-            curves.push(Curve::line(member.name.clone(), hub_from(&history, bench.procedure.settle_s)));
+            let history = tested.history(&member.parameters, member.controller, experiment)?;
+            curves.push(Curve::line(member.name.clone(), hub_from(&history, tested.procedure.settle_s)));
         }
         panels.push(hub_panel(curves));
     }
     let heave = drawing("Heave and pitch in each configuration", time_axis(), panels)
         .with_caption("Above by feedback alone, below with the feedforwards of the normal configuration.");
-    let mut all = bench.family_drawings("each configuration", members)?;
+    let mut all = tested.family_drawings("each configuration", members)?;
     all.truncate(1);
     all.push(heave);
     Ok(all)
@@ -167,19 +177,19 @@ fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn redesigned_for_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let mut all = Vec::new();
     for factor in [0.37, 1.48] {
-        let mut parameters = bench.parameters().clone();
+        let mut parameters = tested.parameters().clone();
         parameters.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= factor);
-        all.push(redesigned(bench, &format!("out-of-balance x{factor} alone"), &parameters, Source::Heave)?);
+        all.push(redesigned(tested, &format!("out-of-balance x{factor} alone"), &parameters, Source::Heave)?);
     }
     for name in CONFIGURATIONS {
-        let Some(parameters) = apply_configuration(bench, name)? else { continue };
-        all.push(redesigned(bench, name, &parameters, Source::Both)?);
+        let Some(parameters) = apply_configuration(tested, name)? else { continue };
+        all.push(redesigned(tested, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
-    let mut designs = vec![DesignAt { factor: 1.0, controller: bench.observed.clone() }];
+    let mut designs = vec![DesignAt { factor: 1.0, controller: tested.observed.clone() }];
     designs.extend(all.iter().map(|one| DesignAt { factor: one.factor, controller: one.controller.clone() }));
     Ok(Claim {
         id: "C14",
@@ -195,26 +205,26 @@ pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineErro
 
 /// Returns a design for another mechanism, beside the normal one.
 fn redesigned(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     name: &str,
     parameters: &Parameters,
     source: Source,
 ) -> Result<Redesigned, PipelineError> {
-    let mut project = bench.observing_project.clone();
+    let mut project = tested.observing_project.clone();
     project.plant = parameters.clone();
     project.model.configuration = None;
     project.verify.iter_mut().for_each(|verify| verify.road = None);
-    let other = run_stages(&project, bench.world)?;
+    let other = run_stages(&project, tested.world)?;
     let controller = other.verified.controller();
-    let changes = three_changes(&bench.observed, controller)?;
+    let changes = three_changes(&tested.observed, controller)?;
     let residual = [rms(source, Arrangement::Compensated)];
-    let standard = bench.figures(bench.parameters(), &bench.observed, &residual)?[0];
-    let after = bench.figures(parameters, controller, &residual)?[0] / standard;
-    let factor = moment(parameters) / moment(bench.parameters());
+    let standard = tested.figures(tested.parameters(), &tested.observed, &residual)?[0];
+    let after = tested.figures(parameters, controller, &residual)?[0] / standard;
+    let factor = moment(parameters) / moment(tested.parameters());
     let inertia =
         |p: &Parameters| p.lumped.as_ref().map_or(f64::NAN, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2);
     let law = 20.0 * factor.log10().abs();
-    let by_inertia = 20.0 * (inertia(parameters) / inertia(bench.parameters())).log10().abs();
+    let by_inertia = 20.0 * (inertia(parameters) / inertia(tested.parameters())).log10().abs();
     let stays = |what: &str, db: f64| {
         Criterion::at_most(
             &format!("{name}: change of the {what}, dB"),
@@ -291,10 +301,10 @@ const ELEVATIONS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 ///
 /// # Errors
 /// A plant that does not exist.
-pub fn gravity_over_elevation(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let plant = &bench.designed.modelled.plant;
+pub fn gravity_over_elevation(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let plant = &tested.designed.modelled.plant;
     let at = |deg: f64| {
-        let point = OperatingPoint { hub_angle_rad: deg.to_radians(), ..bench.procedure.operating_point };
+        let point = OperatingPoint { hub_angle_rad: deg.to_radians(), ..tested.procedure.operating_point };
         plant.equilibrium(&point).drive_v
     };
     let level = at(0.0);

@@ -9,12 +9,11 @@
 //!
 //! Each row comes with the figures that show what decided it ([`drawing`] makes them from curves).
 //!
-//! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`bench`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
+//! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`tested_design`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
 //! [`friction_laws`] (with [`explicit_solver`]), [`literature_friction`], [`test_procedures`], [`identification`], [`adaptation`], [`exported_code`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`gyroscope_alignment`], [`extensions`], [`page`].
 
 pub mod adaptation;
 pub mod beam;
-pub mod bench;
 pub mod compensation_schemes;
 pub mod criterion;
 pub mod designs;
@@ -35,11 +34,12 @@ pub mod page;
 pub mod rejection;
 pub mod structure;
 pub mod test_procedures;
+pub mod tested_design;
 mod tolerance;
 pub mod weights;
 
-pub use bench::Bench;
 pub use criterion::{Agreement, Criterion};
+pub use tested_design::TestedDesign;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -71,7 +71,7 @@ pub struct Claim {
 
 /// How a claim turned out.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Finding {
+pub enum ClaimOutcome {
     /// As the thesis says.
     Holds,
     /// Not as the thesis says, for a reason.
@@ -102,23 +102,23 @@ impl Claim {
 
     /// Returns how the row turned out. It holds if every criterion agrees with the thesis; it differs if every other one is as the
     /// stated explanation predicts, and fails otherwise.
-    pub fn finding(&self) -> Finding {
+    pub fn finding(&self) -> ClaimOutcome {
         let agreements: Vec<Agreement> = self.criteria.iter().map(Criterion::agreement).collect();
         if agreements.is_empty() {
-            return Finding::NotMeasured { why: self.why.clone() };
+            return ClaimOutcome::NotMeasured { why: self.why.clone() };
         }
         if agreements.contains(&Agreement::Disagrees) {
-            return Finding::Fails;
+            return ClaimOutcome::Fails;
         }
         if agreements.contains(&Agreement::Explained) {
-            return Finding::Differs { why: self.why.clone() };
+            return ClaimOutcome::Differs { why: self.why.clone() };
         }
-        Finding::Holds
+        ClaimOutcome::Holds
     }
 }
 
 /// A row and what measures it.
-type Row = fn(&Bench<'_>) -> Result<Claim, PipelineError>;
+type Row = fn(&TestedDesign<'_>) -> Result<Claim, PipelineError>;
 
 const ROWS: [(&str, Row); 38] = [
     ("C1", beam::uniform_elements),
@@ -177,12 +177,12 @@ pub fn measure_claims(
     wanted: &dyn Fn(&str) -> bool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Vec<Claim>, PipelineError> {
-    let bench = Bench::new(project, world)?;
+    let tested = TestedDesign::new(project, world)?;
     let rows: Vec<Row> = ROWS.iter().filter(|row| wanted(row.0)).map(|row| row.1).collect();
     let done = AtomicUsize::new(0);
     progress(0, rows.len());
     let found = map_all(world.pool(), rows.len(), |k| {
-        let row = rows[k](&bench);
+        let row = rows[k](&tested);
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, rows.len());
         row
     });

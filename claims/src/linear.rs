@@ -7,25 +7,25 @@ use counterpoise_verify::{
 };
 
 use super::drawing::{Curve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// By how much the thesis' feedback reduces the peak under pitch.
 const PITCH_FACTOR: f64 = 13.0;
 
-fn found<'a>(bench: &'a Bench<'_>) -> &'a Verification {
-    bench.designed.verified.verification()
+fn found<'a>(tested: &'a TestedDesign<'_>) -> &'a Verification {
+    tested.designed.verified.verification()
 }
 
 /// Returns row C5: margins and step.
 ///
 /// # Errors
-/// None beyond the bench's.
-pub fn margins_and_step(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let step = |figure| bench.value(Figure::Step(Model::Linear, figure));
-    let gain = bench.value(Figure::Loop(LoopFigure::GainMargin));
-    let phase = bench.value(Figure::Loop(LoopFigure::PhaseMargin));
+/// None beyond the tested design's.
+pub fn margins_and_step(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let step = |figure| tested.value(Figure::Step(Model::Linear, figure));
+    let gain = tested.value(Figure::Loop(LoopFigure::GainMargin));
+    let phase = tested.value(Figure::Loop(LoopFigure::PhaseMargin));
     let (overshoot, error) = (step(StepFigure::Overshoot), step(StepFigure::SteadyStateError));
     Ok(Claim {
         id: "C5",
@@ -60,12 +60,12 @@ pub fn margins_and_step(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             ),
         ],
         why: String::new(),
-        drawings: margins_and_step_figures(bench),
+        drawings: margins_and_step_figures(tested),
     })
 }
 
-fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
-    let curves = &found(bench).evidence.curves;
+fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
+    let curves = &found(tested).evidence.curves;
     let gain = panel(
         Axis::linear("loop gain", "dB"),
         vec![Curve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
@@ -74,7 +74,7 @@ fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
         Axis::degrees("phase"),
         vec![Curve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
     );
-    let crossings = &found(bench).evidence.margins;
+    let crossings = &found(tested).evidence.margins;
     let hz = |rate: f64| rate / std::f64::consts::TAU;
     let gain = crossings.gain_increase().into_iter().fold(gain.with_level(0.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("gain margin {:.1} dB", margin.db))
@@ -83,9 +83,9 @@ fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
         panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
     let mut all = vec![drawing("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
-    if let Some(step) = found(bench).history(Model::Linear, Experiment::Step) {
+    if let Some(step) = found(tested).history(Model::Linear, Experiment::Step) {
         let demand = points_of(&step.time_s, &step.demand_rad_s, 1e3);
-        let height = 1e3 * bench.procedure.step.rate_rad_s;
+        let height = 1e3 * tested.procedure.step.rate_rad_s;
         let panel =
             hub_panel(vec![Curve::line("hub rate", hub_rates(step)), Curve::reference("demand", demand)])
                 .with_level(1.13 * height, "overshoot of the thesis, 13 %");
@@ -109,20 +109,20 @@ fn degrees(hz: &[f64], curve: &Response) -> Vec<Point> {
     hz.iter().zip(&curve.response).map(|(hz, h)| Point::new(*hz, unwrapped(h.arg().to_degrees()))).collect()
 }
 
-fn peak(bench: &Bench<'_>, source: Source, arrangement: Arrangement) -> f64 {
-    bench.value(Figure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
+fn peak(tested: &TestedDesign<'_>, source: Source, arrangement: Arrangement) -> f64 {
+    tested.value(Figure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
 }
 
 /// Returns row C6: pitch.
 ///
 /// # Errors
-/// None beyond the bench's.
-pub fn pitch_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let of = |arrangement| peak(bench, Source::Pitch, arrangement);
+/// None beyond the tested design's.
+pub fn pitch_rejection(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let of = |arrangement| peak(tested, Source::Pitch, arrangement);
     let (none, feedback, both) =
         (of(Arrangement::Uncontrolled), of(Arrangement::Feedback), of(Arrangement::Compensated));
     let (by_feedback, by_both) = (none / feedback, feedback / both);
-    let hz = bench.procedure.pitch.frequency_hz;
+    let hz = tested.procedure.pitch.frequency_hz;
     Ok(Claim {
         id: "C6",
         title: "pitch rejected",
@@ -131,15 +131,15 @@ pub fn pitch_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         measured: format!(
             "{by_feedback:.1} times by feedback at {hz} Hz, a further {by_both:.0} times by feedforward"
         ),
-        criteria: pitch_criteria(bench, by_feedback, by_both),
-        why: pitch_rejection_why(bench, by_both),
-        drawings: pitch_rejection_figures(bench),
+        criteria: pitch_criteria(tested, by_feedback, by_both),
+        why: pitch_rejection_why(tested, by_both),
+        drawings: pitch_rejection_figures(tested),
     })
 }
 
-fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Criterion> {
-    let hz = bench.procedure.pitch.frequency_hz;
-    let all = factors(bench);
+fn pitch_criteria(tested: &TestedDesign<'_>, by_feedback: f64, by_both: f64) -> Vec<Criterion> {
+    let hz = tested.procedure.pitch.frequency_hz;
+    let all = factors(tested);
     let near = |a: &&(f64, f64), b: &&(f64, f64)| (a.0 - hz).abs().total_cmp(&(b.0 - hz).abs());
     let predicted = all.iter().min_by(near).map_or(f64::NAN, |point| point.1);
     let equal_hz = all.iter().find(|point| point.1 < PITCH_FACTOR).map_or(f64::NAN, |point| point.0);
@@ -170,40 +170,44 @@ fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Crit
 }
 
 /// Returns what else the factor of 13 might mean, each measured.
-fn pitch_rejection_why(bench: &Bench<'_>, by_feedforward: f64) -> String {
-    let feedback = peak(bench, Source::Pitch, Arrangement::Feedback);
-    let platform = bench.procedure.pitch.amplitude.abs() / feedback;
-    let road = if bench.procedure.road.is_some() {
-        let ratio = peak(bench, Source::Road, Arrangement::Uncontrolled)
-            / peak(bench, Source::Road, Arrangement::Feedback);
+fn pitch_rejection_why(tested: &TestedDesign<'_>, by_feedforward: f64) -> String {
+    let feedback = peak(tested, Source::Pitch, Arrangement::Feedback);
+    let platform = tested.procedure.pitch.amplitude.abs() / feedback;
+    let road = if tested.procedure.road.is_some() {
+        let ratio = peak(tested, Source::Road, Arrangement::Uncontrolled)
+            / peak(tested, Source::Road, Arrangement::Feedback);
         format!(", {ratio:.1} on the recorded road, heave and pitch together")
     } else {
         String::new()
     };
-    let factors = factors(bench);
+    let factors = factors(tested);
     let equal = factors.iter().find(|point| point.1 < PITCH_FACTOR).map_or(f64::NAN, |point| point.0);
-    let gain = crossover_hz(bench);
+    let gain = crossover_hz(tested);
     format!(
         "the feedforward does as claimed ({by_feedforward:.0} times). The feedback's factor is that of the loop gain at the frequency of the disturbance, which the thesis does not print: it is {PITCH_FACTOR} at {equal:.2} Hz and falls from there as the loop crosses over at {gain:.1} Hz. Other readings of \"13 times\" do not give it: against the platform's own peak {platform:.1} times{road}"
     )
 }
 
-fn crossover_hz(bench: &Bench<'_>) -> f64 {
-    bench.value(Figure::Loop(LoopFigure::Crossover))
+fn crossover_hz(tested: &TestedDesign<'_>) -> f64 {
+    tested.value(Figure::Loop(LoopFigure::Crossover))
 }
 
-fn rejection<'a>(bench: &'a Bench<'_>, source: Source, arrangement: Arrangement) -> Option<&'a Vec<C64>> {
-    let all = &found(bench).evidence.curves.rejection;
+fn rejection<'a>(
+    tested: &'a TestedDesign<'_>,
+    source: Source,
+    arrangement: Arrangement,
+) -> Option<&'a Vec<C64>> {
+    let all = &found(tested).evidence.curves.rejection;
     all.iter().find(|r| (r.source, r.arrangement) == (source, arrangement)).map(|r| &r.response)
 }
 
 /// (Hz, factor by which feedback reduces the hub rate under pitch).
-fn factors(bench: &Bench<'_>) -> Vec<(f64, f64)> {
-    let of = |arrangement| rejection(bench, Source::Pitch, arrangement);
+fn factors(tested: &TestedDesign<'_>) -> Vec<(f64, f64)> {
+    let of = |arrangement| rejection(tested, Source::Pitch, arrangement);
     let (Some(none), Some(feedback)) = (of(Arrangement::Uncontrolled), of(Arrangement::Feedback)) else {
         return Vec::new();
     };
-    let hz = &found(bench).evidence.curves.frequency_hz;
+    let hz = &found(tested).evidence.curves.frequency_hz;
     hz.iter().zip(none.iter().zip(feedback)).map(|(hz, (n, f))| (*hz, n.norm() / f.norm())).collect()
 }
 
@@ -211,8 +215,9 @@ const ARRANGED: [(Arrangement, &str); 2] =
     [(Arrangement::Feedback, "feedback"), (Arrangement::Compensated, "feedback + feedforward")];
 
 /// Returns the time histories of a disturbance on the linear plant, with and without control.
-fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
-    let run = |arrangement| found(bench).history(Model::Linear, Experiment::Disturbance(source, arrangement));
+fn motions(tested: &TestedDesign<'_>, source: Source, name: &str) -> Drawing {
+    let run =
+        |arrangement| found(tested).history(Model::Linear, Experiment::Disturbance(source, arrangement));
     let controlled: Vec<Curve> = ARRANGED
         .iter()
         .filter_map(|(arrangement, name)| {
@@ -227,14 +232,17 @@ fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
         .with_caption("The lower panel leaves out the mechanism without control.")
 }
 
-fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
-    let within =
-        factors(bench).into_iter().filter(|point| (0.1..=20.0).contains(&point.0)).map(Point::from).collect();
+fn pitch_rejection_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
+    let within = factors(tested)
+        .into_iter()
+        .filter(|point| (0.1..=20.0).contains(&point.0))
+        .map(Point::from)
+        .collect();
     let factor = panel(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
         .with_level(PITCH_FACTOR, "13 times, as the thesis says")
-        .with_instant(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
+        .with_instant(tested.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
-        motions(bench, Source::Pitch, "pitch"),
+        motions(tested, Source::Pitch, "pitch"),
         drawing("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
     ]
 }
@@ -242,10 +250,10 @@ fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
 /// Returns row C7: heave.
 ///
 /// # Errors
-/// None beyond the bench's.
-pub fn heave_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+/// None beyond the tested design's.
+pub fn heave_rejection(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let rms = |arrangement| {
-        bench.value(Figure::Disturbance(Model::Linear, Source::Heave, arrangement, Quantity::HubRms))
+        tested.value(Figure::Disturbance(Model::Linear, Source::Heave, arrangement, Quantity::HubRms))
     };
     let ratio = rms(Arrangement::Feedback) / rms(Arrangement::Compensated);
     Ok(Claim {
@@ -255,7 +263,7 @@ pub fn heave_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         says: "the heave feedforward almost removes the heave disturbance",
         measured: format!(
             "RMS hub rate {ratio:.0} times smaller with it, at {} Hz",
-            bench.procedure.heave.frequency_hz
+            tested.procedure.heave.frequency_hz
         ),
         criteria: vec![Criterion::at_least(
             "RMS hub rate by feedback over that with the feedforward",
@@ -265,18 +273,18 @@ pub fn heave_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             "almost means that at most a tenth is left",
         )],
         why: String::new(),
-        drawings: vec![motions(bench, Source::Heave, "heave"), heave_over_frequency(bench)],
+        drawings: vec![motions(tested, Source::Heave, "heave"), heave_over_frequency(tested)],
     })
 }
 
-fn heave_over_frequency(bench: &Bench<'_>) -> Drawing {
-    let hz = &found(bench).evidence.curves.frequency_hz;
+fn heave_over_frequency(tested: &TestedDesign<'_>) -> Drawing {
+    let hz = &found(tested).evidence.curves.frequency_hz;
     let curve = |(arrangement, name): &(Arrangement, &str)| {
-        let values = rejection(bench, Source::Heave, *arrangement)?;
+        let values = rejection(tested, Source::Heave, *arrangement)?;
         let points = hz.iter().zip(values).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10()));
         Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
     };
     let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
-        .with_instant(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
+        .with_instant(tested.procedure.heave.frequency_hz, "frequency of the procedure's heave");
     drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
 }

@@ -9,7 +9,7 @@ use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 use super::drawing::{Curve, drawing, panel};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::LEAST_LENGTH;
 use counterpoise_pipeline::PipelineError;
 
@@ -278,7 +278,7 @@ fn unit(v: Vec<f64>) -> Option<Vec<f64>> {
 }
 
 /// What was measured of the laws.
-struct Measured {
+struct FrictionMeasurement {
     /// Distance of the maps from Dahl's at each amplitude, dB.
     bliman_sorine: Vec<f64>,
     seven_parameters: Vec<f64>,
@@ -296,7 +296,7 @@ fn slow_peak(law: &mut dyn Law, length_rad: f64) -> f64 {
     (0..20_000).map(|_| law.torque(1e-3 * length_rad)).fold(0.0, f64::max)
 }
 
-fn measure(parameters: &Parameters) -> Option<Measured> {
+fn measure(parameters: &Parameters) -> Option<FrictionMeasurement> {
     let lumped = parameters.lumped.as_ref()?;
     let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, .. } =
         parameters.pivot_friction.law
@@ -329,7 +329,7 @@ fn measure(parameters: &Parameters) -> Option<Measured> {
     let rich = sevens(0, 1.0);
     let distances = |map: &[C64]| (0..RATES_RAD_S.len()).map(|k| apart_db(map, &reference, k)).collect();
     let length = coulomb_nm / stiffness;
-    Some(Measured {
+    Some(FrictionMeasurement {
         bliman_sorine: distances(&weak),
         seven_parameters: distances(&rich),
         peaks: [
@@ -342,7 +342,7 @@ fn measure(parameters: &Parameters) -> Option<Measured> {
     })
 }
 
-fn criteria(found: &Measured) -> Vec<Criterion> {
+fn criteria(found: &FrictionMeasurement) -> Vec<Criterion> {
     let worst = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     vec![
         Criterion::at_least(
@@ -390,7 +390,7 @@ fn criteria(found: &Measured) -> Vec<Criterion> {
     ]
 }
 
-fn figures(found: &Measured) -> Vec<Drawing> {
+fn figures(found: &FrictionMeasurement) -> Vec<Drawing> {
     let over =
         |values: &[f64]| RATES_RAD_S.iter().copied().zip(values.iter().copied()).map(Point::from).collect();
     let distances = vec![
@@ -423,15 +423,15 @@ fn figures(found: &Measured) -> Vec<Drawing> {
 /// Returns row C33: the laws that the thesis names and leaves aside.
 ///
 /// # Errors
-/// None beyond the bench's.
-pub fn laws_of_the_literature(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+/// None beyond the tested design's.
+pub fn laws_of_the_literature(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let named = [
         "C33",
         "seven-parameter and Bliman-Sorine friction",
         "2.3, 5.4",
         "the seven-parameter model is too complex, its parameters are difficult to measure; Dahl's law has no stiction; Bliman and Sorine developed another dynamic law",
     ];
-    let Some(found) = measure(bench.parameters()) else {
+    let Some(found) = measure(tested.parameters()) else {
         let why = "the mechanism's pivot friction is not Dahl's law, or it has no lumped structure";
         return Ok(Claim::not_measured(named, why));
     };

@@ -9,7 +9,7 @@ use counterpoise_verify::linear::Curve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
 
 use super::drawing::{Curve, drawing, frequency_axis, panel};
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
 /// Gains that are drawn on the Nichols chart, dB, and distances on the Nyquist chart.
@@ -19,14 +19,14 @@ const NYQUIST: f64 = 3.0;
 /// Returns row C28: the loop on Nyquist and Nichols charts.
 ///
 /// # Errors
-/// None beyond the bench's.
-pub fn nyquist_and_nichols(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let evidence = &bench.designed.verified.verification().evidence;
+/// None beyond the tested design's.
+pub fn nyquist_and_nichols(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let evidence = &tested.designed.verified.verification().evidence;
     let loop_gain: &Response = &evidence.curves.broken;
     let one = C64::new(1.0, 0.0);
     let nearest = loop_gain.response.iter().map(|h| (one + h).norm()).fold(f64::INFINITY, f64::min);
     let closed = loop_gain.response.iter().map(|h| (h / (one + h)).norm()).fold(0.0, f64::max);
-    let value = |figure| bench.value(Figure::Loop(figure));
+    let value = |figure| tested.value(Figure::Loop(figure));
     let (ms, mt) = (value(LoopFigure::MaxSensitivity), value(LoopFigure::MaxComplementary));
     Ok(Claim {
         id: "C28",
@@ -117,10 +117,10 @@ const DEMAND_RAD_S: f64 = 0.1;
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn open_loop_analyser(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let plant = &bench.designed.modelled.plant;
-    let measured = open_loop(plant, &bench.observed)?;
-    let curves = &bench.designed.verified.verification().evidence.curves;
+pub fn open_loop_analyser(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let plant = &tested.designed.modelled.plant;
+    let measured = open_loop(plant, &tested.observed)?;
+    let curves = &tested.designed.verified.verification().evidence.curves;
     let predicted = |hz: f64| {
         let near = |a: &usize, b: &usize| {
             (curves.frequency_hz[*a] / hz).ln().abs().total_cmp(&(curves.frequency_hz[*b] / hz).ln().abs())

@@ -5,40 +5,44 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
-use super::bench::{Behaviour, Member, NamedLevel, plot_over_factor};
 use super::drawing::{Curve, drawing, hub_from, hub_panel, hub_rates, time_axis};
-use super::{Bench, Claim, Criterion};
+use super::tested_design::{Behaviour, Member, NamedLevel, plot_over_factor};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Figure as Drawing, Point};
 
 /// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn change_parameter(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     varied: Varied,
     factor: f64,
 ) -> Result<Parameters, PipelineError> {
-    let mut parameters = bench.parameters().clone();
+    let mut parameters = tested.parameters().clone();
     varied.scale(&mut parameters, factor)?;
     Ok(parameters)
 }
 
 /// Step and stabilisation with the observed controller at factors of a parameter.
-fn family(bench: &Bench<'_>, varied: Varied, factors: &[f64]) -> Result<Vec<Behaviour>, PipelineError> {
+fn family(
+    tested: &TestedDesign<'_>,
+    varied: Varied,
+    factors: &[f64],
+) -> Result<Vec<Behaviour>, PipelineError> {
     factors
         .iter()
-        .map(|&factor| bench.behaviour(&change_parameter(bench, varied, factor)?, &bench.observed))
+        .map(|&factor| tested.behaviour(&change_parameter(tested, varied, factor)?, &tested.observed))
         .collect()
 }
 
 /// Returns the mechanisms of a family with the observed controller.
 fn members<'a>(
-    bench: &'a Bench<'_>,
+    tested: &'a TestedDesign<'_>,
     varied: Varied,
     factors: &[f64],
 ) -> Result<Vec<Member<'a>>, PipelineError> {
     let one = |&factor: &f64| {
-        let parameters = change_parameter(bench, varied, factor)?;
-        Ok(Member { name: format!("x{factor}"), parameters, controller: &bench.observed })
+        let parameters = change_parameter(tested, varied, factor)?;
+        Ok(Member { name: format!("x{factor}"), parameters, controller: &tested.observed })
     };
     factors.iter().map(one).collect()
 }
@@ -55,12 +59,12 @@ fn overshoots(rates: &[Behaviour]) -> String {
 ///
 /// # Errors
 /// Those of the verification.
-pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let linear = bench.value(Figure::Step(Model::Linear, StepFigure::Overshoot));
-    let plain = bench.behaviour(bench.parameters(), bench.controller())?;
-    let observed = bench.behaviour(bench.parameters(), &bench.observed)?;
+pub fn friction_observer(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let linear = tested.value(Figure::Step(Model::Linear, StepFigure::Overshoot));
+    let plain = tested.behaviour(tested.parameters(), tested.controller())?;
+    let observed = tested.behaviour(tested.parameters(), &tested.observed)?;
     let moving = Figure::Disturbance(Model::Linear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
-    let linear_rate = bench.value(moving);
+    let linear_rate = tested.value(moving);
     Ok(Claim {
         id: "C8",
         title: "friction observer",
@@ -68,8 +72,8 @@ pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         says: "with the friction observer: 15 % overshoot against 13 % on the linear model, same steady state, slightly more residual",
         measured: format!(
             "observer identified from one noisy triangle (Coulomb level x{:.3} of the true one, presliding stiffness x{:.2}); overshoot {:.1} % against {linear:.1} % linear ({:.1} % without observer); steady-state error {:.2} %; RMS hub rate {:.2} mrad/s against {:.2} without observer",
-            bench.friction.coulomb_ratio,
-            bench.friction.stiffness_ratio,
+            tested.friction.coulomb_ratio,
+            tested.friction.stiffness_ratio,
             observed.overshoot_percent,
             plain.overshoot_percent,
             observed.steady_error_percent,
@@ -107,30 +111,30 @@ pub fn friction_observer(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             ),
         ],
         why: String::new(),
-        drawings: friction_observer_figures(bench)?,
+        drawings: friction_observer_figures(tested)?,
     })
 }
 
 /// Returns the linear plant, and the nonlinear one with and without observer.
-fn friction_observer_figures(bench: &Bench<'_>) -> Result<Vec<Drawing>, PipelineError> {
-    let linear = |experiment| bench.designed.verified.verification().history(Model::Linear, experiment);
+fn friction_observer_figures(tested: &TestedDesign<'_>) -> Result<Vec<Drawing>, PipelineError> {
+    let linear = |experiment| tested.designed.verified.verification().history(Model::Linear, experiment);
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
-    let run = |controller, experiment| bench.history(bench.parameters(), controller, experiment);
-    let from = bench.procedure.settle_s;
+    let run = |controller, experiment| tested.history(tested.parameters(), controller, experiment);
+    let from = tested.procedure.settle_s;
     let short = |points: Vec<Point>| points.into_iter().filter(|point| point.x <= 0.8).collect();
     let mut steps = vec![
-        Curve::line("nonlinear, with observer", short(hub_rates(&run(&bench.observed, Experiment::Step)?))),
+        Curve::line("nonlinear, with observer", short(hub_rates(&run(&tested.observed, Experiment::Step)?))),
         Curve::line(
             "nonlinear, without observer",
-            short(hub_rates(&run(bench.controller(), Experiment::Step)?)),
+            short(hub_rates(&run(tested.controller(), Experiment::Step)?)),
         ),
     ];
     steps.extend(
         linear(Experiment::Step).map(|history| Curve::reference("linear", short(hub_rates(history)))),
     );
     let mut motions = vec![
-        Curve::line("nonlinear, with observer", hub_from(&run(&bench.observed, moving)?, from)),
-        Curve::line("nonlinear, without observer", hub_from(&run(bench.controller(), moving)?, from)),
+        Curve::line("nonlinear, with observer", hub_from(&run(&tested.observed, moving)?, from)),
+        Curve::line("nonlinear, without observer", hub_from(&run(tested.controller(), moving)?, from)),
     ];
     motions.extend(linear(moving).map(|history| Curve::reference("linear", hub_from(history, from))));
     Ok(vec![
@@ -143,15 +147,15 @@ fn friction_observer_figures(bench: &Bench<'_>) -> Result<Vec<Drawing>, Pipeline
 ///
 /// # Errors
 /// Those of the verification.
-pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let found = family(bench, Varied::HubInertia, &[0.5, 1.0, 2.0])?;
-    let whole = beam_inertia_range(bench)?;
-    let lumped = bench.parameters().lumped.as_ref();
+pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let found = family(tested, Varied::HubInertia, &[0.5, 1.0, 2.0])?;
+    let whole = beam_inertia_range(tested)?;
+    let lumped = tested.parameters().lumped.as_ref();
     let share =
         lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 / (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2));
     // the hub's factor that doubles the inertia of hub and beam together
-    let doubled =
-        bench.behaviour(&change_parameter(bench, Varied::HubInertia, 1.0 + 1.0 / share)?, &bench.observed)?;
+    let doubled = tested
+        .behaviour(&change_parameter(tested, Varied::HubInertia, 1.0 + 1.0 / share)?, &tested.observed)?;
     let criteria = inertia_criteria(&found, &doubled, share);
     Ok(Claim {
         id: "C10",
@@ -175,7 +179,7 @@ pub fn other_inertia(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             doubled.overshoot_percent
         ),
         drawings: with_family(
-            bench,
+            tested,
             Varied::HubInertia,
             "hub inertia",
             plot_over_factor(
@@ -239,24 +243,24 @@ fn inertia_criteria(found: &[Behaviour], doubled: &Behaviour, share: f64) -> Vec
 
 /// Returns the figures over the factor, and the family's time histories.
 fn with_family(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     varied: Varied,
     name: &str,
     figures: Drawing,
     factors: &[f64],
 ) -> Result<Vec<Drawing>, PipelineError> {
     let mut all = vec![figures];
-    all.extend(bench.family_drawings(&format!("{name} changed"), &members(bench, varied, factors)?)?);
+    all.extend(tested.family_drawings(&format!("{name} changed"), &members(tested, varied, factors)?)?);
     Ok(all)
 }
 
 /// Returns the factors of the beam's inertia, in steps of 2 % from 1 and no farther than 0.5 and 2, between which the loop stays
 /// stable.
-fn beam_inertia_range(bench: &Bench<'_>) -> Result<(f64, f64), PipelineError> {
+fn beam_inertia_range(tested: &TestedDesign<'_>) -> Result<(f64, f64), PipelineError> {
     let radius = [Figure::Loop(LoopFigure::PoleRadius)];
     let stable = |factor: f64| -> Result<bool, PipelineError> {
-        let parameters = change_parameter(bench, Varied::BeamInertia, factor)?;
-        Ok(bench.figures(&parameters, bench.controller(), &radius)?[0] < 1.0)
+        let parameters = change_parameter(tested, Varied::BeamInertia, factor)?;
+        Ok(tested.figures(&parameters, tested.controller(), &radius)?[0] < 1.0)
     };
     let (mut low, mut high) = (1.0, 1.0);
     while low > 0.5 && stable(low - 0.02)? {
@@ -272,16 +276,16 @@ fn beam_inertia_range(bench: &Bench<'_>) -> Result<(f64, f64), PipelineError> {
 ///
 /// # Errors
 /// Those of the verification.
-pub fn other_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0];
-    let found = family(bench, Varied::Friction, &factors)?;
+    let found = family(tested, Varied::Friction, &factors)?;
     let mut controllers = Vec::new();
     for factor in [0.5, 2.0] {
-        controllers.push(bench.observing_on(&change_parameter(bench, Varied::Friction, factor)?)?);
+        controllers.push(tested.observing_on(&change_parameter(tested, Varied::Friction, factor)?)?);
     }
     let mut updated = Vec::new();
     for (factor, controller) in [0.5, 2.0].into_iter().zip(&controllers) {
-        updated.push(bench.behaviour(&change_parameter(bench, Varied::Friction, factor)?, controller)?);
+        updated.push(tested.behaviour(&change_parameter(tested, Varied::Friction, factor)?, controller)?);
     }
     let nominal = found[1].residual_rad_s;
     let over = |b: &Behaviour| b.residual_rad_s / nominal;
@@ -316,12 +320,12 @@ pub fn other_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             .with_explained_range(0.45, 1.0),
         ],
         why: "what an observer leaves is in proportion to the friction that it cancels: it follows a reversal as late as the gyroscope does. With twice the friction up to twice as much is left, with half the friction down to half".to_owned(),
-        drawings: other_friction_figures(bench, &factors, &found, &controllers, &updated)?,
+        drawings: other_friction_figures(tested, &factors, &found, &controllers, &updated)?,
     })
 }
 
 fn other_friction_figures(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     factors: &[f64],
     found: &[Behaviour],
     controllers: &[Controller],
@@ -336,13 +340,13 @@ fn other_friction_figures(
         vec![Curve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
     ];
     let figures = plot_over_factor("friction", factors, found, &[], others);
-    let mut all = members(bench, Varied::Friction, factors)?;
+    let mut all = members(tested, Varied::Friction, factors)?;
     for (factor, controller) in [0.5, 2.0].into_iter().zip(controllers) {
-        let parameters = change_parameter(bench, Varied::Friction, factor)?;
+        let parameters = change_parameter(tested, Varied::Friction, factor)?;
         all.push(Member { name: format!("x{factor}, observer identified anew"), parameters, controller });
     }
     let mut drawings = vec![figures];
-    drawings.extend(bench.family_drawings("friction changed", &all)?);
+    drawings.extend(tested.family_drawings("friction changed", &all)?);
     Ok(drawings)
 }
 
@@ -350,9 +354,9 @@ fn other_friction_figures(
 ///
 /// # Errors
 /// Those of the verification.
-pub fn other_backlash(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn other_backlash(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0, 5.0];
-    let found = family(bench, Varied::Backlash, &factors)?;
+    let found = family(tested, Varied::Backlash, &factors)?;
     let apart =
         |of: fn(&Behaviour) -> f64| found.iter().map(|b| (of(b) - of(&found[1])).abs()).fold(0.0, f64::max);
     let open = found.iter().map(|b| b.gear_open).fold(0.0, f64::max);
@@ -392,7 +396,7 @@ pub fn other_backlash(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         ],
         why: String::new(),
         drawings: with_family(
-            bench,
+            tested,
             Varied::Backlash,
             "backlash",
             plot_over_factor("backlash", &factors, &found, &[], Default::default()),

@@ -1,6 +1,6 @@
 //! The page of the thesis' claims: verdicts on the first screen, the table, then each row with the curves that decided it.
 
-use crate::{Agreement, Claim, Criterion, Finding};
+use crate::{Agreement, Claim, ClaimOutcome, Criterion};
 
 use counterpoise_plot::Figure;
 use counterpoise_plot::number::short_number;
@@ -24,11 +24,11 @@ pub fn claims_report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> S
 }
 
 fn headline(rows: &[Claim]) -> Headline {
-    let count = |which: fn(&Finding) -> bool| rows.iter().filter(|row| which(&row.finding())).count();
-    let holds = count(|f| *f == Finding::Holds);
-    let differs = count(|f| matches!(f, Finding::Differs { .. }));
-    let fails = count(|f| *f == Finding::Fails);
-    let open = count(|f| matches!(f, Finding::NotMeasured { .. }));
+    let count = |which: fn(&ClaimOutcome) -> bool| rows.iter().filter(|row| which(&row.finding())).count();
+    let holds = count(|f| *f == ClaimOutcome::Holds);
+    let differs = count(|f| matches!(f, ClaimOutcome::Differs { .. }));
+    let fails = count(|f| *f == ClaimOutcome::Fails);
+    let open = count(|f| matches!(f, ClaimOutcome::NotMeasured { .. }));
     let all = rows.len();
     let text = format!(
         "{holds} of {all} claims {}, {differs} {} for a reason, {fails} {}",
@@ -50,12 +50,12 @@ fn verb(count: usize, plural: &str) -> String {
 }
 
 /// Tone, word, and what is said beside the measurement.
-fn outcome(finding: &Finding) -> (Tone, &'static str, String) {
+fn outcome(finding: &ClaimOutcome) -> (Tone, &'static str, String) {
     match finding {
-        Finding::Holds => (Tone::Good, "holds", String::new()),
-        Finding::Fails => (Tone::Bad, "fails", String::new()),
-        Finding::Differs { why } => (Tone::Neutral, "differs", format!("Why it differs: {why}.")),
-        Finding::NotMeasured { why } => (Tone::Neutral, "not measured", format!("Not measured: {why}.")),
+        ClaimOutcome::Holds => (Tone::Good, "holds", String::new()),
+        ClaimOutcome::Fails => (Tone::Bad, "fails", String::new()),
+        ClaimOutcome::Differs { why } => (Tone::Neutral, "differs", format!("Why it differs: {why}.")),
+        ClaimOutcome::NotMeasured { why } => (Tone::Neutral, "not measured", format!("Not measured: {why}.")),
     }
 }
 
@@ -177,7 +177,7 @@ mod tests {
             claims_report(&rows, Context::default(), &|id| format!("counterpoise claims RIG --only {id}"));
         assert_eq!((page.tiles.len(), page.verdicts.rows.len(), page.sections.len()), (2, 2, 2));
         assert_eq!(page.tiles[1].value, "differs");
-        assert_eq!(claim(of(20.0), "of a reason").finding(), Finding::Fails);
+        assert_eq!(claim(of(20.0), "of a reason").finding(), ClaimOutcome::Fails);
         assert_eq!(page.sections[0].tables[0].rows.len(), 1);
         assert!(page.sections[1].text.iter().any(|text| text.contains("of a reason")));
         let drawn = &page.sections[0].figures[0];

@@ -11,7 +11,7 @@ use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quant
 use super::drawing::{Curve, drawing, factor_axis, frequency_axis, panel, time_axis};
 use super::imbalance::apply_configuration;
 use super::nonlinear::change_parameter;
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
@@ -49,17 +49,17 @@ impl Run {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn balanced_against_compensated(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn balanced_against_compensated(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let (id, title, source) = ("C22", "as good as balanced", "7.4.2, figs 7-15, 7-16");
     let says = "out of balance with both feedforwards is stabilised as well as balanced; on the balanced plant that heave feedforward makes things worse";
-    let Some(balanced) = apply_configuration(bench, "balanced")? else {
+    let Some(balanced) = apply_configuration(tested, "balanced")? else {
         return Ok(Claim::not_measured(
             [id, title, source, says],
             "the project has no configuration \"balanced\"",
         ));
     };
-    let runs = runs(bench, &balanced)?;
-    let rates: Vec<f64> = runs.iter().map(|run| run.rms_mrad_s(bench.procedure.settle_s)).collect();
+    let runs = runs(tested, &balanced)?;
+    let rates: Vec<f64> = runs.iter().map(|run| run.rms_mrad_s(tested.procedure.settle_s)).collect();
     let words: Vec<String> = runs
         .iter()
         .zip(&rates)
@@ -75,7 +75,7 @@ pub fn balanced_against_compensated(bench: &Bench<'_>) -> Result<Claim, Pipeline
         says,
         measured: format!(
             "RMS hub rate under the {} and, in brackets, DRR = |Pxy/Pxx| from pitch rate to hub rate, mean from {} to {} Hz: {}",
-            if source_of(bench) == Source::Road { "recorded road" } else { "sines" },
+            if source_of(tested) == Source::Road { "recorded road" } else { "sines" },
             AVERAGED_HZ.0,
             AVERAGED_HZ.1,
             words.join("; ")
@@ -101,23 +101,23 @@ pub fn balanced_against_compensated(bench: &Bench<'_>) -> Result<Claim, Pipeline
     })
 }
 
-fn source_of(bench: &Bench<'_>) -> Source {
-    if bench.procedure.road.is_some() { Source::Road } else { Source::Both }
+fn source_of(tested: &TestedDesign<'_>) -> Source {
+    if tested.procedure.road.is_some() { Source::Road } else { Source::Both }
 }
 
 /// Returns both plants without feedforward, with that of pitch, and with both.
-fn runs(bench: &Bench<'_>, balanced: &Parameters) -> Result<Vec<Run>, PipelineError> {
-    let pitch_only = without_heave(&bench.observed)?;
+fn runs(tested: &TestedDesign<'_>, balanced: &Parameters) -> Result<Vec<Run>, PipelineError> {
+    let pitch_only = without_heave(&tested.observed)?;
     let arranged = [
-        ("feedback alone", &bench.observed, Arrangement::Feedback),
+        ("feedback alone", &tested.observed, Arrangement::Feedback),
         ("with pitch", &pitch_only, Arrangement::Compensated),
-        ("with both", &bench.observed, Arrangement::Compensated),
+        ("with both", &tested.observed, Arrangement::Compensated),
     ];
     let mut all = Vec::new();
-    for (plant, parameters) in [("out of balance", bench.parameters()), ("balanced", balanced)] {
+    for (plant, parameters) in [("out of balance", tested.parameters()), ("balanced", balanced)] {
         for (control, controller, arrangement) in arranged {
-            let experiment = Experiment::Disturbance(source_of(bench), arrangement);
-            let history = bench.history(parameters, controller, experiment)?;
+            let experiment = Experiment::Disturbance(source_of(tested), arrangement);
+            let history = tested.history(parameters, controller, experiment)?;
             let options = WelchOptions { segment: SEGMENT, confidence: CONFIDENCE };
             let period = parameters.interface.sample_period_s;
             let spectra = welch(&history.pitch_rate_rad_s, &history.hub_rate_rad_s, period, options).ok();
@@ -176,14 +176,14 @@ fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
 ///
 /// # Errors
 /// Those of the verification.
-pub fn small_amplitude_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let coulomb = bench.parameters().pivot_friction.coulomb_nm();
+pub fn small_amplitude_rejection(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let coulomb = tested.parameters().pivot_friction.coulomb_nm();
     let more = |torque_nm: f64| if coulomb > 0.0 { 1.0 + torque_nm / coulomb } else { 1.0 };
-    let added = added_inertia(bench);
+    let added = added_inertia(tested);
     let torques = [0.0, 50.0, 100.0, 150.0];
     let (mut rows, mut criteria) = (Vec::new(), Vec::new());
     for hz in BAND_HZ {
-        let ratios = |varied, factors: &[f64]| ratios_db(bench, varied, factors, hz);
+        let ratios = |varied, factors: &[f64]| ratios_db(tested, varied, factors, hz);
         let backlash = ratios(Varied::Backlash, &[1.0, 2.0, 5.0])?;
         let inertia = ratios(Varied::HubInertia, &added)?;
         let friction = ratios(Varied::PivotFriction, &torques.map(more))?;
@@ -266,17 +266,22 @@ fn drawn(what: &str, x: Axis, factors: &[f64], db: &[f64]) -> Drawing {
 }
 
 /// Factors of the hub's inertia: as it is, and with each of the configurations' added inertias (the thesis' dumb-bells).
-fn added_inertia(bench: &Bench<'_>) -> Vec<f64> {
-    let hub = bench.parameters().lumped.as_ref().map_or(f64::NAN, |lumped| lumped.hub_inertia_kg_m2);
+fn added_inertia(tested: &TestedDesign<'_>) -> Vec<f64> {
+    let hub = tested.parameters().lumped.as_ref().map_or(f64::NAN, |lumped| lumped.hub_inertia_kg_m2);
     let added =
-        bench.parameters().configurations.iter().map(|c| c.added_hub_inertia_kg_m2).filter(|j| *j > 0.0);
+        tested.parameters().configurations.iter().map(|c| c.added_hub_inertia_kg_m2).filter(|j| *j > 0.0);
     std::iter::once(1.0).chain(added.map(|inertia| 1.0 + inertia / hub)).collect()
 }
 
 /// Returns the RMS hub rate over RMS pitch rate, dB, with the observed controller and a third of the
 /// procedure's pitch.
-fn ratios_db(bench: &Bench<'_>, varied: Varied, factors: &[f64], hz: f64) -> Result<Vec<f64>, PipelineError> {
-    let mut small = bench.procedure.clone();
+fn ratios_db(
+    tested: &TestedDesign<'_>,
+    varied: Varied,
+    factors: &[f64],
+    hz: f64,
+) -> Result<Vec<f64>, PipelineError> {
+    let mut small = tested.procedure.clone();
     small.pitch.amplitude /= 3.0;
     small.pitch.frequency_hz = hz;
     let figure =
@@ -284,8 +289,8 @@ fn ratios_db(bench: &Bench<'_>, varied: Varied, factors: &[f64], hz: f64) -> Res
     let pitch_rms = small.pitch.amplitude.abs() / std::f64::consts::SQRT_2;
     let mut ratios = Vec::new();
     for &factor in factors {
-        let plant = Plant::from_lumped(&change_parameter(bench, varied, factor)?)?;
-        let values = figures_of(&plant, &bench.observed, &small, &[figure])?;
+        let plant = Plant::from_lumped(&change_parameter(tested, varied, factor)?)?;
+        let values = figures_of(&plant, &tested.observed, &small, &[figure])?;
         let rms = if let Value::Is(rms) = values[0] { rms } else { f64::NAN };
         ratios.push(20.0 * (rms / pitch_rms).log10());
     }

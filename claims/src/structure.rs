@@ -6,9 +6,9 @@ use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned_modes};
 use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
 
-use super::bench::{largest_db, rate_grid};
 use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
-use super::{Bench, Claim, Criterion};
+use super::tested_design::{largest_db, rate_grid};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{KEPT_RESPONSE, UNSEEN_STATE};
 use counterpoise_pipeline::{PipelineError, model};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -27,23 +27,23 @@ const KEPT_MODES: usize = 3;
 const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
 
 /// Returns the plant by finite elements, the project's other choices kept.
-fn beam_plant(bench: &Bench, modes: usize) -> Result<LinearPlant, PipelineError> {
-    let mut project = bench.project.clone();
+fn beam_plant(tested: &TestedDesign, modes: usize) -> Result<LinearPlant, PipelineError> {
+    let mut project = tested.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, modes);
     Ok(model(&project)?.linear)
 }
 
 /// Returns a plant with another structure, linear.
-fn with_body(bench: &Bench, body: Body) -> Result<StateSpace, PipelineError> {
-    let plant = Plant::with_body(&bench.project.plant, body)?;
-    let choice = &bench.project.model;
+fn with_body(tested: &TestedDesign, body: Body) -> Result<StateSpace, PipelineError> {
+    let plant = Plant::with_body(&tested.project.plant, body)?;
+    let choice = &tested.project.model;
     let at = plant.equilibrium(&choice.operating_point);
     Ok(plant.linearise(&at, choice.friction, Angles::Drop)?.system)
 }
 
 /// Guyan's condensation onto every fourth node's deflection, the hub and the tip, then the first pinned modes.
-fn condensed(bench: &Bench) -> Result<StateSpace, PipelineError> {
-    let (fe, ratios) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
+fn condensed(tested: &TestedDesign) -> Result<StateSpace, PipelineError> {
+    let (fe, ratios) = counterpoise_pipeline::finite_elements(tested.project, StructureChoice::Beam)?;
     let hub = fe.hub.ok_or(counterpoise_models::Error::NoHubNode)?;
     let n = fe.M.nrows();
     let mut masters: Vec<usize> = (0..n).step_by(8).collect();
@@ -51,7 +51,7 @@ fn condensed(bench: &Bench) -> Result<StateSpace, PipelineError> {
     masters.sort_unstable();
     masters.dedup();
     let small = condense(&fe, &masters)?;
-    with_body(bench, pinned_modes(&small, ratios, KEPT_MODES)?.body)
+    with_body(tested, pinned_modes(&small, ratios, KEPT_MODES)?.body)
 }
 
 /// Guyan's condensation of finite elements onto some of their degrees of freedom, hub and tip among them.
@@ -96,8 +96,8 @@ fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
 ///
 /// # Errors
 /// Those of the reduction.
-pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let full = beam_plant(bench, MODES)?.system;
+pub fn reduced_order(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let full = beam_plant(tested, MODES)?.system;
     let rate = cut(&full)?;
     let seen = minimal(&full, UNSEEN_STATE)?;
     let by = |method, system| NamedReduction { method, system };
@@ -105,7 +105,7 @@ pub fn reduced_order(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         by("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
         by("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
         by("balanced truncation", balred(&full, Order::States(ORDER), Method::MatchDc)?.system),
-        by("Guyan and truncation", condensed(bench)?),
+        by("Guyan and truncation", condensed(tested)?),
     ];
     let mut words = Vec::new();
     let mut best = f64::INFINITY;
@@ -189,11 +189,11 @@ fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, P
 ///
 /// # Errors
 /// Those of the models.
-pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let beam = beam_plant(bench, MODES)?.system;
-    let lumped = &bench.designed.modelled.linear.system;
+pub fn lumped_against_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let beam = beam_plant(tested, MODES)?.system;
+    let lumped = &tested.designed.modelled.linear.system;
     let locked = |l: &Lumped| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
-    let first_hz = bench.parameters().lumped.as_ref().map_or(f64::NAN, locked);
+    let first_hz = tested.parameters().lumped.as_ref().map_or(f64::NAN, locked);
     let (low, high) = ([0.1, 0.5 * first_hz], [first_hz, DRAWN_HZ[1]]);
     let (mut below, mut above) = ([0.0; 3], [0.0; 3]);
     for input in 0..3 {
@@ -201,7 +201,7 @@ pub fn lumped_against_elements(bench: &Bench<'_>) -> Result<Claim, PipelineError
         above[input] = largest_db(&beam, lumped, input, high)?;
     }
     let text = |values: &[f64; 3]| values.iter().map(|v| format!("{v:.2}")).collect::<Vec<_>>().join(" / ");
-    let (why, others, as_elements) = heave_explained(bench, &beam, low)?;
+    let (why, others, as_elements) = heave_explained(tested, &beam, low)?;
     let at_low = |name: &str, k: usize| {
         let what = format!("largest difference below half the first mode, {name}, dB");
         Criterion::at_most(&what, "agree", below[k], 1.0, "1 dB is the width of a line in the thesis' figure")
@@ -252,17 +252,17 @@ struct Shared {
 
 /// Why heave differs: the load's share of the flexible mode is exchanged in the two-inertia plant and the difference measured again.
 fn heave_explained(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     beam: &StateSpace,
     low: [f64; 2],
 ) -> Result<(String, [Shared; 2], f64), PipelineError> {
-    let body = bench.designed.modelled.plant.body();
-    let (fe, ratios) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
+    let body = tested.designed.modelled.plant.body();
+    let (fe, ratios) = counterpoise_pipeline::finite_elements(tested.project, StructureChoice::Beam)?;
     let elements = pinned_modes(&fe, ratios, 1)?.body;
     let share = |load_share_kg_m: f64| {
         let mut body = body.clone();
         body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m = load_share_kg_m);
-        with_body(bench, body)
+        with_body(tested, body)
     };
     let moment = body.out_of_balance_kg_m;
     let outer = body.modes.first().map_or(0.0, |mode| moment * mode.tip_shape);
@@ -273,7 +273,7 @@ fn heave_explained(
         Shared { name: "two inertias, the elements' load on the mode", system: share(own)? },
     ];
     let db = |system: &StateSpace| largest_db(beam, system, LinearPlant::HEAVE, low);
-    let here = db(&bench.designed.modelled.linear.system)?;
+    let here = db(&tested.designed.modelled.linear.system)?;
     let (on_beam, as_fe) = (db(&others[0].system)?, db(&others[1].system)?);
     let why = format!(
         "control and pitch agree to {:.1} Hz. In heave the two-inertia plant puts the whole out-of-balance torque on the hub (as the thesis' equations do), while heave loads every mass along the beam and bends it: {here:.2} dB apart as it is, {on_beam:.2} dB with the torque on the beam's inertia instead, {as_fe:.2} dB with the share of the flexible mode that the elements give. The load's place is the cause",
@@ -317,17 +317,17 @@ const KEPT_OF: usize = 4;
 ///
 /// # Errors
 /// Those of the finite elements and of the condensation.
-pub fn condensed_beam(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn condensed_beam(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let named = [
         "C30",
         "Guyan on the beam",
         "6.2",
         "Guyan's condensation keeps the low modes of the finite-element beam",
     ];
-    if bench.project.plant.beam.is_none() {
+    if tested.project.plant.beam.is_none() {
         return Ok(Claim::not_measured(named, "the project has no beam"));
     }
-    let (fe, _) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
+    let (fe, _) = counterpoise_pipeline::finite_elements(tested.project, StructureChoice::Beam)?;
     let n = fe.M.nrows();
     let mut masters: Vec<usize> =
         (0..n / 2).step_by(KEPT_OF).flat_map(|node| [2 * node, 2 * node + 1]).collect();

@@ -10,7 +10,7 @@ use counterpoise_verify::signals::rms;
 
 use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
 use super::imbalance::apply_configuration;
-use super::{Bench, Claim, Criterion};
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::BADLY_REPRODUCED;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -39,13 +39,13 @@ type Map = Vec<Vec<Point>>;
 /// Returns the frequency response analyser at every amplitude and frequency; `of` makes a figure in dB of a
 /// response.
 fn map(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     controller: &Controller,
     test: Test,
     amplitude: f64,
     of: &dyn Fn(C64) -> f64,
 ) -> Result<Map, PipelineError> {
-    let plant = &bench.designed.modelled.plant;
+    let plant = &tested.designed.modelled.plant;
     let settings = Settings { least_duration_s: 1.0, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<Point, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * amplitude };
@@ -79,9 +79,9 @@ fn mapped(title: &str, quantity: &str, map: &Map, full: f64, unit: &str) -> Draw
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn plant_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let gain = |h: C64| 20.0 * h.norm().log10();
-    let found = map(bench, bench.controller(), Test::Plant, CONTROL_V, &gain)?;
+    let found = map(tested, tested.controller(), Test::Plant, CONTROL_V, &gain)?;
     Ok(Claim {
         id: "C18",
         title: "plant over amplitude",
@@ -116,10 +116,10 @@ pub fn plant_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn closed_loop_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn closed_loop_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let error = |h: C64| 20.0 * (1.0 - h).norm().log10();
-    let closed = |controller| map(bench, controller, Test::ClosedLoop, DEMAND_RAD_S, &error);
-    let (with, without) = (closed(&bench.observed)?, closed(bench.controller())?);
+    let closed = |controller| map(tested, controller, Test::ClosedLoop, DEMAND_RAD_S, &error);
+    let (with, without) = (closed(&tested.observed)?, closed(tested.controller())?);
     let quantity = "error over demand";
     let drawn = |title, map| mapped(title, quantity, map, 1e3 * DEMAND_RAD_S, "mrad/s");
     Ok(Claim {
@@ -176,22 +176,22 @@ struct Compared {
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn place_of_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let named = [
         "C17",
         "where friction sits",
         "7.2.1",
         "on the balanced rig, where the backlash acts, friction at one end of the gearbox alone reproduces the triangle test badly; split between motor and load it fits",
     ];
-    let Some(mut balanced) = apply_configuration(bench, "balanced")? else {
+    let Some(mut balanced) = apply_configuration(tested, "balanced")? else {
         return Ok(Claim::not_measured(named, "the project has no configuration \"balanced\""));
     };
     balanced.gearbox.backlash_rad *= SPACER;
     let (motor, pivot) = levels(&balanced);
     let total = motor + pivot;
-    let own = compared(bench, "the rig", &balanced, total)?;
+    let own = compared(tested, "the rig", &balanced, total)?;
     let half = split(&balanced, 0.5 * total, 0.5 * total);
-    let half = compared(bench, "half and half", &half, total)?;
+    let half = compared(tested, "half and half", &half, total)?;
     let words = |found: &Compared| {
         let one = |(share, off): (&f64, &f64)| format!("{} {:.1}", ratio(*share), 100.0 * off);
         SPLITS.iter().zip(&found.off).map(one).collect::<Vec<_>>().join(", ")
@@ -253,20 +253,20 @@ fn ratio(share: f64) -> String {
 
 /// Returns every split beside a mechanism.
 fn compared(
-    bench: &Bench<'_>,
+    tested: &TestedDesign<'_>,
     name: &str,
     mechanism: &Parameters,
     total: f64,
 ) -> Result<Compared, PipelineError> {
-    let rig = triangle(bench, mechanism)?;
+    let rig = triangle(tested, mechanism)?;
     let off = |run: &Triangle| -> Vec<f64> {
         run.control_v.iter().zip(&rig.control_v).map(|(a, b)| a - b).collect()
     };
-    let friction = rms(&off(&triangle(bench, &split(mechanism, 0.0, 0.0))?));
+    let friction = rms(&off(&triangle(tested, &split(mechanism, 0.0, 0.0))?));
     let mut found =
         Compared { off: Vec::new(), loops: vec![NamedTriangle { name: name.to_owned(), run: rig.clone() }] };
     for share in SPLITS {
-        let run = triangle(bench, &split(mechanism, share * total, (1.0 - share) * total))?;
+        let run = triangle(tested, &split(mechanism, share * total, (1.0 - share) * total))?;
         found.off.push(rms(&off(&run)) / friction);
         found.loops.push(NamedTriangle { name: format!("motor:load {}", ratio(share)), run });
     }
@@ -336,11 +336,11 @@ fn split(parameters: &Parameters, motor_nm: f64, pivot_nm: f64) -> Parameters {
 }
 
 /// Returns the control of the recording's controller, or the design's, while the demand is a triangle.
-fn triangle(bench: &Bench<'_>, parameters: &Parameters) -> Result<Triangle, PipelineError> {
+fn triangle(tested: &TestedDesign<'_>, parameters: &Parameters) -> Result<Triangle, PipelineError> {
     let demand_rad_s = Signal::Triangle { amplitude: DEMAND_RAD_S, period_s: 4.0 };
     let scenario = Scenario { demand_rad_s, ..Scenario::at_rest(8.0) };
-    let run =
-        Simulator::new(&Plant::from_lumped(parameters)?)?.run(&mut bench.controller().runner(), &scenario)?;
+    let run = Simulator::new(&Plant::from_lumped(parameters)?)?
+        .run(&mut tested.controller().runner(), &scenario)?;
     Ok(Triangle {
         period_s: run.sample_period_s,
         hub_rate_rad_s: run.truth.hub_rate_rad_s,

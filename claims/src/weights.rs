@@ -5,11 +5,11 @@ use counterpoise_lti::{StateSpace, feedback, margins, series, step};
 use counterpoise_synth::{Alternative, Method, Weight, alternative, attempt};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
-use super::bench::rate_grid;
 use super::drawing::{
     Curve, drawing, frequency_axis, gain_db, hub_panel, hub_rates, panel, points_of, time_axis,
 };
-use super::{Bench, Claim, Criterion};
+use super::tested_design::rate_grid;
+use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SMALL_ERROR_PERCENT;
 use counterpoise_pipeline::{PipelineError, Stages};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -36,10 +36,10 @@ struct Lagging {
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn integral_action(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let integral = with_error(bench, Weight::Integral { gain: INTEGRAL_GAIN, time_s: 1.0 })?;
+pub fn integral_action(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let integral = with_error(tested, Weight::Integral { gain: INTEGRAL_GAIN, time_s: 1.0 })?;
     let own = figures(&integral);
-    let family = lagging(bench);
+    let family = lagging(tested);
     let high = family.iter().find(|one| one.figures[0] < SMALL_ERROR_PERCENT).or(family.last());
     let rows: Vec<String> =
         family.iter().map(|one| format!("K7 x{}: {}", one.gain, text(&one.figures))).collect();
@@ -113,10 +113,10 @@ fn text(f: &Figures) -> String {
 }
 
 /// Designs without integral action over the gain; the family ends if there is no design.
-fn lagging(bench: &Bench<'_>) -> Vec<Lagging> {
+fn lagging(tested: &TestedDesign<'_>) -> Vec<Lagging> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
-        let designed = with_error(bench, weight).ok()?;
+        let designed = with_error(tested, weight).ok()?;
         let figures = figures(&designed);
         figures.iter().all(|figure| figure.is_finite()).then_some(Lagging { gain, figures, designed })
     };
@@ -189,8 +189,8 @@ fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
 }
 
 /// Returns the thesis' form of the feedback weights with another error weight.
-fn with_error(bench: &Bench<'_>, error: Weight) -> Result<Stages, PipelineError> {
-    bench.redesign(|project| {
+fn with_error(tested: &TestedDesign<'_>, error: Weight) -> Result<Stages, PipelineError> {
+    tested.redesign(|project| {
         project.verify.iter_mut().for_each(|verify| verify.road = None);
         if let Some(synthesis) = &mut project.synth {
             synthesis.specification.feedback.error = error;
@@ -213,15 +213,15 @@ fn figures(designed: &Stages) -> Figures {
 ///
 /// # Errors
 /// Those of the design and the margins.
-pub fn three_methods(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let design = &bench.designed.synthesised.design;
+pub fn three_methods(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
+    let design = &tested.designed.synthesised.design;
     let (mut words, mut loops, mut criteria) = (Vec::new(), Vec::new(), Vec::new());
     for (method, name) in
         [(Method::ThreePart, "H2"), (Method::LqgLtr, "LQG/LTR"), (Method::HInfinity, "H-infinity")]
     {
         match attempt(alternative(&design.plant, &design.specification.feedback, method))? {
             Ok(part) => {
-                let broken = broken(bench, &part)?;
+                let broken = broken(tested, &part)?;
                 let (text, judged) = judged_loop(name, &broken)?;
                 criteria.extend(judged);
                 words.push(format!("{name}: {text}"));
@@ -261,8 +261,8 @@ struct MethodLoop {
 }
 
 /// Returns the loop of a continuous design on the design plant.
-fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
-    let plant = &bench.designed.synthesised.design.plant;
+fn broken(tested: &TestedDesign<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
+    let plant = &tested.designed.synthesised.design.plant;
     let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
     Ok(series(&part.controller.select(&[0], &[0]), &seen)?)
 }

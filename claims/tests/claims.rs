@@ -1,33 +1,14 @@
 //! The thesis' claims on the reference rig: every row is there, and what it is known to find stays found.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use counterpoise_claims::{Claim, Finding, measure_claims};
+use counterpoise_claims::{Claim, ClaimOutcome, measure_claims};
 use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_host::workers::Processors;
 use counterpoise_pipeline::World;
 use counterpoise_plot::Content;
 use counterpoise_project::Project;
 
 struct Example;
-
-/// Two threads, as the program has on the smallest machine that it is built for.
-struct Threads;
-
-impl Pool for Threads {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        let next = AtomicUsize::new(0);
-        let work = || {
-            while let Some(k) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|k| *k < count) {
-                job(k);
-            }
-        };
-        std::thread::scope(|scope| {
-            scope.spawn(work);
-            work();
-        });
-    }
-}
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/");
 
@@ -37,7 +18,7 @@ impl World for Example {
     }
 
     fn pool(&self) -> &dyn Pool {
-        &Threads
+        &Processors
     }
 }
 
@@ -70,7 +51,7 @@ fn fails_if_any_figure_is_elsewhere(row: &Claim) {
         for measured in wrong {
             let mut other = row.clone();
             other.criteria[k].measured = measured;
-            assert_eq!(other.finding(), Finding::Fails, "{}: {} at {measured}", row.id, one.what);
+            assert_eq!(other.finding(), ClaimOutcome::Fails, "{}: {} at {measured}", row.id, one.what);
         }
     }
 }
@@ -87,8 +68,8 @@ fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
     let thesis = (1..=34).map(|k| format!("C{k}"));
     let ids: Vec<String> = thesis.chain((1..=4).map(|k| format!("F{k}"))).collect();
     for row in &rows {
-        assert!(!matches!(row.finding(), Finding::NotMeasured { .. }), "{}", row.id);
-        if let Finding::Differs { why } = row.finding() {
+        assert!(!matches!(row.finding(), ClaimOutcome::NotMeasured { .. }), "{}", row.id);
+        if let ClaimOutcome::Differs { why } = row.finding() {
             assert!(!why.is_empty(), "{}", row.id);
         }
         for one in &row.criteria {
@@ -102,6 +83,6 @@ fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
     assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), ids);
     for id in ["C5", "C7", "C19", "C20"] {
         let row = rows.iter().find(|row| row.id == id).unwrap();
-        assert_eq!(row.finding(), Finding::Holds, "{id}: {}", row.measured);
+        assert_eq!(row.finding(), ClaimOutcome::Holds, "{id}: {}", row.measured);
     }
 }

@@ -1,12 +1,12 @@
 //! The whole diagnosis: from recordings to an answer, in one function.
 
-use counterpoise_models::{Measured, Parameters};
+use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;
 use crate::explanation::{Explanation, explain};
-use crate::findings::answer::{Answer, Verdict};
+use crate::findings::answer::{Answer, DiagnosisVerdict};
 use crate::findings::axis_units::set_axis_units;
 use crate::findings::instrument_findings::make_finding;
 use crate::findings::similarity::Scale;
@@ -78,8 +78,8 @@ impl Diagnosis {
         }
         let answer = &mut self.answer;
         answer.verdict = match answer.verdict {
-            Verdict::Consistent => Verdict::Named,
-            Verdict::Unknown => Verdict::Incomplete,
+            DiagnosisVerdict::Consistent => DiagnosisVerdict::Named,
+            DiagnosisVerdict::Unknown => DiagnosisVerdict::Incomplete,
             other => other,
         };
         answer.findings.splice(0..0, faults.iter().map(make_finding));
@@ -250,7 +250,7 @@ fn effects_for(sizes: Sizes, base: &Parameters) -> Vec<&'static Effect> {
 /// Returns the biases of both gyroscopes as starting points if the kinematics show that one of them has a bias: a loop that holds a
 /// biased rate moves from the first sample on, and the signature of a small bias does not show that.
 fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
-    if base.sensors.measured != Measured::HubRate {
+    if base.sensors.measured != FeedbackSignal::HubRate {
         return Vec::new();
     }
     let each: Vec<f64> = recordings.iter().filter_map(|r| rate_error(r, base.gearbox.ratio)).collect();

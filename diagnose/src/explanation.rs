@@ -2,7 +2,7 @@
 
 use counterpoise_models::Parameters;
 
-use crate::findings::answer::{Answer, Name, Verdict};
+use crate::findings::answer::{Answer, DiagnosisVerdict, Name};
 use crate::findings::verdict::Evidence;
 use crate::learning::LearningTask;
 use crate::learning::comparison::{Comparison, is_flexible};
@@ -36,7 +36,9 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
     for _ in 0..=NAMED_FROM_CURVES {
         let now = Evidence { search: &search, map: evidence.map.clone(), ..copy_of(&evidence) };
         learned = None;
-        if !matches!(now.verdict(), Verdict::Unknown | Verdict::Incomplete) || searcher.pool.is_cancelled() {
+        if !matches!(now.verdict(), DiagnosisVerdict::Unknown | DiagnosisVerdict::Incomplete)
+            || searcher.pool.is_cancelled()
+        {
             break;
         }
         let named = now.named_model().cloned();
@@ -138,8 +140,8 @@ fn doubted(mut answer: Answer, even: Option<Comparison>) -> Answer {
             finding.alternatives.push(unknown);
         }
     }
-    if answer.verdict == Verdict::Named {
-        answer.verdict = Verdict::Ambiguous;
+    if answer.verdict == DiagnosisVerdict::Named {
+        answer.verdict = DiagnosisVerdict::Ambiguous;
     }
     answer
 }

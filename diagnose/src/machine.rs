@@ -5,7 +5,7 @@
 //! presupposes such a part (a gap between teeth, a bending mode, a back-EMF) is no candidate.
 
 use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmission};
-use counterpoise_models::{Axis, Measured, Parameters};
+use counterpoise_models::{Axis, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::library::{Component, Effect, EffectName, Kind};
@@ -61,7 +61,7 @@ pub struct RedundantSensors {
 /// a transmission that yields, and beside a gyroscope.
 pub(crate) fn usable_sensors(p: &Parameters, recorded: RedundantSensors) -> RedundantSensors {
     let across = !p.gearbox.is_rigid();
-    let has_gyro = p.sensors.measured == Measured::HubRate;
+    let has_gyro = p.sensors.measured == FeedbackSignal::HubRate;
     RedundantSensors {
         motor_rate: recorded.motor_rate && across && has_gyro,
         hub_position: recorded.hub_position && has_gyro,
@@ -136,13 +136,13 @@ fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
 }
 
 /// Only a gyroscope has a sensitivity to other axes; the bias of a torque and that of a current have sizes and units of their own.
-fn sensor_can_have(measured: Measured, effect: &Effect) -> bool {
+fn sensor_can_have(measured: FeedbackSignal, effect: &Effect) -> bool {
     match effect.effect {
-        EffectName::GSensitivity | EffectName::Misalignment => measured == Measured::HubRate,
+        EffectName::GSensitivity | EffectName::Misalignment => measured == FeedbackSignal::HubRate,
         EffectName::Bias => {
             let unit = match measured {
-                Measured::Torque => "N m",
-                Measured::Current => "A",
+                FeedbackSignal::Torque => "N m",
+                FeedbackSignal::Current => "A",
                 _ => "rad/s",
             };
             effect.parameters[0].unit == unit
@@ -212,7 +212,7 @@ mod tests {
             let is_second_friction = e.effect == EffectName::Coulomb && e.kind == Kind::MissingPhysics;
             let of_other_sensor = e.component == Component::HubGyro
                 && e.effect == EffectName::Bias
-                && !sensor_can_have(Measured::HubRate, e);
+                && !sensor_can_have(FeedbackSignal::HubRate, e);
             of_parts.contains(&e.effect) || is_second_friction || of_other_sensor
         };
         let expected = list_effects().into_iter().filter(|e| !absent(e)).count();

@@ -82,6 +82,7 @@ fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
             let (before, after) = (control_v(&model), control_v(&changed));
             let apart = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let expected = (GROWTH - 1.0) * level / torque_per_volt_nm(&model, component);
+            println!("{component:?}, {name}: {apart:.3} V, level alone {expected:.3} V");
             assert!(
                 apart > 0.5 * expected,
                 "{component:?}, {name}: {apart} V in place of about {expected} V"

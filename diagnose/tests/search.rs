@@ -2,7 +2,7 @@
 //! nothing depends on the simulator.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::findings::verdict::Evidence;
 use counterpoise_diagnose::library::{Component, EffectName, list_effects};
 use counterpoise_diagnose::selection::searcher::Searcher;
@@ -124,7 +124,7 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
 #[test]
 fn a_machine_as_modelled_is_consistent() {
     let answer = diagnosed(|_| (), 0.0);
-    assert_eq!(answer.verdict, Verdict::Consistent, "{:?}", answer.findings);
+    assert_eq!(answer.verdict, DiagnosisVerdict::Consistent, "{:?}", answer.findings);
     assert!(answer.findings.is_empty());
 }
 
@@ -137,7 +137,7 @@ fn stribeck_is_named_with_its_parameters() {
         },
         0.0,
     );
-    assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
+    assert_eq!(answer.verdict, DiagnosisVerdict::Named, "{answer:?}");
     let finding = &answer.findings[0];
     assert_eq!((finding.component, finding.effect), (Component::Pivot, EffectName::Stribeck));
     assert!((finding.parameters[0].value - 1.55).abs() < 0.03, "{:?}", finding.parameters);
@@ -161,6 +161,6 @@ fn two_effects_are_both_named() {
 #[test]
 fn a_torque_that_no_effect_makes_gets_no_name() {
     let answer = diagnosed(|_| (), 0.3);
-    assert_eq!(answer.verdict, Verdict::Unknown, "{:?}", answer.findings);
+    assert_eq!(answer.verdict, DiagnosisVerdict::Unknown, "{:?}", answer.findings);
     assert_eq!(answer.findings[0].effect, EffectName::Unknown);
 }

@@ -6,7 +6,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, poles};
 
 use crate::tolerance::ANTI_WINDUP_SHARE;
-use crate::{Adjustable, Measured, Ranges};
+use crate::{Adjustable, MeasuredDeviation, Ranges};
 
 /// A form that every path of a controller is brought to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,9 +44,9 @@ pub struct FormFigures {
     /// Multiplications of a step.
     pub multiplications: usize,
     /// How far its control in double is from the reference's for the same readings.
-    pub double: Measured,
+    pub double: MeasuredDeviation,
     /// How far in single precision: what its C and Rust do, to the last bit.
-    pub single: Measured,
+    pub single: MeasuredDeviation,
 }
 
 /// Returns the controller in every form, for the readings and settings of runs; a form that a path cannot have is

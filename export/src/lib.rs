@@ -54,7 +54,7 @@ pub use error::Error;
 pub use fixed_point::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
 pub use forms::{FormFigures, PathForm, figures_by_form};
 pub use provenance::Provenance;
-pub use ranges::{Adjustable, Measured, Ranges};
+pub use ranges::{Adjustable, MeasuredDeviation, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;

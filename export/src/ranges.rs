@@ -32,7 +32,7 @@ impl<N: Number + 'static> Adjustable for Runner<N> {
 
 /// How far a controller was from the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Measured {
+pub struct MeasuredDeviation {
     /// Largest difference of a control, V.
     pub largest_v: f64,
     /// RMS difference in the run where it is largest, V.
@@ -162,18 +162,21 @@ impl Ranges {
 
     /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
     /// `start` creates the controller for each run.
-    pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
-        play(&self.runs, &Comparison { start }).into_iter().fold(Measured::default(), |most, state| {
-            let mut found = Measured::default();
-            for off in &state.voltages_v {
-                found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
-                found.rms_v += off * off / state.voltages_v.len() as f64;
-            }
-            Measured {
-                largest_v: larger(most.largest_v, found.largest_v),
-                rms_v: larger(most.rms_v, found.rms_v.sqrt()),
-            }
-        })
+    pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> MeasuredDeviation {
+        play(&self.runs, &Comparison { start }).into_iter().fold(
+            MeasuredDeviation::default(),
+            |most, state| {
+                let mut found = MeasuredDeviation::default();
+                for off in &state.voltages_v {
+                    found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
+                    found.rms_v += off * off / state.voltages_v.len() as f64;
+                }
+                MeasuredDeviation {
+                    largest_v: larger(most.largest_v, found.largest_v),
+                    rms_v: larger(most.rms_v, found.rms_v.sqrt()),
+                }
+            },
+        )
     }
 
     /// Returns the runs from which the ranges are taken.

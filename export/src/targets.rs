@@ -6,8 +6,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, Measured, Ranges, figures_by_form,
-    plan_fixed_point, single_precision,
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, MeasuredDeviation, Ranges,
+    figures_by_form, plan_fixed_point, single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -160,7 +160,8 @@ impl<'a> TargetRuns<'a> {
     /// Returns the figures in double.
     pub fn double(&self) -> TargetFigures {
         let predicted = Deviation::none(self.samples);
-        let deviations = Deviations { numbers: Numbers::Double, predicted, measured: Measured::default() };
+        let deviations =
+            Deviations { numbers: Numbers::Double, predicted, measured: MeasuredDeviation::default() };
         let experiments = self.runs.iter().map(|run| run.compared(rms(&run.errors_rad_s))).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
         with_runs(deviations, experiments, closed_loops)
@@ -250,7 +251,7 @@ impl Run {
 struct Deviations {
     numbers: Numbers,
     predicted: Deviation,
-    measured: Measured,
+    measured: MeasuredDeviation,
 }
 
 fn with_runs(
@@ -259,7 +260,7 @@ fn with_runs(
     closed_loops: Vec<Record>,
 ) -> TargetFigures {
     let Deviations { numbers, predicted, measured } = deviations;
-    let Measured { largest_v: measured_v, rms_v: measured_rms_v } = measured;
+    let MeasuredDeviation { largest_v: measured_v, rms_v: measured_rms_v } = measured;
     TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops }
 }
 

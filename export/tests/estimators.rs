@@ -9,7 +9,7 @@ use std::process::Command;
 use counterpoise_controller::{Controller, Estimator, Learning, Parts, READINGS, Scaling, Signal};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{
-    Deviation, FixedRunner, Measured, Ranges, fixed_c99, plan_fixed_point, single_precision,
+    Deviation, FixedRunner, MeasuredDeviation, Ranges, fixed_c99, plan_fixed_point, single_precision,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -82,7 +82,7 @@ fn ranges(controller: &Controller) -> Ranges {
     Ranges::from_readings(controller, &[motion(3)], 4.0)
 }
 
-fn holds(name: &str, found: Measured, predicted: &Deviation) {
+fn holds(name: &str, found: MeasuredDeviation, predicted: &Deviation) {
     let (largest, rms) = (found.largest_v, found.rms_v);
     let ratio = predicted.likely_v / largest;
     println!(

@@ -17,8 +17,8 @@ use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Axis, Friction, FrictionLaw, LearnedElement, LearnedPlace,
-    LearnedQuantity, Linkage, MapPoint, Measured, MotorHeat, OperatingPoint, Parameters, Plant,
+    AccelerometerAxis, AmplifierDynamics, Axis, FeedbackSignal, Friction, FrictionLaw, LearnedElement,
+    LearnedPlace, LearnedQuantity, Linkage, MapPoint, MotorHeat, OperatingPoint, Parameters, Plant,
     RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
@@ -454,12 +454,12 @@ fn kinds_of_machine() {
             rigid(p);
             p.lumped.as_mut().unwrap().stiffness_nm_rad = f64::INFINITY;
             (p.amplifier.dynamics, p.amplifier.gain) = (AmplifierDynamics::TorqueCommand, 3.0);
-            p.sensors.measured = Measured::HubPosition;
+            p.sensors.measured = FeedbackSignal::HubPosition;
         }),
         machine("current loop, tachometer on the motor", |p| {
             p.amplifier.dynamics = AmplifierDynamics::CurrentLoop { bandwidth_rad_s: 900.0, delay_s: 0.0 };
             p.amplifier.gain = 3.0;
-            p.sensors.measured = Measured::MotorRate;
+            p.sensors.measured = FeedbackSignal::MotorRate;
         }),
         machine("armature without inductance", |p| p.motor.inductance_h = 0.0),
         machine("amplifier without lag, bus limit", |p| {
@@ -474,17 +474,17 @@ fn kinds_of_machine() {
             p.gearbox.backlash_rad = 0.0;
             p.gearbox.kinematic_error = Ripple { amplitude: 5e-5, order: 2.0, phase_rad: 0.2 };
             (p.gearbox.hysteresis_nm, p.gearbox.hysteresis_stiffness_nm_rad) = (60.0, 4e5);
-            p.sensors.measured = Measured::MotorPosition;
+            p.sensors.measured = FeedbackSignal::MotorPosition;
         }),
         machine("linear axis", |p| p.axis = Axis::Linear),
-        machine("torque sensor in a gearbox with a gap", |p| p.sensors.measured = Measured::Torque),
+        machine("torque sensor in a gearbox with a gap", |p| p.sensors.measured = FeedbackSignal::Torque),
         machine("torque sensor behind a harmonic drive", |p| {
             p.gearbox.backlash_rad = 0.0;
             p.gearbox.kinematic_error = Ripple { amplitude: 5e-5, order: 2.0, phase_rad: 0.2 };
             (p.gearbox.hysteresis_nm, p.gearbox.hysteresis_stiffness_nm_rad) = (60.0, 4e5);
-            p.sensors.measured = Measured::Torque;
+            p.sensors.measured = FeedbackSignal::Torque;
         }),
-        machine("current sensor", |p| p.sensors.measured = Measured::Current),
+        machine("current sensor", |p| p.sensors.measured = FeedbackSignal::Current),
     ]);
 }
 

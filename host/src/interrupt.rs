@@ -26,15 +26,15 @@ pub fn install_handler() {
 
 /// Work during which the first Ctrl-C asks to stop, and the second ends the program; afterwards the first ends it again.
 #[must_use = "the work is watched for as long as this value lives"]
-pub struct Watch(());
+pub struct InterruptGuard(());
 
 /// Begins work that looks at [`is_stop_requested`] often enough to stop soon.
-pub fn watch_interrupts() -> Watch {
+pub fn watch_interrupts() -> InterruptGuard {
     WATCHED.store(true, Ordering::SeqCst);
-    Watch(())
+    InterruptGuard(())
 }
 
-impl Drop for Watch {
+impl Drop for InterruptGuard {
     fn drop(&mut self) {
         WATCHED.store(false, Ordering::SeqCst);
     }

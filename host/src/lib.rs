@@ -38,5 +38,6 @@ pub mod shards;
 pub mod stages;
 pub mod terminal;
 pub mod time_left;
+mod tolerance;
 pub mod worker;
 pub mod workers;

@@ -10,7 +10,7 @@ use crate::worker::{Token, Wake};
 
 /// How far a job is, in words that two threads share.
 #[derive(Debug, Clone, Default)]
-pub struct Progress(Arc<Mutex<Said>>);
+pub struct SharedProgress(Arc<Mutex<Said>>);
 
 /// The last words, and how far a diagnosis is.
 #[derive(Debug, Clone, Default)]
@@ -19,7 +19,7 @@ struct Said {
     left: TimeLeft,
 }
 
-impl Progress {
+impl SharedProgress {
     /// Returns the text of the last message.
     pub fn last_message(&self) -> String {
         self.0.lock().map(|said| said.text.clone()).unwrap_or_default()
@@ -42,16 +42,16 @@ impl Progress {
 }
 
 /// All processors; the work stops when its token says so.
-pub struct Watch<'a> {
+pub struct CancellablePool<'a> {
     /// Whether to stop.
     pub token: &'a Token,
     /// Where it is said how far the work is.
-    pub progress: &'a Progress,
+    pub progress: &'a SharedProgress,
     /// Wakes the window.
     pub wake: &'a Wake,
 }
 
-impl Pool for Watch<'_> {
+impl Pool for CancellablePool<'_> {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
         let next = AtomicUsize::new(0);
         let work = || {

@@ -14,7 +14,7 @@ use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed
 use counterpoise_synth::FirstDesign;
 
 use crate::files::{self, Disk, Native, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
-use crate::stages::{Progress, Stages};
+use crate::stages::{ProgressDisplay, Stages};
 use crate::workers::Processors;
 use counterpoise_pipeline::StageTime;
 
@@ -185,14 +185,14 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
 }
 
 /// What the pipeline needs from outside: the files beside the project, and a clock that measures its stages.
-pub struct Surroundings {
+pub struct ProjectWorld {
     folder: PathBuf,
     stages: Stages,
 }
 
-impl Surroundings {
+impl ProjectWorld {
     /// Returns the surroundings of a project.
-    pub fn of(loaded: &Loaded, progress: Progress) -> Self {
+    pub fn of(loaded: &Loaded, progress: ProgressDisplay) -> Self {
         let folder = loaded.path.parent().unwrap_or(Path::new(".")).to_owned();
         Self { folder, stages: Stages::new(progress) }
     }
@@ -203,7 +203,7 @@ impl Surroundings {
     }
 }
 
-impl World for Surroundings {
+impl World for ProjectWorld {
     fn read(&self, name: &str) -> std::result::Result<Vec<u8>, String> {
         let told = |error| format!("cannot read {}: {error}", self.folder.join(name).display());
         files::read_reference(&self.folder, name).map_err(told)

@@ -7,7 +7,7 @@ use counterpoise_pipeline::StageTime;
 
 /// Whether progress is printed on the error stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
+pub enum ProgressDisplay {
     /// It is printed.
     Shown,
     /// Nothing is printed.
@@ -16,13 +16,13 @@ pub enum Progress {
 
 /// The stages of a run, printed on the error stream as they end.
 pub struct Stages {
-    progress: Progress,
+    progress: ProgressDisplay,
     state: Mutex<(Instant, Vec<StageTime>)>,
 }
 
 impl Stages {
     /// Starts the clock.
-    pub fn new(progress: Progress) -> Self {
+    pub fn new(progress: ProgressDisplay) -> Self {
         Self { progress, state: Mutex::new((Instant::now(), Vec::new())) }
     }
 
@@ -40,7 +40,7 @@ impl Stages {
         let milliseconds = 1e3 * state.0.elapsed().as_secs_f64();
         if let Some(last) = state.1.last_mut() {
             last.milliseconds = milliseconds;
-            if self.progress == Progress::Shown {
+            if self.progress == ProgressDisplay::Shown {
                 crate::terminal::print_message(&format!("{:>12}  {milliseconds:8.1} ms", last.name));
             }
         }

@@ -1,5 +1,6 @@
 //! How long a diagnosis still takes, from how far it is and how long it took to come there.
 
+use crate::tolerance::EXTRAPOLATED_FROM_SHARE;
 use std::time::{Duration, Instant};
 
 /// Shares of the work at which the stages of a round begin and end, a round being the search for one effect. Measured as processor time on the
@@ -16,8 +17,6 @@ const ROUND: [(&str, [f64; 2]); 7] = [
 ];
 /// The stage that begins a further round once an effect is found.
 const NEXT_ROUND: &str = "naming";
-/// Smallest share from which a time is extrapolated. Earlier ones depend on the first stage alone.
-const TELLING: f64 = 0.05;
 
 /// How far a diagnosis is.
 #[derive(Debug, Clone)]
@@ -61,7 +60,7 @@ impl TimeLeft {
 
     /// Returns the time left after a time gone.
     fn remaining_after(&self, gone: Duration) -> Option<Duration> {
-        (self.share >= TELLING).then(|| gone.mul_f64((1.0 - self.share) / self.share))
+        (self.share >= EXTRAPOLATED_FROM_SHARE).then(|| gone.mul_f64((1.0 - self.share) / self.share))
     }
 
     /// Returns a line that says the stage, how far it is, and the time left.

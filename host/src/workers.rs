@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::interrupt;
-use crate::stages::Progress;
+use crate::stages::ProgressDisplay;
 use crate::time_left::TimeLeft;
 
 /// All processors of this machine, without a word about how far the work is.
@@ -87,10 +87,10 @@ const BAR_PARTS: u64 = 1000;
 
 impl Workers {
     /// Returns workers that show their progress on a terminal, or do not.
-    pub fn new(progress: Progress) -> Self {
+    pub fn new(progress: ProgressDisplay) -> Self {
         let bar = match progress {
-            Progress::Quiet => ProgressBar::hidden(),
-            Progress::Shown => ProgressBar::new(BAR_PARTS),
+            ProgressDisplay::Quiet => ProgressBar::hidden(),
+            ProgressDisplay::Shown => ProgressBar::new(BAR_PARTS),
         };
         if let Ok(style) = ProgressStyle::with_template("{spinner} {bar:30} {elapsed} {msg}") {
             bar.set_style(style);

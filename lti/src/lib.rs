@@ -85,7 +85,7 @@ pub use norms::{NormBounds, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use peak::Peak;
 pub use placement::{Placement, place};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
-pub use roots::{is_stable, is_stable_pole, poles, poles_on_boundary, zeros};
+pub use roots::{damping_ratio, is_stable, is_stable_pole, poles, poles_on_boundary, zeros};
 pub use sampled_h2_problem::{Noise, SampledProblem, sampled_problem};
 pub use system::{StateSpace, Timebase};
 pub use time::{TimeResponse, impulse, lsim, step};

@@ -70,6 +70,11 @@ pub(crate) fn boundary(timebase: Timebase) -> Boundary {
     }
 }
 
+/// Returns the damping ratio of a pole in continuous time, -Re p / |p|; 0 at the origin.
+pub fn damping_ratio(pole: C64) -> f64 {
+    -pole.re / pole.norm().max(f64::MIN_POSITIVE)
+}
+
 /// Returns whether a pole lies strictly inside the region of stability.
 pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
     match timebase {

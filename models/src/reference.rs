@@ -154,7 +154,7 @@ fn sensors() -> Sensors {
         Sensor { natural_frequency_rad_s: 377.0, scale_v_unit: 10.0, noise_rms: 2.0e-4, ..Sensor::IDEAL };
     Sensors {
         hub_gyro: gyro.clone(),
-        measured: Measured::HubRate,
+        measured: FeedbackSignal::HubRate,
         platform_gyro: gyro,
         platform_accelerometer: Sensor {
             natural_frequency_rad_s: 628.0,

@@ -6,8 +6,9 @@ use counterpoise_lti::{Response, poles};
 use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
-    AmplifierDynamics, Angles, Axis, Excitation, Friction, FrictionLaw, FrictionLinearisation, Gearbox,
-    LinearPlant, Link, Lumped, Measured, OperatingPoint, Parameters, Plant, Ripple, Transmission, reference,
+    AmplifierDynamics, Angles, Axis, Excitation, FeedbackSignal, Friction, FrictionLaw,
+    FrictionLinearisation, Gearbox, LinearPlant, Link, Lumped, OperatingPoint, Parameters, Plant, Ripple,
+    Transmission, reference,
 };
 use std::f64::consts::TAU;
 
@@ -179,7 +180,7 @@ fn a_torque_sensor_shows_what_accelerates_and_holds_the_load() {
             Gearbox { ratio: 20.0, stiffness_nm_rad: 900.0, damping_nm_s_rad: 0.7, ..Gearbox::DIRECT };
         (p.motor.inertia_kg_m2, p.pivot_friction.viscous_nm_s_rad) = (1e-4, 1.5);
         p.lumped.as_mut().unwrap().position_stiffness_nm_rad = spring;
-        p.sensors.measured = Measured::Torque;
+        p.sensors.measured = FeedbackSignal::Torque;
         let plant = Plant::from_lumped(&p).unwrap();
         let found = linear(&p, plant.angles());
         assert_eq!(plant.angles(), if spring == 0.0 { Angles::Drop } else { Angles::Relative });
@@ -200,7 +201,7 @@ fn a_current_sensor_shows_the_armature_behind_its_inductance() {
     (p.amplifier.gain, p.amplifier.current_feedback_v_a, p.amplifier.time_constant_s) = (2.0, 0.0, 0.0);
     (p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (0.1, 0.1);
     (p.motor.resistance_ohm, p.motor.inductance_h) = (4.0, 3e-3);
-    p.sensors.measured = Measured::Current;
+    p.sensors.measured = FeedbackSignal::Current;
     let found = linear(&p, Angles::Drop);
     for rate in [0.5, 20.0, 3000.0] {
         let s = C64::new(0.0, rate);
@@ -216,7 +217,7 @@ fn a_pendulum_swings_at_its_own_frequency() {
     // 0.3 kg at 0.2 m, hanging straight down: the mean angle of a level mechanism is 0, so it hangs at -90 degrees
     let mut p = direct(0.3 * 0.2 * 0.2);
     p.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.3 * 0.2;
-    p.sensors.measured = Measured::HubPosition;
+    p.sensors.measured = FeedbackSignal::HubPosition;
     let plant = Plant::from_lumped(&p).unwrap();
     let down = OperatingPoint { hub_angle_rad: -0.25 * TAU, platform_angle_rad: 0.0 };
     let at = plant.equilibrium(&down);

@@ -1,6 +1,6 @@
 //! Why the pipeline can end without a result.
 
-use counterpoise_synth::Finding;
+use counterpoise_synth::DesignFinding;
 
 use crate::recordings::{ColumnRemark, UnusedColumn};
 
@@ -87,7 +87,7 @@ pub enum PipelineError {
         /// Name of the file.
         file: String,
         /// What was found.
-        findings: Vec<Finding>,
+        findings: Vec<DesignFinding>,
     },
     /// A controller in sampled time that oscillates at half the sample rate.
     #[error(
@@ -173,7 +173,7 @@ pub enum PipelineError {
     },
     /// Weights that make no solvable problem, every reason.
     #[error("there is no controller for these weights:\n{}", lines(.0))]
-    NoController(Vec<Finding>),
+    NoController(Vec<DesignFinding>),
     /// A file that the project names.
     #[error("the file \"{name}\", which [{section}] names: {problem}")]
     File {
@@ -254,7 +254,7 @@ pub enum PipelineError {
     Recording(#[from] counterpoise_recordings::Error),
 }
 
-fn lines(findings: &[Finding]) -> String {
+fn lines(findings: &[DesignFinding]) -> String {
     findings.iter().map(|f| format!("  - {f}")).collect::<Vec<_>>().join("\n")
 }
 

@@ -25,7 +25,7 @@ use serde::Serialize;
 use crate::exchange::SystemResult;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
-use crate::tolerance::MARGINS_TO_SPARE;
+use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::{Modelled, PipelineError, Reduced, model, reduce};
 
 /// A project whose weights were chosen.
@@ -352,6 +352,20 @@ pub struct LimitRow {
     pub shown_by: Option<SystemResult>,
     /// The sampled loop that has the bandwidth with the limit lifted; absent if it would be no higher.
     pub lifted_shown_by: Option<SystemResult>,
+}
+
+impl LimitRow {
+    /// Returns whether the limit alone allows more than is reached, and yet is one that raises the bandwidth if it is lifted.
+    pub fn allows_more(&self) -> bool {
+        self.lifted_rad_s.is_some() && self.over_reached.is_some_and(|over| over > ALLOWS_MORE)
+    }
+}
+
+impl FirstDesignResult {
+    /// Returns the bandwidth without a limit over that which was reached; `None` if lifting the limit alone raises nothing.
+    pub fn gain_of_lifting(&self, limit: &LimitRow) -> Option<f64> {
+        Some(limit.lifted_rad_s? / self.bandwidth_rad_s)
+    }
 }
 
 impl From<&FirstDesign> for FirstDesignResult {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
-use counterpoise_linalg::sparse::Progress;
+use counterpoise_linalg::sparse::StageProgress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
     Condensation, FeModel, Fitted, Structure, pinned_modes, reduce_to_lumped, with_derived_lumped,
@@ -147,7 +147,7 @@ pub fn finite_elements_watched<'a>(
     let configuration = named_configuration(project)?;
     if let (StructureChoice::Import, Some(import)) = (of, &project.import) {
         let content = import.content.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
-        let mut watch = |at: Progress| {
+        let mut watch = |at: StageProgress| {
             pool.progress(at.stage, at.done.min(at.of.saturating_sub(1)), at.of);
             if pool.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };

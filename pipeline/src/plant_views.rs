@@ -56,6 +56,13 @@ pub struct MeshColumn {
     pub ratios: Vec<f64>,
 }
 
+impl MeshColumn {
+    /// Returns by how much the frequency of a mode is off, relative to the reference's; `None` if the mesh has no such mode.
+    pub fn relative_error(&self, mode: usize) -> Option<f64> {
+        Some((self.ratios.get(mode)? - 1.0).abs())
+    }
+}
+
 /// The first modes of a structure held in one way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModeSet {
@@ -104,6 +111,23 @@ pub struct FrictionLoop {
     pub largest_torque_nm: f64,
     /// Viscous damping that loses as much, N m s/rad.
     pub equivalent_damping_nm_s_rad: f64,
+}
+
+impl FrictionLoop {
+    /// Returns the torque (N m) over the angle, as a share of the loop's largest.
+    pub fn torque_against_relative_angle(&self) -> Vec<[f64; 2]> {
+        over_largest(&self.points)
+    }
+
+    /// Returns the torque (N m) over the rate, as a share of the loop's largest.
+    pub fn torque_against_relative_rate(&self) -> Vec<[f64; 2]> {
+        over_largest(&self.over_rate)
+    }
+}
+
+fn over_largest(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let largest = points.iter().map(|[x, _]| x.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    points.iter().map(|[x, torque]| [x / largest, *torque]).collect()
 }
 
 /// Flexible modes that are shown.

@@ -339,6 +339,13 @@ pub struct ChannelResult {
     pub vaf: f64,
 }
 
+impl ChannelResult {
+    /// Returns the RMS error over the noise floor.
+    pub fn error_over_floor(&self) -> f64 {
+        self.rms_error / self.floor
+    }
+}
+
 /// Fit of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordingResult {

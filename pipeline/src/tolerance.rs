@@ -142,3 +142,15 @@ pub(crate) const MOST_BYTES: f64 = 2e9;
 
 /// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
 pub(crate) const MARGINS_TO_SPARE: f64 = 0.02;
+
+/// Ratio of the bandwidth that a limit alone allows to that which is reached from which on the limit acts only together with others: the search
+/// finds what is reached to 0.7 %, and a smaller ratio would call its error a limit.
+pub(crate) const ALLOWS_MORE: f64 = 1.015;
+
+/// Least share of the control that counts as available for a demanded motion, where weight and friction take nearly all of it: at 0 such a machine
+/// would get no demand, and its loop would not be verified.
+pub(crate) const LEAST_LEFT: f64 = 0.1;
+
+/// RMS of the hub rate over that of the run without a change up to which an adaptation counts as having brought it back: ten percent is less than a
+/// third of what the changed load of the runs adds.
+pub(crate) const RETURNED: f64 = 1.10;

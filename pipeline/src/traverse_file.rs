@@ -1,7 +1,7 @@
 //! The project of a traverse axis: read from the file that the project of its elevation axis names, and checked against that project.
 
 use counterpoise_diagnose::simulator_access::Pool;
-use counterpoise_models::{Axis, Measured};
+use counterpoise_models::{Axis, FeedbackSignal};
 use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 
@@ -99,7 +99,7 @@ pub(crate) fn check_axes(elevation: &Project, traverse: &Project, file: &str) ->
             "roll_sensitivity and yaw_sensitivity of its gyroscopes must be 0: what they would read of the ring's other rates is not simulated with two axes",
         );
     }
-    if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != Measured::HubRate) {
+    if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != FeedbackSignal::HubRate) {
         return wrong(
             "both loops must hold the inertial rate of their hub: leave plant.sensors.loop at its usual value in both files",
         );

@@ -303,7 +303,7 @@ fn of_sweep(
     let count = sweep.samples.min(MECHANISMS);
     let points = sweep.layout.sample_points(count, sweep.variations.len(), sweep.seed)?;
     let mut plants = Vec::new();
-    for point in points {
+    for point in points.rows() {
         let mut parameters = modelled.parameters.clone();
         for (variation, quantile) in sweep.variations.iter().zip(&point) {
             variation.parameter.scale(&mut parameters, variation.distribution.quantile(*quantile))?;

@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::simulator_access::Serial;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan, Point};
+use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
+use counterpoise_pipeline::studies::fra_points::Point;
 use counterpoise_pipeline::{model, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -26,7 +27,7 @@ fn mapped(around: Around, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<Poi
         offset_m: 0.0,
     };
     let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
-    analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points
+    analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points.iter().collect()
 }
 
 #[test]
@@ -61,7 +62,7 @@ fn a_linear_loop_of_position_is_measured_as_its_model_says() {
     };
     let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
     let points = analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points;
-    for p in points {
+    for p in points.iter() {
         let off = (db(p.linear) - p.gain_db).abs();
         assert!(
             p.settled && off < 0.02,
@@ -101,7 +102,7 @@ fn mapped_of(project: &Project, around: Around, frequencies_hz: &[f64]) -> Vec<P
     let amplitudes = vec![around.usual_amplitudes(project)[0]];
     let plan = Plan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };
     let analyser = Analyser::new(project, &modelled, &plan, On::Simulation).unwrap();
-    analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points
+    analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points.iter().collect()
 }
 
 #[test]
@@ -141,6 +142,23 @@ fn usual_points_suit_the_machine() {
 }
 
 #[test]
+fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
+    let project = rig();
+    let modelled = model(&project).unwrap();
+    let (amplitudes, frequencies_hz) = (vec![0.5, 1.0], vec![4.5, 9.5, 12.0]);
+    let plan = Plan { around: Around::Plant, amplitudes, frequencies_hz, offset_m: 0.0 };
+    let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
+    let map = analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap();
+    assert_eq!(map.points.response.dim(), (3, 2));
+    assert_eq!(map.points.amplitude.column(1).to_vec(), [1.0; 3]);
+    let in_json = serde_json::to_value(&map.points).unwrap();
+    let places: Vec<_> =
+        in_json.as_array().unwrap().iter().map(|p| p["amplitude"].as_f64().unwrap()).collect();
+    assert_eq!(places, [0.5, 0.5, 0.5, 1.0, 1.0, 1.0]);
+    assert_eq!(in_json[4]["gain_db"].as_f64().unwrap(), map.points.gain_db()[(1, 1)]);
+}
+
+#[test]
 fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
     let points = mapped(Around::Disconnected, &[0.002, 0.5], &[1.0]);
     assert!(points[0].gain_db > points[1].gain_db + 1.0, "{} {}", points[0].gain_db, points[1].gain_db);
@@ -158,8 +176,8 @@ fn a_recording_without_a_line_is_told_and_a_missing_channel_refused() {
     let mut recording =
         Recording::new("tone", 1e-3).with(Channel::Control, tones(1.0)).with(Channel::HubRate, tones(0.02));
     let points = analyser.measure_recording(&recording, &[5.0, 8.0]).unwrap().points;
-    assert!(points[0].settled && (points[0].gain_db - 20.0 * 0.02_f64.log10()).abs() < 1e-6);
-    assert!(!points[1].settled);
+    assert!(points.settled[(0, 0)] && (points.at(0, 0).gain_db - 20.0 * 0.02_f64.log10()).abs() < 1e-6);
+    assert!(!points.settled[(1, 0)]);
     recording.remove(Channel::Control);
     let refused = analyser.measure_recording(&recording, &[5.0]).unwrap_err().to_string();
     assert!(refused.contains("tone") && refused.contains("control"), "{refused}");

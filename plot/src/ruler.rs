@@ -6,17 +6,13 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 
 use crate::figure::{Axis, Scale};
 use crate::ticks::{self, Tick};
-use crate::tolerance::LEAST_SPAN;
+use crate::tolerance::{FARTHEST, LARGEST_DRAWN, LEAST_SPAN};
 
 /// Room for ticks, in intervals: on a linear axis a figure's height holds seven numbers, on a logarithmic one nine powers of ten.
 const INTERVALS: f64 = 7.0;
 const DECADES: f64 = 9.0;
 /// Part of the data's range that is left free above and below.
 const PADDING: f64 = 0.06;
-/// Values beyond this cannot be told from an overflow, and values below its inverse not from an underflow: neither is drawn.
-const LARGEST: f64 = 1e300;
-/// Positions are limited to this many lengths of the axis, so that they remain numbers for which a drawing has room.
-const FARTHEST: f64 = 100.0;
 
 /// An axis with its range settled.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,7 +101,7 @@ impl Ruler {
 }
 
 fn is_drawable(value: f64, scale: Scale) -> bool {
-    value.abs() <= LARGEST && (scale != Scale::Logarithmic || value >= 1.0 / LARGEST)
+    value.abs() <= LARGEST_DRAWN && (scale != Scale::Logarithmic || value >= 1.0 / LARGEST_DRAWN)
 }
 
 fn padded(low: f64, high: f64, scale: Scale, margin: Margin) -> (f64, f64) {

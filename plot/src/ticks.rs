@@ -4,14 +4,10 @@
 //! axis and the number of intervals for which there is room.
 
 use crate::number::{short_number, superscript, times_power_of_ten, with_minus};
-use crate::tolerance::TICK_SLACK;
+use crate::tolerance::{FEW_DECADES, MANY_DECADES, TICK_SLACK};
 
 /// Parts of a turn that are round, in degrees.
 const DEGREE_STEPS: [f64; 9] = [1.0, 2.0, 5.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
-/// On fewer decades than this, ticks at whole decades alone are too few to read values by.
-const FEW_DECADES: f64 = 1.2;
-/// On more decades than this, ticks between the decades are closer than the eye can part.
-const MANY_DECADES: f64 = 7.0;
 /// Powers of ten that are short enough to be written as numbers: from 0.001 to 10000.
 const SHORT_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
 

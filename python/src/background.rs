@@ -27,13 +27,13 @@ enum Message<T> {
 type Tell = Box<dyn Fn(&str, usize, usize) + Send + Sync>;
 
 /// What work is given: the files beside the project, all processors, and somebody to tell how far it is.
-pub struct Surroundings {
+pub struct BackgroundWorld {
     folder: PathBuf,
     tell: Tell,
     is_stopped: Arc<AtomicBool>,
 }
 
-impl World for Surroundings {
+impl World for BackgroundWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let why = |error| format!("cannot read {}: {error}", self.folder.join(name).display());
         files::read_reference(&self.folder, name).map_err(why)
@@ -50,7 +50,7 @@ impl World for Surroundings {
     fn ends(&self, _step: Step) {}
 }
 
-impl Pool for Surroundings {
+impl Pool for BackgroundWorld {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
         Processors.run(count, job);
     }
@@ -74,11 +74,11 @@ pub fn run<T: Send + 'static>(
     py: Python<'_>,
     folder: PathBuf,
     progress: Option<&Bound<'_, PyAny>>,
-    job: impl FnOnce(&Surroundings) -> anyhow::Result<T> + Send + 'static,
+    job: impl FnOnce(&BackgroundWorld) -> anyhow::Result<T> + Send + 'static,
 ) -> PyResult<T> {
     let (sender, receiver) = channel();
     let is_stopped = Arc::new(AtomicBool::new(false));
-    let surroundings = Surroundings { folder, tell: teller(&sender), is_stopped: Arc::clone(&is_stopped) };
+    let surroundings = BackgroundWorld { folder, tell: teller(&sender), is_stopped: Arc::clone(&is_stopped) };
     start_thread("counterpoise", STACK, move || {
         let done = job(&surroundings);
         // nobody listens any more after Ctrl+C

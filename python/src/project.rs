@@ -48,7 +48,7 @@ impl NativeProject {
         &self,
         py: Python<'_>,
         progress: Option<&Bound<'_, PyAny>>,
-        job: impl FnOnce(&Self, &background::Surroundings) -> anyhow::Result<T> + Send + 'static,
+        job: impl FnOnce(&Self, &background::BackgroundWorld) -> anyhow::Result<T> + Send + 'static,
     ) -> PyResult<String> {
         let project = self.clone();
         background::run(py, self.folder(), progress, move |world| {

@@ -24,7 +24,7 @@ use counterpoise_verify::robust::Sample;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use crate::background::{self, Surroundings};
+use crate::background::{self, BackgroundWorld};
 use crate::failures::CounterpoiseError;
 use crate::project::NativeProject;
 
@@ -70,7 +70,7 @@ pub fn sweep(
     project.json(py, progress, swept)
 }
 
-fn swept(project: &NativeProject, world: &Surroundings) -> anyhow::Result<Swept> {
+fn swept(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<Swept> {
     let loaded = project.load_for(Purpose::Sweep)?;
     let project = &loaded.project;
     campaign_is_stated(project)?;

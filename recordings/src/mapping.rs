@@ -194,10 +194,14 @@ impl Mapping {
         let Some(project_s) = self.sample_period_s.filter(is_other) else { return Ok(()) };
         let duration_s = recording.len() as f64 * file_s;
         check_length(&recording.name, duration_s, project_s, recording.channels().count())?;
-        for channel in Channel::ALL {
+        let resampled = recording.channels().map(|(channel, samples)| {
             let kind = if channel.is_held() { Resampling::Held } else { Resampling::Read };
-            let values = recording.samples(channel).map(|v| resample(kind, v, file_s, project_s));
-            values.and_then(|values| recording.set(channel, values));
+            (channel, resample(kind, samples, file_s, project_s))
+        });
+        let resampled: Vec<_> = resampled.collect();
+        resampled.iter().for_each(|(channel, _)| drop(recording.remove(*channel)));
+        for (channel, samples) in resampled {
+            recording.set(channel, samples);
         }
         recording.sample_period_s = project_s;
         recording.remarks.push(Remark::Resampled { file_s, project_s });

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use ndarray::Array1;
+use ndarray::{Array1, Array2, ArrayView2, Axis, ShapeBuilder as _, s};
 
 use crate::tolerance::FEWEST_PERIODS;
 use crate::{Channel, Error, Remark};
@@ -12,7 +12,7 @@ use crate::{Channel, Error, Remark};
 ///
 /// A channel that was not recorded is absent. Without a platform gyroscope the platform is taken to be at rest, without an
 /// accelerometer it is taken not to heave.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct Recording {
     /// Name, for reports.
     pub name: String,
@@ -22,8 +22,19 @@ pub struct Recording {
     pub start_s: f64,
     /// What the user of the recording should know.
     pub remarks: Vec<Remark>,
-    /// The samples of each channel, contiguous in memory.
-    signals: BTreeMap<Channel, Array1<f64>>,
+    /// The samples, time x channel, each column contiguous in memory; a channel that is shorter than others ends in NaN.
+    signals: Array2<f64>,
+    /// The column of each channel that was recorded.
+    columns: BTreeMap<Channel, usize>,
+}
+
+impl PartialEq for Recording {
+    /// Compares everything but the order in which the channels were added.
+    fn eq(&self, other: &Self) -> bool {
+        let plain = |one: &Self| (one.sample_period_s, one.start_s);
+        (&self.name, &self.remarks, plain(self)) == (&other.name, &other.remarks, plain(other))
+            && self.channels().eq(other.channels())
+    }
 }
 
 impl Recording {
@@ -45,42 +56,55 @@ impl Recording {
         self
     }
 
-    /// Sets the samples of a channel and returns those that it had.
+    /// Sets the samples of a channel and returns those that it had. If the channels differ in length, the shorter ones end in NaN.
     pub fn set(&mut self, channel: Channel, samples: impl Into<Array1<f64>>) -> Option<Array1<f64>> {
         let samples = samples.into();
-        let contiguous =
-            if samples.is_standard_layout() { samples } else { samples.iter().copied().collect() };
-        self.signals.insert(channel, contiguous)
+        let before = self.columns.get(&channel).map(|column| self.signals.column(*column).to_owned());
+        let count = self.columns.len();
+        let column = *self.columns.entry(channel).or_insert(count);
+        let has_others = self.columns.len() > 1;
+        let rows = if has_others { samples.len().max(self.signals.nrows()) } else { samples.len() };
+        if self.signals.dim() != (rows, self.columns.len()) {
+            self.signals = resized(self.signals.view(), [rows, self.columns.len()]);
+        }
+        let mut written = self.signals.column_mut(column);
+        written.fill(f64::NAN);
+        written.slice_mut(s![..samples.len()]).assign(&samples);
+        before
     }
 
     /// Removes a channel and returns its samples; `None` if it was not recorded.
     pub fn remove(&mut self, channel: Channel) -> Option<Array1<f64>> {
-        self.signals.remove(&channel)
+        let removed = self.columns.remove(&channel)?;
+        let samples = self.signals.column(removed).to_owned();
+        self.columns.values_mut().filter(|column| **column > removed).for_each(|column| *column -= 1);
+        self.signals.remove_index(Axis(1), removed);
+        Some(samples)
     }
 
     /// Returns whether a channel was recorded.
     pub fn has(&self, channel: Channel) -> bool {
-        self.signals.contains_key(&channel)
+        self.columns.contains_key(&channel)
     }
 
     /// Returns the samples of a channel; `None` if it was not recorded.
     pub fn samples(&self, channel: Channel) -> Option<&[f64]> {
-        self.signals.get(&channel)?.as_slice()
+        self.signals.column(*self.columns.get(&channel)?).to_slice()
     }
 
     /// Returns the samples of a channel, to be changed; `None` if it was not recorded.
     pub fn samples_mut(&mut self, channel: Channel) -> Option<&mut [f64]> {
-        self.signals.get_mut(&channel)?.as_slice_mut()
+        self.signals.column_mut(*self.columns.get(&channel)?).into_slice()
     }
 
     /// Returns the recorded channels and their samples, in the order of [`Channel::ALL`].
     pub fn channels(&self) -> impl Iterator<Item = (Channel, &[f64])> {
-        self.signals.iter().filter_map(|(channel, samples)| Some((*channel, samples.as_slice()?)))
+        self.columns.keys().filter_map(|channel| Some((*channel, self.samples(*channel)?)))
     }
 
-    /// Returns the number of samples: that of the longest channel.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
-        self.signals.values().map(Array1::len).max().unwrap_or(0)
+        if self.columns.is_empty() { 0 } else { self.signals.nrows() }
     }
 
     /// Returns whether no channel has a sample.
@@ -88,18 +112,17 @@ impl Recording {
         self.len() == 0
     }
 
-    /// Returns the samples `range` of every channel, or as many of them as a shorter channel has. Name and remarks are kept.
+    /// Returns the samples `range` of every channel, or as many of them as were recorded. Name and remarks are kept.
     pub fn part(&self, range: Range<usize>) -> Self {
-        let cut = |samples: &[f64]| {
-            let end = range.end.min(samples.len());
-            Array1::from(samples[range.start.min(end)..end].to_vec())
-        };
+        let end = range.end.min(self.len());
+        let view = self.signals.slice(s![range.start.min(end)..end, ..]);
         Self {
             name: self.name.clone(),
             sample_period_s: self.sample_period_s,
             start_s: self.start_s + range.start as f64 * self.sample_period_s,
             remarks: self.remarks.clone(),
-            signals: self.channels().map(|(channel, samples)| (channel, cut(samples))).collect(),
+            signals: resized(view, [view.nrows(), view.ncols()]),
+            columns: self.columns.clone(),
         }
     }
 
@@ -117,4 +140,12 @@ impl Recording {
         let length_s = length as f64 * self.sample_period_s;
         Err(Error::Window { file: self.name.clone(), from_s, to_s, length_s })
     }
+}
+
+/// Returns signals in an array of another size whose columns are contiguous: NaN in what is added.
+fn resized(signals: ArrayView2<'_, f64>, [rows, columns]: [usize; 2]) -> Array2<f64> {
+    let mut out = Array2::from_elem((rows, columns).f(), f64::NAN);
+    let kept = s![..rows.min(signals.nrows()), ..columns.min(signals.ncols())];
+    out.slice_mut(kept).assign(&signals.slice(kept));
+    out
 }

@@ -3,7 +3,10 @@
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     C64, CMat, Mat, Sparse,
-    sparse::{Accuracy, BalancedDirections, Ports, Progress, QuadraticPencil, Watch, low_rank_gramians},
+    sparse::{
+        Accuracy, BalancedDirections, Ports, ProgressObserver, QuadraticPencil, StageProgress,
+        low_rank_gramians,
+    },
 };
 use counterpoise_lti::{StateSpace, Timebase, is_stable, response_at};
 
@@ -60,7 +63,7 @@ pub struct LargeReduction {
 pub fn balred_large(
     structure: &LargeStructure,
     order: Order,
-    watch: &mut Watch,
+    watch: &mut ProgressObserver,
 ) -> Result<LargeReduction, Error> {
     if let Some(value) = structure.M.diagonal().into_iter().find(|mass| mass.is_nan() || *mass <= 0.0) {
         let what = "a diagonal entry of the mass matrix";
@@ -126,7 +129,7 @@ pub fn error_at(g: &LargeStructure, reduced: &StateSpace, rate_rad_s: f64) -> Re
     }
     let pencil = QuadraticPencil::of(&g.M, &g.C, &g.K).with_step("the response of the structure")?;
     let s = C64::new(0.0, rate_rad_s);
-    let quiet = &mut |_: Progress| std::ops::ControlFlow::Continue(());
+    let quiet = &mut |_: StageProgress| std::ops::ControlFlow::Continue(());
     let factors =
         pencil.at(s, "the response of the structure", quiet).with_step("the response of the structure")?;
     let x = factors.solve(&g.F.to_complex()).with_step("the response of the structure")?;

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat, Sparse,
-    sparse::{Entry, Progress},
+    sparse::{Entry, StageProgress},
 };
 use counterpoise_lti::{StateSpace, Timebase, response_at};
 use counterpoise_reduce::{
@@ -118,7 +118,7 @@ fn an_order_follows_from_an_error() {
 
 #[test]
 fn structures_without_a_balance_are_refused() {
-    let quiet = &mut |_: Progress| ControlFlow::Continue(());
+    let quiet = &mut |_: StageProgress| ControlFlow::Continue(());
     let damping = Damping::Proportional { of_mass: 0.02, of_stiffness: 2e-4 };
     let mut undamped = chain(40, 1, damping);
     undamped.C = undamped.C.map(|_, _, _| 0.0);
@@ -132,7 +132,7 @@ fn structures_without_a_balance_are_refused() {
     let mut wrong = chain(40, 1, damping);
     wrong.P = Mat::zeros(3, 39);
     assert!(balred_large(&wrong, Order::States(4), quiet).is_err());
-    let stop = &mut |_: Progress| ControlFlow::Break(());
+    let stop = &mut |_: StageProgress| ControlFlow::Break(());
     assert!(balred_large(&chain(40, 1, damping), Order::States(4), stop).is_err());
     let empty = LargeStructure {
         M: Sparse::from_dense(&Mat::zeros(0, 0)),
@@ -150,7 +150,7 @@ fn structures_without_a_balance_are_refused() {
 
 #[test]
 fn odd_structures_are_answered_without_a_panic() {
-    let quiet = &mut |_: Progress| ControlFlow::Continue(());
+    let quiet = &mut |_: StageProgress| ControlFlow::Continue(());
     let damping = Damping::Proportional { of_mass: 0.02, of_stiffness: 2e-4 };
     for n in [1, 2, 3, 9] {
         for factor in [0.0, -1.0, 1e-300, 1e300, 5e-324, f64::NAN, f64::INFINITY] {

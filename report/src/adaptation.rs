@@ -2,7 +2,7 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::Axis;
-use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Trace};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
     Bands, Load, METHODS, Motion, Refusal, TrialRow, Trials,
@@ -11,14 +11,6 @@ use counterpoise_pipeline::studies::adaptation_trials::{
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis as PlotAxis, Colour, Figure, Panel, Series};
-
-/// How near to the default case the hub rate must come back.
-pub const NEAR: f64 = 1.10;
-
-/// Returns whether the hub rate came back, where the adaptation was to bring it back.
-pub fn has_returned(interval: &Interval) -> bool {
-    !interval.adapted || interval.over_default <= NEAR
-}
 
 /// Returns the trials of the methods in lines, for a terminal.
 pub fn trial_lines(tried: &Trials) -> Vec<String> {
@@ -120,7 +112,7 @@ fn describe_left_out(rows: &[TrialRow]) -> String {
             row.rate.milli_unit()
         )
     });
-    let added = |row: &&TrialRow| row.without_rad_s / row.told_rad_s - 1.0;
+    let added = |row: &&TrialRow| row.added_share();
     let most = rows.iter().filter(|row| added(row) > 0.0).max_by(|a, b| added(a).total_cmp(&added(b)));
     let gains = most.map_or(format!("no load of the trials adds to the {}", rate_of(rows).name()), |row| {
         format!("most that an unknown load adds is {} %, {}", short_number(100.0 * added(&row)), trial(row))
@@ -170,29 +162,35 @@ fn load(load: Load) -> &'static str {
 }
 
 /// Returns the report.
-pub fn adaptation_report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
-    let judged: Vec<&Interval> =
-        runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
-    let good = judged.iter().filter(|interval| has_returned(interval)).count();
-    let tone = if good == judged.len() { Tone::Good } else { Tone::Bad };
-    let text = format!("{good} of {} adapted intervals come back to within 10 % of run (a)", judged.len());
+pub fn adaptation_report(
+    machine: &str,
+    command: &str,
+    runs: &[AdaptRun],
+    adapted: AdaptedIntervals,
+) -> Report {
+    let tone = if adapted.returned == adapted.intervals { Tone::Good } else { Tone::Bad };
+    let text = format!(
+        "{} of {} adapted intervals come back to within 10 % of run (a)",
+        adapted.returned, adapted.intervals
+    );
     let rate = rate_of_runs(runs);
     let detail = format!(
         "RMS of the {} in the later part of each interval, over that of run (a) in the same time.",
         rate.name()
     );
-    let worst = judged.iter().map(|interval| interval.over_default).fold(0.0, f64::max);
-    let off = |i: &&Interval| (i.used_kg_m - i.out_of_balance_kg_m).abs();
-    let off = judged.iter().map(off).fold(0.0, f64::max);
     Report {
         title: format!("Adaptation of {machine}"),
         subtitle: "an out-of-balance that steps while the platform moves, in the nonlinear closed loop"
             .to_owned(),
         headline: Headline { tone, text, detail },
         tiles: vec![
-            Tile::plain("worst adapted interval", short_number(worst), "of run (a)"),
-            Tile::plain("largest error of the estimate", short_number(off), rate.axis.unit("kg m"))
-                .with_note("at the end of an interval"),
+            Tile::plain("worst adapted interval", short_number(adapted.largest_over_default), "of run (a)"),
+            Tile::plain(
+                "largest error of the estimate",
+                short_number(adapted.largest_estimate_error_kg_m),
+                rate.axis.unit("kg m"),
+            )
+            .with_note("at the end of an interval"),
         ],
         verdicts: table(runs),
         glance: Vec::new(),
@@ -240,7 +238,7 @@ fn table(runs: &[AdaptRun]) -> Table {
     ];
     let mut table = Table::new("Intervals between changes", &columns);
     for (run, i) in runs.iter().flat_map(|run| run.intervals.iter().map(move |i| (run, i))) {
-        let verdict = match (i.adapted, has_returned(i)) {
+        let verdict = match (i.adapted, i.has_returned()) {
             (false, _) => Cell::text(""),
             (true, true) => Cell::Verdict(Tone::Good, "holds".to_owned()),
             (true, false) => Cell::Verdict(Tone::Bad, "fails".to_owned()),

@@ -1,5 +1,6 @@
 //! Bode diagrams: magnitude and phase over frequency.
 
+use crate::tolerance::DEPTH_DB;
 use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Point, Series};
 
@@ -50,8 +51,6 @@ pub fn response_curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve
     BodeCurve::new(&response.name, colour, points)
 }
 
-/// What lies below the largest magnitude by more than this is rounding noise for the reader and stretches the axis, dB.
-const DEPTH_DB: f64 = 120.0;
 /// What is shown below the lowest mark, dB.
 const BELOW_MARK_DB: f64 = 20.0;
 

@@ -137,7 +137,7 @@ fn loop_words(at: &RegimeLoop) -> String {
             "unstable: pole of modulus {:.6} at {} Hz, growing by a factor of e in {} s",
             at.pole_radius,
             short_number(at.frequency_hz),
-            short_number(1.0 / at.growth_per_s)
+            short_number(at.growth_time_s())
         );
     }
     format!(

@@ -156,16 +156,15 @@ pub fn design_remarks(row: &DesignRow, controlled: ControlledQuantity) -> Vec<St
         all.push(row.blocks.iter().map(block_words).collect::<Vec<_>>().join(" "));
     }
     all.extend(row.weights.as_ref().map(|weights| weight_words(weights, controlled)));
-    if let (Some(bound), Some(linear)) = (&row.bound, &row.linear) {
-        let gap = 100.0 * (linear.residual.value / bound.lower_bound - 1.0);
-        let half = bound.half_basis.map_or("keeps no such limits".to_owned(), |value| {
-            format!("is {} % above it", short_number(100.0 * (value / linear.residual.value - 1.0)))
+    if let (Some(bound), Some(gap)) = (&row.bound, row.bound_gap()) {
+        let half = gap.half_basis_percent.map_or("keeps no such limits".to_owned(), |above| {
+            format!("is {} % above it", short_number(above))
         });
         all.push(format!(
             "a bound, not a controller: {} functions, limits of S, T, KS, noise gain and effort verified at {} frequencies; its value is {} % above the dual bound of the basis, and half the basis {half}",
             bound.basis,
             bound.frequencies,
-            short_number(gap)
+            short_number(gap.above_dual_percent)
         ));
     }
     if row.missed > 0.0 {

@@ -2,7 +2,7 @@
 
 use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
 use crate::wording::{capitalise_first, name_in_words};
-use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::channel_fits::Channels;
 
 use counterpoise_plot::number::short_number;
@@ -55,13 +55,13 @@ fn headline(answer: &AnswerText) -> Headline {
         .collect();
     let sentence = capitalise_first(describe_verdict(answer.verdict).sentence);
     let tone = match answer.verdict {
-        Verdict::Consistent | Verdict::Named => Tone::Good,
-        Verdict::Ambiguous | Verdict::Incomplete => Tone::Neutral,
-        Verdict::Unknown => Tone::Bad,
+        DiagnosisVerdict::Consistent | DiagnosisVerdict::Named => Tone::Good,
+        DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => Tone::Neutral,
+        DiagnosisVerdict::Unknown => Tone::Bad,
     };
     let text = match answer.verdict {
-        Verdict::Consistent | Verdict::Unknown => sentence,
-        Verdict::Named | Verdict::Ambiguous | Verdict::Incomplete => {
+        DiagnosisVerdict::Consistent | DiagnosisVerdict::Unknown => sentence,
+        DiagnosisVerdict::Named | DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => {
             format!("{sentence}: {}", names.join(", "))
         }
     };
@@ -215,17 +215,15 @@ pub(super) fn comparison(track: &Track, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };
-    let error =
-        |series: &[f64]| -> Vec<f64> { series.iter().zip(&track.measured).map(|(s, m)| s - m).collect() };
     let name = if track.after.is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
         Series::solid_line("measured", Colour::Muted, points(&track.measured)),
         Series::solid_line(name, Colour::Second, points(&track.before)),
     ];
-    let mut errors = vec![Series::solid_line(name, Colour::Second, points(&error(&track.before)))];
+    let mut errors = vec![Series::solid_line(name, Colour::Second, points(&track.error(&track.before)))];
     if !track.after.is_empty() {
         signals.push(Series::solid_line("improved model", Colour::First, points(&track.after)));
-        errors.push(Series::solid_line("improved model", Colour::First, points(&error(&track.after))));
+        errors.push(Series::solid_line("improved model", Colour::First, points(&track.error(&track.after))));
     }
     let panels = vec![
         Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),

@@ -4,7 +4,7 @@ use counterpoise_pipeline::Consequence;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::Change;
 
-use crate::tolerance::SAME_FIGURE;
+use crate::tolerance::{LEAST_SHOWN_CHANGE, LEAST_SHOWN_DIFFERENCE, SAME_FIGURE};
 use crate::{Cell, Column, Section, Table, Tone};
 
 /// Returns every figure that changed, those whose verdict turned first.
@@ -80,11 +80,15 @@ pub fn classify_change(change: &Change) -> (Tone, &'static str) {
 /// Returns the change as a person reads it: percent, or the difference where a figure is in decibels or
 /// degrees.
 pub fn describe_size(change: &Change) -> String {
-    let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
+    let Some(difference) = change.difference() else { return "\u{2013}".to_owned() };
     match change.unit() {
-        unit @ ("dB" | "deg" | "%") if (after - before).abs() < 0.005 => format!("under 0.01 {unit}"),
-        unit @ ("dB" | "deg" | "%") => format!("{:+.2} {unit}", after - before),
-        _ if change.relative().is_some_and(|part| part.abs() < 5e-4) => "under 0.1 %".to_owned(),
+        unit @ ("dB" | "deg" | "%") if difference.abs() < LEAST_SHOWN_DIFFERENCE => {
+            format!("under 0.01 {unit}")
+        }
+        unit @ ("dB" | "deg" | "%") => format!("{:+.2} {unit}", difference),
+        _ if change.relative().is_some_and(|part| part.abs() < LEAST_SHOWN_CHANGE) => {
+            "under 0.1 %".to_owned()
+        }
         _ => format!("{:+.1} %", 100.0 * change.relative().unwrap_or(f64::NAN)),
     }
 }

@@ -39,10 +39,9 @@ pub fn budget_section(found: &Verification) -> Option<Section> {
 pub fn budget_lines(found: &Verification) -> Vec<String> {
     let mut purposes = purposes(found);
     let Some(budget) = &found.error_budget else { return purposes };
-    let total = total_square(budget, SightFigure::Hub);
     let share = |one: &counterpoise_verify::Contribution| {
         let hub = place(SightFigure::Hub);
-        let percent = if total > 0.0 { 100.0 * one.share_rad2[hub] / total } else { 0.0 };
+        let percent = budget.share_percent(one, hub);
         // a share just below zero is written as zero, without a sign
         let percent = (10.0 * percent).round() / 10.0 + 0.0;
         let linear = match &one.linear {
@@ -100,10 +99,6 @@ fn place(figure: SightFigure) -> usize {
     SightFigure::ANGLES.iter().position(|one| *one == figure).unwrap_or(0)
 }
 
-fn total_square(budget: &ErrorBudget, figure: SightFigure) -> f64 {
-    budget.total_rad[place(figure)].powi(2)
-}
-
 fn summary(budget: &ErrorBudget, exposure_s: f64) -> String {
     let of = |figure| MICRO * budget.total_rad[place(figure)];
     format!(
@@ -126,35 +121,25 @@ fn superposition(budget: &ErrorBudget) -> String {
     )
 }
 
-/// Least RMS, microradians, that is compared: less is printed as 0.
-const LEAST_COMPARED_URAD: f64 = 0.05;
-
 fn linear(budget: &ErrorBudget) -> String {
     let hub = place(SightFigure::Hub);
-    let (linear, total) = (budget.linear_rad()[hub], budget.total_rad[hub]);
-    let made = format!("The linear loop makes {:.1} urad of all sources at the hub", MICRO * linear);
-    if MICRO * total < LEAST_COMPARED_URAD {
-        return format!("{made}.");
+    let made = format!(
+        "The linear loop makes {:.1} urad of all sources at the hub",
+        MICRO * budget.linear_rad()[hub]
+    );
+    match budget.linear_excess(hub) {
+        None => format!("{made}."),
+        Some(excess) => format!("{made}, {:+.1} % against the simulation.", 100.0 * excess),
     }
-    format!("{made}, {:+.1} % against the simulation.", 100.0 * (linear / total - 1.0))
 }
 
 /// Returns below which frequencies most of the mean square at the hub lies; `None` if nothing moves.
 fn spread(budget: &ErrorBudget) -> Option<String> {
-    let total: f64 = budget.total.hub_rad2.iter().sum();
-    let below = |share: f64| {
-        let mut sum = 0.0;
-        let band = budget.total.hub_rad2.iter().position(|square| {
-            sum += square;
-            sum >= share * total
-        });
-        band.and_then(|band| budget.edges_hz.get(band + 1))
-    };
-    let [half, most] = [0.5, 0.9].map(below);
-    (total > 0.0).then_some(format!(
+    let [half, most] = [0.5, 0.9].map(|share| budget.frequency_below_hz(share));
+    Some(format!(
         "Half of the mean square at the hub lies below {} Hz, nine tenths below {} Hz.",
-        short_number(*half?),
-        short_number(*most?)
+        short_number(half?),
+        short_number(most?)
     ))
 }
 
@@ -176,12 +161,12 @@ fn table(budget: &ErrorBudget) -> Table {
     for one in &budget.contributions {
         let mut row = vec![Cell::text(one.source.name())];
         for figure in [SightFigure::Hub, SightFigure::HubJitter, SightFigure::Tip, SightFigure::Bending] {
-            let (at, total) = (place(figure), total_square(budget, figure));
-            row.push(Cell::number(if total > 0.0 { 100.0 * one.share_rad2[at] / total } else { 0.0 }));
+            let at = place(figure);
+            row.push(Cell::number(budget.share_percent(one, at)));
             row.push(Cell::number(MICRO * one.alone_rad[at]));
             if figure == SightFigure::Hub {
                 let linear = one.linear.as_ref().map(|linear| MICRO * linear.rad[at]);
-                let less = linear.map(|linear| linear - MICRO * one.alone_rad[at]);
+                let less = one.linear_less_alone_rad().map(|less| MICRO * less[at]);
                 row.extend([linear, less].map(|value| value.map_or_else(|| Cell::text("-"), Cell::number)));
             }
         }

@@ -28,23 +28,22 @@ pub fn error_budget_figures(budget: &ErrorBudget) -> Vec<Figure> {
 
 fn figure(budget: &ErrorBudget, place: Place) -> Figure {
     let largest = largest(budget, place);
-    let linear = linear(budget, place);
-    let density = |bands: &[f64]| densities(&budget.edges_hz, bands);
+    let linear = budget.linear_spectrum();
+    let density = |bands: &[f64]| density(budget, bands);
     let total = (place.of)(&budget.total);
     let mut powers = vec![Series::solid_line("all sources", Colour::Muted, density(total))];
-    let mut roots =
-        vec![Series::solid_line("all sources", Colour::Muted, cumulative(&budget.edges_hz, total))];
+    let mut roots = vec![Series::solid_line("all sources", Colour::Muted, cumulative(budget, total))];
     let mut shares = Vec::new();
     for (one, colour) in largest.iter().zip(Colour::CYCLE) {
         let share = (place.of)(&one.share);
         powers.push(Series::solid_line(one.source.name(), colour, density(share)));
-        shares.push(Series::solid_line("", colour, part(&budget.edges_hz, share, total)));
+        shares.push(Series::solid_line("", colour, part(budget, share, total)));
         if let Some(linear) = &one.linear {
             let name = format!("{}, linear loop", one.source.name());
             powers.push(Series::dotted_line(&name, colour, density((place.of)(&linear.spectrum))));
         }
     }
-    roots.push(Series::dotted_line("linear loop", Colour::Muted, cumulative(&budget.edges_hz, &linear)));
+    roots.push(Series::dotted_line("linear loop", Colour::Muted, cumulative(budget, (place.of)(&linear))));
     let panels = vec![
         Panel::new(Axis::logarithmic("power spectrum", "urad\u{B2}/Hz"), powers).with_height(260.0),
         Panel::new(Axis::linear("cumulative RMS", "urad"), roots).with_height(150.0),
@@ -70,42 +69,14 @@ fn largest(budget: &ErrorBudget, place: Place) -> Vec<&Contribution> {
     all
 }
 
-/// Returns the sum of the spectra of the linear loop.
-fn linear(budget: &ErrorBudget, place: Place) -> Vec<f64> {
-    let mut sum = vec![0.0; budget.edges_hz.len().saturating_sub(1)];
-    for one in budget.contributions.iter().filter_map(|one| one.linear.as_ref()) {
-        sum.iter_mut().zip((place.of)(&one.spectrum)).for_each(|(sum, square)| *sum += square);
-    }
-    sum
+fn density(budget: &ErrorBudget, bands: &[f64]) -> Vec<(f64, f64)> {
+    budget.densities(bands).into_iter().map(|[hz, density]| (hz, MICRO * MICRO * density)).collect()
 }
 
-/// Returns the middle of each band and the density in it; the lowest band has no middle on a logarithmic axis and stands at half its width.
-fn densities(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
-    let middle = |low: f64, high: f64| if low > 0.0 { (low * high).sqrt() } else { 0.5 * high };
-    edges_hz
-        .windows(2)
-        .zip(bands)
-        .map(|(edges, square)| {
-            let density = MICRO * MICRO * square / (edges[1] - edges[0]);
-            (middle(edges[0], edges[1]), if density > 0.0 { density } else { f64::NAN })
-        })
-        .collect()
+fn cumulative(budget: &ErrorBudget, bands: &[f64]) -> Vec<(f64, f64)> {
+    budget.cumulative_rms(bands).into_iter().map(|[hz, rms]| (hz, MICRO * rms)).collect()
 }
 
-fn sums(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
-    let mut sum = 0.0;
-    let mut next = |(edge, square): (&f64, &f64)| {
-        sum += square;
-        (*edge, sum)
-    };
-    edges_hz.iter().skip(1).zip(bands).map(&mut next).collect()
-}
-
-fn cumulative(edges_hz: &[f64], bands: &[f64]) -> Vec<(f64, f64)> {
-    sums(edges_hz, bands).into_iter().map(|(hz, sum)| (hz, MICRO * sum.max(0.0).sqrt())).collect()
-}
-
-fn part(edges_hz: &[f64], share: &[f64], total: &[f64]) -> Vec<(f64, f64)> {
-    let whole: f64 = total.iter().sum();
-    sums(edges_hz, share).into_iter().map(|(hz, sum)| (hz, 100.0 * sum / whole)).collect()
+fn part(budget: &ErrorBudget, share: &[f64], total: &[f64]) -> Vec<(f64, f64)> {
+    budget.cumulative_share(share, total).into_iter().map(|[hz, share]| (hz, 100.0 * share)).collect()
 }

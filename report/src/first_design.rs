@@ -27,34 +27,26 @@ fn row(limit: &LimitRow) -> Vec<Cell> {
     vec![Cell::text(limit.limit.as_str()), number(limit.bandwidth_rad_s), number(limit.over_reached), lifted]
 }
 
-/// Ratio of what a limit alone allows to what is reached from which on it limits only beside the others: what is reached is known to 0.7 %.
-const ALLOWS_MORE: f64 = 1.015;
-
 /// Returns what limits the bandwidth and by how much, as a clause. A limit that alone would allow more is kept by other loops than those that
 /// keep all limits.
 pub fn describe_limitation(first: &FirstDesignResult) -> String {
     let limit = first.limits.first();
-    let beside = match limit.filter(|limit| allows_more(limit)).and_then(|limit| limit.bandwidth_rad_s) {
+    let beside = match limit.filter(|limit| limit.allows_more()).and_then(|limit| limit.bandwidth_rad_s) {
         Some(alone) => format!(
             " beside the other limits (a loop that keeps it and misses others would reach {} rad/s)",
             short_number(alone)
         ),
         None => String::new(),
     };
-    match limit.and_then(|limit| limit.lifted_rad_s) {
-        Some(rate) => format!(
+    match limit.and_then(|limit| Some((limit.lifted_rad_s?, first.gain_of_lifting(limit)?))) {
+        Some((rate, times)) => format!(
             "{}{beside}; without this limit it would be {} rad/s, {:.2} times as high",
             first.limited_by,
             short_number(rate),
-            rate / first.bandwidth_rad_s
+            times
         ),
         None => format!("{}; lifting one limit alone does not raise it", first.limited_by),
     }
-}
-
-/// Returns whether a limit alone allows more than is reached, and yet is one that raises the bandwidth if it is lifted.
-pub fn allows_more(limit: &LimitRow) -> bool {
-    limit.lifted_rad_s.is_some() && limit.over_reached.is_some_and(|over| over > ALLOWS_MORE)
 }
 
 fn sentences(first: &FirstDesignResult) -> Vec<String> {

@@ -1,7 +1,8 @@
 //! The report of the frequency response analyser: gain and phase over frequency for every amplitude, beside the linear models.
 
-use counterpoise_pipeline::studies::fra::{Around, Map, Point};
-use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, Sticking};
+use counterpoise_pipeline::studies::fra::{Around, Map};
+use counterpoise_pipeline::studies::fra_points::Point;
+use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MapTotals, MeasuringPace, Sticking};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
@@ -9,34 +10,18 @@ use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Til
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
-/// How long the measuring of a map took.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pace {
-    /// Threads that it was measured on.
-    pub threads: usize,
-    /// Time, s.
-    pub seconds: f64,
-}
-
-impl Pace {
-    /// Returns how many times as fast as the first of a list, which is on one thread.
-    pub fn speed_up(&self, all: &[Pace]) -> f64 {
-        all.first().map_or(1.0, |first| first.seconds / self.seconds)
-    }
-}
-
-/// Returns the report of one or more maps of one machine, and of how fast they were measured.
-pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
+/// Returns the report of one or more maps of one machine, with their numbers together, and of how fast they were measured.
+pub fn fra_report(maps: &[Map], totals: MapTotals, speed: &[MeasuringPace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
     Report {
         title: format!("Frequency responses of {name}"),
         subtitle: first.map(map_title).unwrap_or_default(),
-        headline: headline(maps),
+        headline: headline(maps, totals),
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
         glance: first.map(|map| overview(map, command)).into_iter().collect(),
-        sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(maps, speed)).collect(),
+        sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(totals, speed)).collect(),
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
             ProvenanceEntry::new("command", command),
@@ -44,9 +29,8 @@ pub fn fra_report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     }
 }
 
-fn headline(maps: &[Map]) -> Headline {
-    let count: usize = maps.iter().map(|map| map.points.len()).sum();
-    let unsettled: usize = maps.iter().map(|map| map.unsettled_count()).sum();
+fn headline(maps: &[Map], totals: MapTotals) -> Headline {
+    let MapTotals { points: count, unsettled, .. } = totals;
     let text = match unsettled {
         0 => format!("{count} points measured, every one settled"),
         n => format!("{count} points measured, {n} not settled or not excited"),
@@ -100,8 +84,8 @@ fn label(map: &Map, amplitude: f64) -> String {
     }
 }
 
-fn curve(name: &str, colour: Colour, points: &[&Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
-    let at = |p: &&Point| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
+fn curve(name: &str, colour: Colour, points: &[Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
+    let at = |p: &Point| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
 }
 
@@ -151,8 +135,8 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
 }
 
 /// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
-fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
-    let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
+fn pace(totals: MapTotals, speed: &[MeasuringPace]) -> Option<Section> {
+    let simulated_s = totals.simulated_s;
     let columns = [
         Column::Number("threads"),
         Column::Number("time [s]"),
@@ -165,7 +149,7 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
         table.rows.push(vec![
             Cell::text(pace.threads.to_string()),
             Cell::number(pace.seconds),
-            Cell::number(simulated_s / pace.seconds),
+            Cell::number(pace.times_real_time(simulated_s)),
             Cell::number(pace.speed_up(speed)),
         ]);
     }
@@ -173,7 +157,7 @@ fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
     (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
 }
 
-fn beside_models(map: &Map, family: &AmplitudePoints<'_>, colour: Colour) -> Figure {
+fn beside_models(map: &Map, family: &AmplitudePoints, colour: Colour) -> Figure {
     let (name, points) = (label(map, family.amplitude), &family.points);
     let mut described = curve("describing function", Colour::Second, points, |p| p.describing);
     described.dash = Dash::Dotted;
@@ -261,7 +245,7 @@ fn points_table(map: &Map) -> Table {
         Column::Text("settled"),
     ];
     let mut table = Table::new(&format!("Amplitudes in {}", map.signals.input_unit), &columns);
-    for p in &map.points {
+    for p in map.points.iter() {
         table.rows.push(vec![
             Cell::number(p.amplitude),
             Cell::number(p.frequency_hz),

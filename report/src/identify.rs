@@ -88,7 +88,7 @@ fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Es
 fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<Tile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
         Tile::plain(name, short_number(e.value), unit)
-            .with_note(&format!("± {}", short_number(0.5 * (e.ci95[1] - e.ci95[0]))))
+            .with_note(&format!("± {}", short_number(e.half_width())))
     };
     named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }

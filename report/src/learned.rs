@@ -43,8 +43,9 @@ fn curve(function: &LearnedFunctionText) -> Figure {
     let band: Vec<(f64, f64, f64)> = function
         .points
         .iter()
-        .zip(function.values.iter().zip(&function.half_width))
-        .map(|(x, (value, half))| (*x, value - half, value + half))
+        .zip(function.band())
+        .filter(|_| !function.half_width.is_empty())
+        .map(|(x, [low, high])| (*x, low, high))
         .collect();
     let unit = if function.value_unit.is_empty() { "1" } else { function.value_unit };
     let value = Panel::new(

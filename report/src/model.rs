@@ -157,7 +157,7 @@ const DRAWN: usize = 3;
 fn convergence(meshes: &Meshes, command: &str) -> Figure {
     let curve = |kind: &str, mode: usize| -> Vec<(f64, f64)> {
         let all = meshes.finer.iter().filter(|c| c.kind == kind);
-        all.filter_map(|c| Some((c.elements as f64, 100.0 * (c.ratios.get(mode)? - 1.0).abs()))).collect()
+        all.filter_map(|c| Some((c.elements as f64, 100.0 * c.relative_error(mode)?))).collect()
     };
     let mut series = Vec::new();
     for (mode, colour) in (0..DRAWN).zip(Colour::CYCLE) {
@@ -307,13 +307,10 @@ fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
         torques(named.map(|(one, colour)| Series::solid_line(&swing(one), colour, of(one))).collect())
     };
     let milli = |one: &FrictionLoop| one.points.iter().map(|p| (1e3 * p[0], p[1])).collect();
-    let relative = |points: &[[f64; 2]]| {
-        let top = points.iter().map(|p| p[0].abs()).fold(f64::MIN_POSITIVE, f64::max);
-        points.iter().map(|p| (p[0] / top, p[1])).collect()
-    };
+    let pairs = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, torque]| (x, torque)).collect();
     let presliding = curves(PRESLIDING, &milli);
-    let sliding = curves(loops.len(), &|one| relative(&one.points));
-    let rates = curves(loops.len(), &|one| relative(&one.over_rate));
+    let sliding = curves(loops.len(), &|one| pairs(one.torque_against_relative_angle()));
+    let rates = curves(loops.len(), &|one| pairs(one.torque_against_relative_rate()));
     [
         Figure::new(&format!("Presliding at the {place}"), Axis::linear("angle", "mrad"), vec![presliding])
             .with_caption("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),

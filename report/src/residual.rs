@@ -7,6 +7,7 @@ use counterpoise_pipeline::recordings::residuals::{
 };
 use counterpoise_verify::signals::welch::Spectra;
 
+use crate::tolerance::COHERENT;
 use crate::{Cell, Column, Section, Table, Tone};
 use counterpoise_pipeline::recordings::tracks::Track;
 use counterpoise_plot::thin::MOST_POINTS;
@@ -14,8 +15,6 @@ use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// Recordings whose loops, and channels whose spectra are drawn.
 const DRAWN: usize = 4;
-/// Coherence above which a frequency response is drawn.
-const COHERENT: f64 = 0.5;
 
 /// Returns every section on what the models leave unexplained.
 pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {

@@ -1,7 +1,7 @@
 //! The report of a structure's diagnosis: measured frequencies beside those of every model that was tried.
 
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
-use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -15,7 +15,7 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         title: format!("Structure of {machine}"),
         subtitle: "natural frequencies, measured and modelled".to_owned(),
         headline: Headline {
-            tone: if answer.verdict == StructureVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
+            tone: if answer.verdict == DiagnosisVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
             text: answer.explanation.clone(),
             detail: answer
                 .alternatives
@@ -43,8 +43,7 @@ fn tile(tried: &counterpoise_pipeline::recordings::structure_hypotheses::TriedSt
 
 fn errors(answer: &StructureAnswer, command: &str) -> Figure {
     let points = |modes: &[f64]| -> Vec<(f64, f64)> {
-        let pairs = modes.iter().zip(&answer.measured_hz).enumerate();
-        pairs.map(|(k, (f, measured))| (k as f64 + 1.0, 100.0 * (f / measured - 1.0))).collect()
+        answer.errors_percent(modes).iter().enumerate().map(|(k, off)| (k as f64 + 1.0, *off)).collect()
     };
     let colours = [Colour::Second, Colour::First, Colour::Muted];
     let series = answer.tried.iter().take(1 + DRAWN).zip(colours);
@@ -65,16 +64,17 @@ fn frequencies(answer: &StructureAnswer) -> Table {
     ];
     let mut table = Table::new("Natural frequencies", &columns);
     let best = answer.tried.get(1).unwrap_or(&answer.tried[0]);
+    let errors = [&answer.model_hz, &best.modes_hz].map(|modes_hz| answer.errors_percent(modes_hz));
     for (k, measured) in answer.measured_hz.iter().enumerate() {
         let (model, improved) = (answer.model_hz[k], best.modes_hz[k]);
-        let error = |f: f64| Cell::text(format!("{:+.2}", 100.0 * (f / measured - 1.0)));
+        let error = |errors: &[f64]| Cell::text(format!("{:+.2}", errors[k]));
         table.rows.push(vec![
             Cell::text((k + 1).to_string()),
             Cell::number(*measured),
             Cell::number(model),
-            error(model),
+            error(&errors[0]),
             Cell::number(improved),
-            error(improved),
+            error(&errors[1]),
         ]);
     }
     table

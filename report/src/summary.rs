@@ -1,6 +1,7 @@
 //! The first screen of a verification's report.
 
 use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_verify::verification::WorseFeedforward;
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
     Verdict, Verification,
@@ -90,16 +91,16 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
     } else {
         format!("{} [{unit}]", requirement.figure.name(found.controlled_quantity()))
     };
-    let part = |room: f64| room / requirement.limit.value().abs().max(f64::MIN_POSITIVE);
+    let part = verdict.relative_distance().unwrap_or(0.0);
     let (measured, room, verdict) = match verdict {
         Verdict::Holds { value, margin, .. } => (
             short_number(*value),
-            Cell::Room(Tone::Good, part(*margin), short_number(*margin)),
+            Cell::Room(Tone::Good, part, short_number(*margin)),
             Cell::Verdict(Tone::Good, "holds".to_owned()),
         ),
         Verdict::Fails { value, by, .. } => (
             short_number(*value),
-            Cell::Room(Tone::Bad, part(*by), short_number(-by)),
+            Cell::Room(Tone::Bad, part, short_number(-by)),
             Cell::Verdict(Tone::Bad, "fails".to_owned()),
         ),
         Verdict::NotApplicable { why } => {
@@ -201,34 +202,23 @@ fn rejection_note(found: &Verification, figure: Figure) -> Option<String> {
 
 /// Returns a sentence for each motion of the platform under which the feedforwards make the hub rate worse.
 pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
-    let mut lines = Vec::new();
     let (controlled, unit) = (found.controlled_quantity().name(), found.controlled_quantity().milli_unit());
-    for model in [Model::Nonlinear, Model::Linear] {
-        for (source, name) in [
-            (Source::Heave, "heave"),
-            (Source::Pitch, "pitch"),
-            (Source::Both, "heave and pitch"),
-            (Source::Road, "the road"),
-        ] {
-            let rms =
-                |arrangement| found.value(Figure::Disturbance(model, source, arrangement, Quantity::HubRms));
-            let both = rms(Arrangement::Feedback).zip(rms(Arrangement::Compensated));
-            let Some((without, with)) = both.filter(|(without, with)| *with > WORSE * without) else {
-                continue;
-            };
-            let plant = if model == Model::Nonlinear { "nonlinear" } else { "linear" };
-            lines.push(format!(
-                "On the {plant} plant the feedforwards make the residual {controlled} under {name} worse: {} {unit} RMS with them, {} without",
-                short_number(1e3 * with),
-                short_number(1e3 * without)
-            ));
-        }
-    }
-    lines
+    let line = |worse: WorseFeedforward| {
+        let plant = if worse.model == Model::Nonlinear { "nonlinear" } else { "linear" };
+        let name = match worse.source {
+            Source::Heave => "heave",
+            Source::Pitch => "pitch",
+            Source::Road => "the road",
+            Source::Both => "heave and pitch",
+        };
+        format!(
+            "On the {plant} plant the feedforwards make the residual {controlled} under {name} worse: {} {unit} RMS with them, {} without",
+            short_number(1e3 * worse.with),
+            short_number(1e3 * worse.without)
+        )
+    };
+    found.worse_feedforwards().into_iter().map(line).collect()
 }
-
-/// A feedforward is called worse from this factor on; below, the difference is that of two noise records.
-const WORSE: f64 = 1.01;
 
 fn scaled(limit: Limit, scale: f64) -> Limit {
     match limit {

@@ -7,3 +7,17 @@ pub(crate) const SAME_FIGURE: f64 = 1e-6;
 
 /// RMS residual over noise floor up to which a model is said to fit: more than half of the power above it is none of the noise, so that what does not fit can be improved.
 pub(crate) const FITS_FLOORS: f64 = 1.5;
+
+/// Difference of two figures in decibels, degrees or percent below which it is said to be under 0.01: two decimals show it as 0.
+pub(crate) const LEAST_SHOWN_DIFFERENCE: f64 = 0.005;
+
+/// Relative change of a figure below which it is said to be under 0.1 %: one decimal shows it as 0.
+pub(crate) const LEAST_SHOWN_CHANGE: f64 = 5e-4;
+
+/// Range of a magnitude above which its axis is cut from below, dB: what lies 120 dB under the top is rounding of the response, not a property of the
+/// loop. A smaller range would cut poles and zeros of lightly damped structures.
+pub(crate) const DEPTH_DB: f64 = 120.0;
+
+/// Coherence above which a response estimated from a recording is drawn: at 0.5 noise has as much power as the response, and the estimate's
+/// standard deviation is as large as the estimate over few averages (J. Bendat and A. Piersol, Random Data, section 9.1).
+pub(crate) const COHERENT: f64 = 0.5;

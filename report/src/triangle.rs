@@ -54,7 +54,12 @@ fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) 
     let mut rates = of(&|history, k| history.hub_rate_rad_s[k]);
     let demand = first.time_s.iter().copied().zip(first.demand_rad_s.iter().copied());
     rates.push(Series::dotted_line("demand", Colour::Third, demand));
-    let errors = of(&|history, k| 1e3 * (history.demand_rad_s[k] - history.hub_rate_rad_s[k]));
+    let error = |run: &Run<'_>| {
+        let errors = run.history.tracking_error_rad_s();
+        let points = run.history.time_s.iter().zip(&errors);
+        run.series(points.map(|(time, error)| Point::new(*time, 1e3 * error)).collect())
+    };
+    let errors = runs.iter().map(error).collect();
     let panels = vec![
         Panel::new(Axis::linear(controlled.name(), controlled.unit()), rates).with_height(150.0),
         Panel::new(Axis::linear("error", controlled.milli_unit()), errors).with_height(130.0),

@@ -29,11 +29,11 @@ pub struct Variant<'a> {
     /// Its scenario.
     pub scenario: &'a Scenario,
     /// When it is asked whether it goes on.
-    pub watch: Option<Watch<'a>>,
+    pub watch: Option<RunObserver<'a>>,
 }
 
 /// A question that is asked of a run under way.
-pub struct Watch<'a> {
+pub struct RunObserver<'a> {
     /// Samples from one question to the next.
     pub every: usize,
     /// Returns whether the run goes on, from the readings so far.
@@ -59,7 +59,7 @@ pub fn run_ensemble_in(registers: Registers, variants: &mut [Variant]) -> Vec<Re
 fn run_alone(variant: &mut Variant) -> Result<TimeHistory, Error> {
     let Variant { simulator, controller, scenario, watch } = variant;
     match watch {
-        Some(Watch { every, goes_on }) => {
+        Some(RunObserver { every, goes_on }) => {
             simulator.run_while(&mut **controller, scenario, *every, &mut **goes_on)
         }
         None => simulator.run(&mut **controller, scenario),
@@ -101,7 +101,7 @@ fn four<T>(items: impl Iterator<Item = T>) -> Option<[T; LANES]> {
 fn run_group(mut group: LaneGroup, mut runs: [Run; LANES]) -> [Result<TimeHistory, Error>; LANES] {
     let mut platforms = Platforms::new(&runs);
     let mut k = 0;
-    while runs.iter().any(|run| matches!(run.progress, Progress::UnderWay(_))) {
+    while runs.iter().any(|run| matches!(run.progress, LaneState::UnderWay(_))) {
         for (lane, run) in runs.iter_mut().enumerate() {
             run.end_if_due(k, lane, &mut group);
         }
@@ -129,14 +129,14 @@ struct Run<'a> {
     /// What acts, and the scenario; `None` in a lane without a variant.
     asked: Option<(&'a mut dyn SampledController, &'a Scenario)>,
     watch: Option<Question<'a>>,
-    progress: Progress<'a>,
+    progress: LaneState<'a>,
 }
 
-/// Samples from one question to the next, and the question: see [`Watch`].
+/// Samples from one question to the next, and the question: see [`RunObserver`].
 type Question<'a> = (usize, &'a mut dyn FnMut(&ReadingColumns) -> bool);
 
 /// How far a run is.
-enum Progress<'a> {
+enum LaneState<'a> {
     UnderWay(Box<Lap<'a>>),
     Ended(Box<Result<TimeHistory, Error>>),
 }
@@ -146,11 +146,11 @@ impl<'a> Run<'a> {
         let scenario = variant.scenario;
         let (plant, stepper, steps_per_sample) = variant.simulator.parts();
         let progress = match Lap::new(plant, scenario, stepper, steps_per_sample) {
-            Ok(lap) => Progress::UnderWay(Box::new(lap)),
-            Err(error) => Progress::Ended(Box::new(Err(error))),
+            Ok(lap) => LaneState::UnderWay(Box::new(lap)),
+            Err(error) => LaneState::Ended(Box::new(Err(error))),
         };
         let watch: Option<Question> = match &mut variant.watch {
-            Some(Watch { every, goes_on }) => Some((*every, &mut **goes_on)),
+            Some(RunObserver { every, goes_on }) => Some((*every, &mut **goes_on)),
             None => None,
         };
         Self { stepper, asked: Some((&mut *variant.controller, scenario)), watch, progress }
@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
     /// Returns a lane without a variant.
     fn idle(simulator: &'a mut Simulator) -> Self {
         let error = Error::Length { what: "a lane without a variant", found: 0, expected: 1 };
-        let progress = Progress::Ended(Box::new(Err(error)));
+        let progress = LaneState::Ended(Box::new(Err(error)));
         Self { stepper: simulator.parts().1, asked: None, watch: None, progress }
     }
 
@@ -169,7 +169,7 @@ impl<'a> Run<'a> {
 
     /// Ends the run before sample k if it has no more samples, or if it is told not to go on.
     fn end_if_due(&mut self, k: usize, lane: usize, group: &mut LaneGroup) {
-        let Progress::UnderWay(lap) = &mut self.progress else { return };
+        let LaneState::UnderWay(lap) = &mut self.progress else { return };
         let goes_on = match &mut self.watch {
             Some((every, goes_on)) if k > 0 && k.is_multiple_of((*every).max(1)) && k < lap.samples => {
                 goes_on(lap.readings())
@@ -178,7 +178,7 @@ impl<'a> Run<'a> {
         };
         if k == lap.samples || !goes_on {
             group.leave(lane, self.stepper);
-            self.progress = Progress::Ended(Box::new(Ok(lap.history(self.stepper))));
+            self.progress = LaneState::Ended(Box::new(Ok(lap.history(self.stepper))));
         }
     }
 
@@ -190,7 +190,7 @@ impl<'a> Run<'a> {
         group: &LaneGroup,
         motion: Option<&'m MotionSample>,
     ) -> Option<Sample<'m>> {
-        let Progress::UnderWay(lap) = &mut self.progress else { return None };
+        let LaneState::UnderWay(lap) = &mut self.progress else { return None };
         let motion = motion?;
         let (controller, _) = self.asked.as_mut()?;
         let drive_v = lap.sample(k, *controller, motion, &group.outputs_of(lane, self.stepper));
@@ -205,20 +205,20 @@ impl<'a> Run<'a> {
         motion: &MotionSample,
         dry_nm: Option<[f64; 2]>,
     ) {
-        let Progress::UnderWay(lap) = &mut self.progress else { return };
+        let LaneState::UnderWay(lap) = &mut self.progress else { return };
         if let Some(dry_nm) = dry_nm {
             lap.log_friction(dry_nm);
         }
         lap.finish_sample(motion, group.outputs_of(lane, self.stepper).outputs[HUB_ANGLE]);
         if let Err(error) = lap.check(k, self.stepper) {
-            self.progress = Progress::Ended(Box::new(Err(error)));
+            self.progress = LaneState::Ended(Box::new(Err(error)));
         }
     }
 
     fn result(self) -> Result<TimeHistory, Error> {
         match self.progress {
-            Progress::UnderWay(mut lap) => Ok(lap.history(self.stepper)),
-            Progress::Ended(result) => *result,
+            LaneState::UnderWay(mut lap) => Ok(lap.history(self.stepper)),
+            LaneState::Ended(result) => *result,
         }
     }
 }
@@ -233,8 +233,8 @@ struct Platforms<'a> {
 impl<'a> Platforms<'a> {
     fn new(runs: &[Run<'a>; LANES]) -> Self {
         let laps = runs.each_ref().map(|run| match &run.progress {
-            Progress::UnderWay(lap) => Some(lap),
-            Progress::Ended(_) => None,
+            LaneState::UnderWay(lap) => Some(lap),
+            LaneState::Ended(_) => None,
         });
         let platforms = runs.each_ref().map(|run| run.asked.as_ref().map(|(_, scenario)| &scenario.platform));
         let shares = |a: usize, b: usize| laps[a].is_some() && platforms[a] == platforms[b];

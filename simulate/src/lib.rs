@@ -55,7 +55,7 @@ pub mod two_axes;
 
 pub use engine::ports::{Bonds, FrictionState};
 pub use engine::state::{Effort, PlantState};
-pub use ensemble::{Registers, Variant, Watch, run_ensemble, run_ensemble_in};
+pub use ensemble::{Registers, RunObserver, Variant, run_ensemble, run_ensemble_in};
 pub use error::Error;
 pub use firing::Firing;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};

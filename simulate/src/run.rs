@@ -14,7 +14,7 @@ use crate::sensing::{Converter, Imperfections, Sensing, Truth};
 use crate::tolerance::{DURATION_ROUNDING, MOST_ANGLE_RAD, MOST_SAMPLES, TOLERANCE};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{AmplifierDynamics, Measured, Mesh, OperatingPoint, Plant};
+use counterpoise_models::{AmplifierDynamics, FeedbackSignal, Mesh, OperatingPoint, Plant};
 
 /// Which of the stepper's outputs is the hub's angle.
 pub(crate) const HUB_ANGLE: usize = 2;
@@ -150,12 +150,12 @@ pub fn state_at_rest(
     }
     let position = hub_angle_rad - platform_angle_rad;
     let shown = match plant.parameters().sensors.measured {
-        Measured::HubRate => platform_rate,
-        Measured::RelativeRate | Measured::MotorRate => 0.0,
-        Measured::HubPosition => position,
-        Measured::MotorPosition => position + core[state::WINDUP],
-        Measured::Torque => plant.transmitted_torque_at_rest_nm(core[state::WINDUP], position),
-        Measured::Current => core[state::CURRENT],
+        FeedbackSignal::HubRate => platform_rate,
+        FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => 0.0,
+        FeedbackSignal::HubPosition => position,
+        FeedbackSignal::MotorPosition => position + core[state::WINDUP],
+        FeedbackSignal::Torque => plant.transmitted_torque_at_rest_nm(core[state::WINDUP], position),
+        FeedbackSignal::Current => core[state::CURRENT],
     };
     PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
 }

@@ -3,8 +3,8 @@
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference};
 use counterpoise_simulate::{
-    Detail, Imperfections, Initial, PlatformMotion, Registers, Scenario, Signal, Simulator, TimeHistory,
-    Variant, Watch, run_ensemble, run_ensemble_in,
+    Detail, Imperfections, Initial, PlatformMotion, Registers, RunObserver, Scenario, Signal, Simulator,
+    TimeHistory, Variant, run_ensemble, run_ensemble_in,
 };
 
 /// Numbers between 0 and 1, the same for one seed (Marsaglia's xorshift).
@@ -222,7 +222,7 @@ fn a_watched_variant_ends_where_it_would_alone() {
             simulator,
             controller,
             scenario: &run.2,
-            watch: Some(Watch {
+            watch: Some(RunObserver {
                 every: 10,
                 goes_on: Box::new(move |seen| seen.control_v.len() < 20 * (k + 1)),
             }),

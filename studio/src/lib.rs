@@ -48,6 +48,7 @@ pub mod status_bar;
 pub mod studio;
 pub mod text_difference;
 pub mod theme;
+mod tolerance;
 pub mod toolbar;
 pub mod units;
 pub mod versioned_results;

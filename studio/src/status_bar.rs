@@ -6,7 +6,7 @@ use crate::command::Command;
 use crate::studio::Studio;
 use crate::theme::Theme;
 use crate::versioned_results::Freshness;
-use crate::view::Severity;
+use crate::view::NoticeKind;
 
 /// The state of the studio in words, with the colour of its dot.
 struct Status {
@@ -36,7 +36,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(notice) = studio.view.notice.clone() {
-                let colour = if notice.severity == Severity::Error { theme.bad } else { theme.weak };
+                let colour = if notice.severity == NoticeKind::Error { theme.bad } else { theme.weak };
                 if ui.small_button("x").on_hover_text("close this message").clicked() {
                     studio.view.notice = None;
                 }

@@ -1,11 +1,9 @@
 //! The units in which the window shows frequencies, gains and angles.
 
+use crate::tolerance::SMALLEST_MODULUS;
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-
-/// Smallest modulus that is shown: below it lies rounding, and 0 has no logarithm.
-const SMALLEST_MODULUS: f64 = 1e-30;
 
 /// The unit of frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

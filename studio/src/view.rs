@@ -31,12 +31,12 @@ pub struct Notice {
     /// The message.
     pub text: String,
     /// Its kind.
-    pub severity: Severity,
+    pub severity: NoticeKind,
 }
 
 /// The kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Severity {
+pub enum NoticeKind {
     /// Something was done.
     Info,
     /// Something went wrong.
@@ -186,11 +186,11 @@ impl View {
 
     /// Shows a message at the foot of the window.
     pub fn show_message(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { text: text.into(), severity: Severity::Info });
+        self.notice = Some(Notice { text: text.into(), severity: NoticeKind::Info });
     }
 
     /// Shows what went wrong at the foot of the window.
     pub fn show_error(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { text: text.into(), severity: Severity::Error });
+        self.notice = Some(Notice { text: text.into(), severity: NoticeKind::Error });
     }
 }

@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{Bench, around, bench, rest, rig, says, studio, text, until};
+use common::{StudioHarness, around, bench, rest, rig, says, studio, text, until};
 use counterpoise_studio::command::{BrowsePurpose, Command, Page};
 use counterpoise_studio::studio::Studio;
 use egui::{Key, Modifiers};
@@ -16,7 +16,7 @@ const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 
 /// Waits until the browser has listed its folder.
-fn listed(bench: &mut Bench) {
+fn listed(bench: &mut StudioHarness) {
     until(bench, "a listing", |studio| {
         let browser = studio.view.browser.as_ref();
         browser.is_some_and(|b| b.listing.as_ref().is_some_and(|l| l.request.folder == b.folder()))
@@ -24,7 +24,7 @@ fn listed(bench: &mut Bench) {
     bench.run_steps(2);
 }
 
-fn name(bench: &mut Bench, name: &str) {
+fn name(bench: &mut StudioHarness, name: &str) {
     let path = PathBuf::from("plant.name").display().to_string();
     bench.state_mut().run(&Command::SetText { path, value: name.to_owned() });
     rest(bench);
@@ -115,7 +115,7 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-fn let_fall(bench: &mut Bench, paths: &[PathBuf]) {
+fn let_fall(bench: &mut StudioHarness, paths: &[PathBuf]) {
     for path in paths {
         bench.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
     }

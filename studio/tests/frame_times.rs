@@ -39,7 +39,7 @@ fn every_revision_of_a_drag_is_designed() {
     let mut session = Session::new(TEXT, "project.toml", Attachments::none());
     let mut cache = PreviewCache::default();
     let mut took: Vec<f64> = Vec::new();
-    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::Progress::Quiet);
+    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::ProgressDisplay::Quiet);
     for k in 0..60 {
         session.apply(&gain(4 * k)).unwrap();
         let project: Arc<Project> = Arc::clone(session.project().unwrap());

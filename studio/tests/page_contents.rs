@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use common::{Bench, bench, rest, rig, says, studio, until, whole_rig};
+use common::{StudioHarness, bench, rest, rig, says, studio, until, whole_rig};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
 use counterpoise_studio::results::VerificationState;
 use egui::{Key, Modifiers};
@@ -21,7 +21,7 @@ fn edited(folder: &Path, from: &str, to: &str) {
 }
 
 /// Returns the names of what has the focus while Tab goes round once.
-fn tabbed(bench: &mut Bench) -> BTreeSet<String> {
+fn tabbed(bench: &mut StudioHarness) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut first = None;
     for _ in 0..400 {
@@ -209,7 +209,7 @@ fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
     rest(&mut bench);
     bench.hover_at(bench.get_by_label("plot: Sensitivity").rect().center());
     bench.run_steps(2);
-    let copied = |bench: &mut Bench, command: Command| -> Vec<egui::OutputCommand> {
+    let copied = |bench: &mut StudioHarness, command: Command| -> Vec<egui::OutputCommand> {
         bench.get_by_label("plot: Sensitivity").click_secondary();
         bench.run_steps(3);
         let name = match command {
@@ -293,7 +293,7 @@ fn the_beam_is_edited_where_it_is_drawn_and_one_undo_takes_it_back() {
     rest(&mut bench);
     assert!(says(&bench, "section rear tube") && says(&bench, "mass 5"));
     let before = common::text(&bench);
-    let diameter = |bench: &Bench| {
+    let diameter = |bench: &StudioHarness| {
         let project = Arc::clone(bench.state().opened.as_ref().unwrap().session.project().unwrap());
         format!("{:?}", project.plant.beam.as_ref().unwrap().sections[0].shape)
     };

@@ -214,7 +214,7 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     files::write(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap()).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&whole[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
-    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::Progress::Quiet);
+    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::ProgressDisplay::Quiet);
     let expected = diagnose(&project, &projects::read_recordings(&paths).unwrap(), &workers).unwrap();
     let mut window = studio(&folder);
     settle(&mut window);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{Bench, around, filed, rest, rig, says, studio, text, until};
+use common::{StudioHarness, around, filed, rest, rig, says, studio, text, until};
 use counterpoise_host::files::Disk;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;
@@ -53,7 +53,7 @@ impl Disk for Held {
     }
 }
 
-fn on(disk: &Arc<Held>, folder: &Path) -> Bench {
+fn on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
@@ -76,7 +76,7 @@ fn journalled(folder: &Path, text: &str) {
 }
 
 /// Returns a copy of the reference rig, open in a window at rest, on a disk that is not held yet.
-fn opened(name: &str) -> (PathBuf, Arc<Held>, Bench) {
+fn opened(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
     let (folder, disk) = (rig(name), Arc::new(Held::default()));
     let mut bench = on(&disk, &folder);
     rest(&mut bench);

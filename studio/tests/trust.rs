@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{Bench, bench, crash, filed, rest, rig, says, studio, text, until};
+use common::{StudioHarness, bench, crash, filed, rest, rig, says, studio, text, until};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, Page};
 use counterpoise_studio::studio::{Studio, WindowClosing};
 use counterpoise_studio::view::CloseTarget;
@@ -15,7 +15,7 @@ use egui_kittest::kittest::Queryable;
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 
-fn rename(bench: &mut Bench, name: &str) {
+fn rename(bench: &mut StudioHarness, name: &str) {
     bench.state_mut().run(&Command::SetText { path: "plant.name".to_owned(), value: name.to_owned() });
     rest(bench);
 }
@@ -202,7 +202,7 @@ fn a_digit_with_shift_is_a_shortcut_on_any_layout() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-fn wheel(bench: &mut Bench, points: f32) {
+fn wheel(bench: &mut StudioHarness, points: f32) {
     bench.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
         delta: egui::vec2(0.0, points),

@@ -383,7 +383,7 @@ fn projects(folder: &Path, found: &mut Vec<PathBuf>) {
 const VERIFIED: [&str; 2] = ["direct-gimbal/project.toml", "ball-screw/project.toml"];
 
 /// Waits for the design of an example, or for the reason why it has none, and for the end of everything if its pages are to show that.
-fn wait_for_design(bench: &mut common::Bench, path: &Path) {
+fn wait_for_design(bench: &mut common::StudioHarness, path: &Path) {
     if std::env::var_os("EVERY_EXAMPLE").is_some() || VERIFIED.iter().any(|name| path.ends_with(name)) {
         return rest(bench);
     }

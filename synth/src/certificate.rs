@@ -6,7 +6,7 @@ use counterpoise_lti::{StateSpace, h2norm};
 
 use crate::Error;
 use crate::cause::Cause;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 
 /// How well a Riccati equation was solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +63,7 @@ pub(crate) fn riccati(
     match outcome {
         linalg::Outcome::Solved(solution) => Ok(solution),
         linalg::Outcome::Infeasible(reason) => {
-            let finding = Finding::refusal(part, Cause::Equation { what, reason: reason.to_string() });
+            let finding = DesignFinding::refusal(part, Cause::Equation { what, reason: reason.to_string() });
             let rate = mode_of(&reason).map(|mode| mode.norm());
             Err(Error::refusal(vec![match rate {
                 Some(rate) => finding.at(rate),

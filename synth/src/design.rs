@@ -8,7 +8,7 @@ use crate::cause::Cause;
 use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
 use crate::{
-    Assembly, Basis, Channel, DesignPlant, Error, Feedback, Feedforward, FeedforwardWeights, Finding,
+    Assembly, Basis, Channel, DesignFinding, DesignPlant, Error, Feedback, Feedforward, FeedforwardWeights,
     JointOptimum, Specification, Weight, feedback, feedforward, joint_optimum, preflight,
 };
 
@@ -26,7 +26,7 @@ pub struct Design {
     /// The plant it was designed for.
     pub plant: DesignPlant,
     /// Findings of the preflight that do not stand in the way.
-    pub warnings: Vec<Finding>,
+    pub warnings: Vec<DesignFinding>,
     /// All parts as one problem, if the assembly is [`Assembly::Joint`]; there are then no feedforwards apart.
     pub joint: Option<JointOptimum>,
     /// A feedback controller from (demand, measured rate) to the control in place of the three-part one's: another
@@ -48,7 +48,7 @@ pub struct Design {
 pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Design, Error> {
     let (whole, plant) = (plant, plant.weighted_plant());
     let findings = preflight(plant, specification)?;
-    if findings.iter().any(Finding::is_refusal) {
+    if findings.iter().any(DesignFinding::is_refusal) {
         return Err(Error::refusal(findings));
     }
     let feedback = feedback(plant, &specification.feedback, specification.reference)?;
@@ -89,7 +89,7 @@ fn with_control_seen(
     closed: &DesignPlant,
     weights: &FeedforwardWeights,
     channel: Channel,
-) -> Result<(FeedforwardWeights, Option<Finding>), Error> {
+) -> Result<(FeedforwardWeights, Option<DesignFinding>), Error> {
     let weighed = weights.output.unwrap_or(closed.rate);
     let gain = Gain::of(&closed.system.select(&[weighed], &[closed.control]))?;
     let mut rational = weights.control.rational();
@@ -101,7 +101,8 @@ fn with_control_seen(
         }
     }
     let Some(rate) = moved else { return Ok((weights.clone(), None)) };
-    let finding = Finding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
+    let finding =
+        DesignFinding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
     let control = Weight::ZeroPoleGain { zeros: rational.zeros, poles: rational.poles, gain: rational.gain };
     let warning = finding.with_weight("control weight", &weights.control).at(rate);
     Ok((FeedforwardWeights { control, ..weights.clone() }, Some(warning)))

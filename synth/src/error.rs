@@ -1,6 +1,6 @@
 //! What can be wrong with a request to this crate, and how a caller separates a problem without a solution from bad input.
 
-use crate::finding::Finding;
+use crate::finding::DesignFinding;
 use crate::refusal::Refusal;
 
 /// Every way in which a request to this crate can fail: bad input, or a well-posed problem without a solution
@@ -60,12 +60,12 @@ pub enum Error {
 
 impl Error {
     /// Returns the refusal with these findings.
-    pub(crate) fn refusal(findings: Vec<Finding>) -> Self {
+    pub(crate) fn refusal(findings: Vec<DesignFinding>) -> Self {
         Error::Refused(Refusal { findings })
     }
 
     /// Returns the findings of a refusal; no finding for any other error.
-    pub fn findings(&self) -> &[Finding] {
+    pub fn findings(&self) -> &[DesignFinding] {
         match self {
             Error::Refused(refusal) => &refusal.findings,
             _ => &[],

@@ -7,7 +7,7 @@ use crate::cause::Cause;
 
 /// Whether a design can go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Severity {
+pub enum FindingSeverity {
     /// The problem has no solution as it is put.
     Refusal,
     /// There is a solution, but perhaps not the one that is wanted.
@@ -40,9 +40,9 @@ impl From<Channel> for Part {
 
 /// One thing that stands in a design's way.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
+pub struct DesignFinding {
     /// Whether the design can go on.
-    pub severity: Severity,
+    pub severity: FindingSeverity,
     /// Which part is concerned.
     pub part: Part,
     /// The weight that is concerned, as role and formula.
@@ -53,15 +53,15 @@ pub struct Finding {
     pub cause: Cause,
 }
 
-impl Finding {
+impl DesignFinding {
     /// Returns a refusal.
     pub fn refusal(part: Part, cause: Cause) -> Self {
-        Self { severity: Severity::Refusal, part, weight: None, rate_rad_s: None, cause }
+        Self { severity: FindingSeverity::Refusal, part, weight: None, rate_rad_s: None, cause }
     }
 
     /// Returns a warning.
     pub fn warning(part: Part, cause: Cause) -> Self {
-        Self { severity: Severity::Warning, ..Self::refusal(part, cause) }
+        Self { severity: FindingSeverity::Warning, ..Self::refusal(part, cause) }
     }
 
     /// Returns the finding with the weight named.
@@ -76,7 +76,7 @@ impl Finding {
 
     /// Returns whether the design cannot go on.
     pub fn is_refusal(&self) -> bool {
-        self.severity == Severity::Refusal
+        self.severity == FindingSeverity::Refusal
     }
 
     /// Returns what the designer can do about it.
@@ -85,7 +85,7 @@ impl Finding {
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for DesignFinding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.part)?;
         if let Some(weight) = &self.weight {

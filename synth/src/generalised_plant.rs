@@ -6,7 +6,7 @@ use counterpoise_lti::{Named, StateSpace, Timebase, connect, lft};
 
 use crate::Error;
 use crate::cause::Cause;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{FULL_RANK, SAME_SHARE};
 
 /// A plant between what disturbs and what is judged
@@ -189,7 +189,8 @@ impl Generalised {
     pub(crate) fn regular(&self) -> Result<(), Error> {
         let blocks = self.blocks();
         let mut findings = Vec::new();
-        let mut refuse = |cause| findings.push(Finding::refusal(Part::Generalised, cause).at(f64::INFINITY));
+        let mut refuse =
+            |cause| findings.push(DesignFinding::refusal(Part::Generalised, cause).at(f64::INFINITY));
         if let Some(column) = lost_column(&blocks.D12)? {
             refuse(Cause::ControlUnweighed { control: column + 1 });
         }

@@ -6,7 +6,7 @@ use counterpoise_lti::{StateSpace, Timebase, h2norm};
 use crate::Error;
 use crate::cause::Cause;
 use crate::certificate::Equation;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
 use crate::origin::{Of, require_solution};
 
@@ -49,7 +49,7 @@ pub fn h2syn(plant: &Generalised) -> Result<H2, Error> {
     let P = plant.blocks();
     if P.D11.norm_max() != 0.0 {
         let cause = Cause::NoiseReachesCost { gain: P.D11.norm_max() };
-        return Err(Error::refusal(vec![Finding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
+        return Err(Error::refusal(vec![DesignFinding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
     }
     let (R, V) = (&P.D12.t() * &P.D12, &P.D21 * &P.D21.t());
     let (SX, SY) = (&P.C1.t() * &P.D12, &P.B1 * &P.D21.t());

@@ -6,7 +6,7 @@ use counterpoise_lti::{Peak, StateSpace, frequency_response, linfnorm, poles};
 use crate::Error;
 use crate::cause::Cause;
 use crate::error::attempt;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::Generalised;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, Normal};
@@ -66,7 +66,7 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> 
 }
 
 /// The mode in the way where no bound is kept: as the bound grows the equations become those of H2, which name it.
-fn obstacle(plant: &Generalised) -> Result<Option<Vec<Finding>>, Error> {
+fn obstacle(plant: &Generalised) -> Result<Option<Vec<DesignFinding>>, Error> {
     let mut limit = plant.clone();
     let system = &mut limit.system;
     let (p, m) = (system.outputs() - plant.measurements, system.inputs() - plant.controls);
@@ -145,7 +145,7 @@ impl Search<'_> {
             raise = (2.0 * raise).min(1.0);
         }
         let cause = Cause::NoBoundReached { largest: bound };
-        Err(Error::refusal(vec![Finding::refusal(Part::Generalised, cause)]))
+        Err(Error::refusal(vec![DesignFinding::refusal(Part::Generalised, cause)]))
     }
 
     /// The controller with its certificates, if its loop is stable and keeps the bound.

@@ -108,7 +108,7 @@ pub use error::{Error, attempt};
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
-pub use finding::{Finding, Part, Severity};
+pub use finding::{DesignFinding, FindingSeverity, Part};
 pub use first_design::{
     Circumstances, FirstDesign, LimitLoops, LoopJudgement, Motion, RequiredMargins, first_design,
     first_design_on,
@@ -131,7 +131,7 @@ pub use residual::{Weighed, error_at, stabilisation_error};
 pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop, sampled_plant};
 pub use schedule::{Conditions, Configuration, Entry, Law, schedule};
 pub use scheduled_controller::discretise_schedule;
-pub use search::{Ended, Found, SearchTask, Trial, search, trade_off};
+pub use search::{Ended, SearchResult, SearchTask, Trial, search, trade_off};
 pub use specification::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
 };

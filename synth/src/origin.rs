@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 
 use crate::Error;
 use crate::cause::{Cause, Hidden};
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::Blocks;
 
 /// Which of the two equations of an output-feedback design.
@@ -49,7 +49,7 @@ pub(crate) fn require_solution(
         Reason::Inaccurate { hardest, .. } => (unsolved(of, &reason), hardest.map(|(mode, _)| mode.norm())),
         Reason::NoGraph | Reason::SingularWeight { .. } => (unsolved(of, &reason), None),
     };
-    let finding = Finding { rate_rad_s: rate, ..Finding::refusal(Part::Generalised, cause) };
+    let finding = DesignFinding { rate_rad_s: rate, ..DesignFinding::refusal(Part::Generalised, cause) };
     Err(Error::refusal(vec![finding]))
 }
 

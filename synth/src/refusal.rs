@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::finding::Finding;
+use crate::finding::DesignFinding;
 
 /// The reasons why a well-posed problem has no solution: at least one finding that refuses it.
 ///
@@ -11,7 +11,7 @@ use crate::finding::Finding;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refusal {
     /// Every finding, refusals first.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<DesignFinding>,
 }
 
 impl fmt::Display for Refusal {

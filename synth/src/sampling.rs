@@ -7,7 +7,7 @@ use counterpoise_lti::{Discretisation, StateSpace, c2d, delay_samples, poles, se
 
 use crate::cause::Cause;
 use crate::certificate::Certified;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error};
 
 /// How a controller for sampled time comes about.
@@ -120,7 +120,7 @@ pub fn check(plant: &DesignPlant, controller: Controller, sampling: &Sampling) -
         Some(pole) if pole.norm() >= 1.0 => {
             let cause = Cause::SampledUnstable { pole, period_s: sampling.period_s };
             let rate = (pole.arg() / sampling.period_s).abs();
-            Err(Error::refusal(vec![Finding::refusal(Part::Feedback, cause).at(rate)]))
+            Err(Error::refusal(vec![DesignFinding::refusal(Part::Feedback, cause).at(rate)]))
         }
         _ => Ok(Sampled { controller, loop_gain, closed_loop, certified: Vec::new() }),
     }

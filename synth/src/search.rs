@@ -36,7 +36,7 @@ pub struct Trial {
 
 /// The answer of a search.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct SearchResult {
     /// The best trial: nothing missed if that could be had, then the best rejection.
     pub best: Trial,
     /// Trials made.
@@ -73,7 +73,7 @@ const KNOBS: usize = 4;
 ///
 /// # Errors
 /// [`Error`] for a plant or sampling that is none. If not even the start can be designed: [`Error::Refused`].
-pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> Result<Found, Error> {
+pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> Result<SearchResult, Error> {
     let SearchTask { plant, start, requirements, sampling, most_trials } = *task;
     let feedback_alone = Specification { heave: None, pitch: None, ..start.clone() };
     let powers = requirements.powers(plant, start)?;
@@ -105,7 +105,7 @@ pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> R
         step *= if improved { 1.0 } else { 0.5 };
     }
     best.specification = Specification { feedback: best.specification.feedback, ..start.clone() };
-    Ok(Found { best, trials, ended })
+    Ok(SearchResult { best, trials, ended })
 }
 
 /// Returns the trade-off between rejection and the largest sensitivity: for each limit of Ms the better of two searches, one
@@ -118,12 +118,12 @@ pub fn trade_off(
     task: &SearchTask<'_>,
     ms_limits: &[f64],
     go_on: &mut dyn FnMut(&Trial) -> bool,
-) -> Result<Vec<Found>, Error> {
-    let mut curve: Vec<Found> = Vec::new();
+) -> Result<Vec<SearchResult>, Error> {
+    let mut curve: Vec<SearchResult> = Vec::new();
     for &ms in ms_limits {
         let limited = Requirements { ms, ..*task.requirements };
         let before = curve.last().map(|found| found.best.specification.clone());
-        let mut best: Option<Found> = None;
+        let mut best: Option<SearchResult> = None;
         for from in before.iter().chain([task.start]) {
             let found = search(&SearchTask { start: from, requirements: &limited, ..*task }, go_on)?;
             if best.as_ref().is_none_or(|other| merit(&found.best) < merit(&other.best)) {

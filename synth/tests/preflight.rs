@@ -7,8 +7,8 @@ use common::{rig, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
-    Cause, DesignPlant, Finding, Knowledge, Part, Reference, Severity, Specification, Weight, design,
-    preflight,
+    Cause, DesignFinding, DesignPlant, FindingSeverity, Knowledge, Part, Reference, Specification, Weight,
+    design, preflight,
 };
 
 fn pair(re: f64, im: f64) -> Vec<C64> {
@@ -16,11 +16,12 @@ fn pair(re: f64, im: f64) -> Vec<C64> {
 }
 
 /// The refusals of a changed specification; each must name a suggestion, and the design must give the same.
-fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec<Finding> {
+fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec<DesignFinding> {
     let mut specification = weights();
     change(&mut specification);
     let findings = preflight(plant, &specification).unwrap();
-    let refused: Vec<Finding> = findings.iter().filter(|finding| finding.is_refusal()).cloned().collect();
+    let refused: Vec<DesignFinding> =
+        findings.iter().filter(|finding| finding.is_refusal()).cloned().collect();
     assert!(!refused.is_empty(), "{findings:?}");
     let reasons = design(plant, &specification).unwrap_err();
     assert_eq!(format!("{:?}", reasons.findings()), format!("{findings:?}"));
@@ -180,7 +181,7 @@ fn a_feedforward_without_its_input_and_one_without_effect() {
     let findings = preflight(&balanced, &weights()).unwrap();
     assert_eq!(
         (findings[0].severity, findings[0].cause.clone()),
-        (Severity::Warning, Cause::ChannelWithoutEffect)
+        (FindingSeverity::Warning, Cause::ChannelWithoutEffect)
     );
 }
 
@@ -289,7 +290,7 @@ fn a_stiff_axis_in_metres_and_newtons_is_reached_and_seen() {
     (specification.heave, specification.pitch) = (None, None);
     specification.feedback.disturbances.clear();
     let found = preflight(&plant, &specification).unwrap();
-    let refused: Vec<&Finding> =
+    let refused: Vec<&DesignFinding> =
         found.iter().filter(|finding| finding.part == Part::Plant && finding.is_refusal()).collect();
     assert!(refused.is_empty(), "{refused:?}");
 }

@@ -8,11 +8,11 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
-    Channel, Design, Ended, Error, Found, Requirements, Sampling, SearchTask, Specification, Spectrum,
+    Channel, Design, Ended, Error, Requirements, Sampling, SearchResult, SearchTask, Specification, Spectrum,
     Weight, design, search, stabilisation_error, trade_off,
 };
 
-fn found(start: &Specification, requirements: &Requirements, most: usize) -> Found {
+fn found(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {
     let sampling = Sampling::new(1e-3, 10.0);
     let plant = rig();
     let task = SearchTask { plant: &plant, start, requirements, sampling: &sampling, most_trials: most };

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::diagnose;
-use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::exchange::ControllerResult;
@@ -110,7 +110,7 @@ pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -
     let answer = diagnose(&nominal, control, &recordings(&case), pool).unwrap().answer;
     let is_right = match case.sealed.concealed.first() {
         Some(concealed) => answer.findings.iter().any(|finding| offers(concealed, finding)),
-        None => answer.verdict == Verdict::Consistent,
+        None => answer.verdict == DiagnosisVerdict::Consistent,
     };
     Diagnosed { answer, is_right }
 }

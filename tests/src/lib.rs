@@ -7,6 +7,7 @@
 
 use std::path::PathBuf;
 
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::World;
 use counterpoise_project::Project;
 
@@ -35,6 +36,15 @@ pub fn run_in_parallel(count: usize, job: &(dyn Fn(usize) + Sync)) {
             scope.spawn(work);
         });
     });
+}
+
+/// As many threads as the machine has, for a diagnosis.
+pub struct Threads;
+
+impl Pool for Threads {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        run_in_parallel(count, job);
+    }
 }
 
 /// The files beside a project.

@@ -2,18 +2,9 @@
 //! `exported_loop` does it for all eight practice effects. Each takes a minute and a half of processor time, so they are part of the evidence.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_tests::Threads;
 use counterpoise_tests::exported_loop::{Way, record_and_diagnose};
 use counterpoise_tests::sealed::{PRACTICE, PracticeEffect};
-
-/// As many threads as the machine has.
-struct Threads;
-
-impl Pool for Threads {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::run_in_parallel(count, job);
-    }
-}
 
 fn effect(name: &str) -> &'static PracticeEffect {
     PRACTICE.iter().find(|effect| effect.name == name).unwrap()

@@ -6,7 +6,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::diagnosis::Diagnosis;
-use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::identification::{Estimate, Note, identify};
 use counterpoise_diagnose::library::{Component, EffectName};
@@ -417,7 +417,7 @@ fn a_clean_machine_of_every_kind_is_consistent() {
         let answer = machine.diagnosed(&machine.recordings(&machine.base)).answer;
         check_finite(kind.name, &answer);
         println!("{}: {} before {:.2}", kind.name, found(&answer), worst(&answer.fit.before));
-        if answer.verdict != Verdict::Consistent {
+        if answer.verdict != DiagnosisVerdict::Consistent {
             wrong.push(format!("{}: {}", kind.name, found(&answer)));
         }
     }

@@ -6,23 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_diagnose::diagnose;
-use counterpoise_diagnose::findings::answer::Verdict;
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::Plant;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
-
-/// As many threads as the machine has.
-struct Threads;
-
-impl Pool for Threads {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::run_in_parallel(count, job);
-    }
-}
+use counterpoise_tests::Threads;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -91,7 +82,7 @@ fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
         .clone();
     let found =
         diagnose(&project.plant, &controller, &diagnosed_recordings(&project, &folder), &Threads).unwrap();
-    assert_eq!(found.answer.verdict, Verdict::Consistent, "{:?}", found.answer.findings);
+    assert_eq!(found.answer.verdict, DiagnosisVerdict::Consistent, "{:?}", found.answer.findings);
     assert!(found.answer.findings.is_empty());
 }
 
@@ -108,7 +99,7 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
         .clone();
     let found =
         diagnose(&project.plant, &controller, &diagnosed_recordings(&project, &folder), &Threads).unwrap();
-    assert_eq!(found.answer.verdict, Verdict::Named);
+    assert_eq!(found.answer.verdict, DiagnosisVerdict::Named);
     assert_eq!(found.answer.findings.len(), 1);
     let finding = &found.answer.findings[0];
     assert_eq!(finding.name().names(), ("pivot", "stribeck"));
@@ -230,7 +221,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
         .unwrap()
         .clone();
     let found = diagnose(&project.plant, &controller, &recordings(&project, &folder), &Threads).unwrap();
-    assert_eq!(found.answer.verdict, Verdict::Named);
+    assert_eq!(found.answer.verdict, DiagnosisVerdict::Named);
     let finding = &found.answer.findings[0];
     assert_eq!(finding.name().names(), ("amplifier", "gain_curve"));
     assert!(finding.parameters.len() <= 20, "{}", finding.parameters.len());

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_controller::{Controller, SampledController};
-use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_export::Ranges;
@@ -216,7 +216,7 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     assert!(replayed[0].remarks.iter().any(|remark| matches!(remark, ColumnRemark::Controller(_))));
     let diagnosed = recordings::diagnose(&project, &files, &Serial).unwrap();
     assert_eq!(diagnosed.control, Loop::Open);
-    assert_eq!(diagnosed.diagnosis.answer.verdict, Verdict::Consistent);
+    assert_eq!(diagnosed.diagnosis.answer.verdict, DiagnosisVerdict::Consistent);
     let said = |remark: &RecordingRemark| matches!(remark, RecordingRemark::OtherController { .. });
     assert!(diagnosed.diagnosis.answer.qualification.iter().any(said));
 }

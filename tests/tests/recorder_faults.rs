@@ -8,7 +8,7 @@ use std::path::Path;
 use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::check_signals;
-use counterpoise_models::Measured;
+use counterpoise_models::FeedbackSignal;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::Recording;
@@ -61,7 +61,7 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
         repaired.repairs.iter().map(|(channel, repair)| format!("{channel}: {}", describe_repair(repair))),
     );
     for part in &repaired.parts {
-        let here = check_signals(&part.name, &read_signals(part, Measured::HubRate).unwrap(), ratio);
+        let here = check_signals(&part.name, &read_signals(part, FeedbackSignal::HubRate).unwrap(), ratio);
         remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, describe_anomaly(&r.anomaly))));
     }
     Some(Told { remarks, parts: repaired.parts, project })

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::library::EffectName;
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::{Diagnosis, diagnose};
@@ -102,7 +102,7 @@ fn a_free_function_is_saved_and_replayed_as_printed() {
     machine.learned.push(over_angle(LearnedQuantity::Torque, wave));
     let answer = confirmed(&machine);
     // no effect of the library is claimed with a probability that does not hold
-    assert!(answer.verdict != Verdict::Named, "{:?}", answer.findings);
+    assert!(answer.verdict != DiagnosisVerdict::Named, "{:?}", answer.findings);
     let learned = answer.learned.expect("a free function");
     assert!(learned.worst_held_out[1] < 1.5, "{:?}", learned.worst_held_out);
 }
@@ -113,7 +113,11 @@ fn a_spring_that_pushes_away_is_an_effect_of_the_library_and_needs_no_free_funct
     let stiffness = -1150.0;
     machine.lumped.as_mut().unwrap().position_stiffness_nm_rad = stiffness;
     let answer = confirmed(&machine);
-    assert!(matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous), "{:?}", answer.findings);
+    assert!(
+        matches!(answer.verdict, DiagnosisVerdict::Named | DiagnosisVerdict::Ambiguous),
+        "{:?}",
+        answer.findings
+    );
     assert!(answer.learned.is_none() && answer.findings.len() == 1);
     let found = &answer.findings[0];
     let names = found.alternatives.iter().map(|name| name.effect).chain([found.effect]);

@@ -5,19 +5,11 @@
 
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Answer;
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
+use counterpoise_tests::Threads;
 use counterpoise_tests::sealed::row::recordings;
 use counterpoise_tests::sealed::table::upper_bound;
 use counterpoise_tests::sealed::{Family, Sealed, case, controller};
-
-struct Threads;
-
-impl Pool for Threads {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::run_in_parallel(count, job);
-    }
-}
 
 fn seeds() -> std::ops::Range<u64> {
     let asked = std::env::var("COUNTERPOISE_SEEDS").ok();

@@ -6,9 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_claims::identification::AMPLIFIER;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::identification::{Amplifier, apply_identified, identify};
 use counterpoise_pipeline::recordings::measured_modes::diagnose_structure;
-use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};
@@ -28,7 +28,7 @@ fn shear_and_rotary_inertia_are_what_the_elements_of_table_6_1_left_out() {
     let project = project("measured-modes");
     let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
     let answer = &found.answer;
-    assert_eq!(answer.verdict, StructureVerdict::Named, "{}", answer.explanation);
+    assert_eq!(answer.verdict, DiagnosisVerdict::Named, "{}", answer.explanation);
     assert_eq!(answer.tried[1].what, "shear and rotary inertia");
     assert!(answer.alternatives.is_empty(), "{:?}", answer.alternatives);
     let (before, after) = (&answer.tried[0], &answer.tried[1]);
@@ -37,7 +37,7 @@ fn shear_and_rotary_inertia_are_what_the_elements_of_table_6_1_left_out() {
     let error = |k: usize| before.modes_hz[k] / answer.measured_hz[k] - 1.0;
     assert!(error(8) > 0.1 && error(8) > error(5) && error(5) > error(2));
     let again = diagnose_structure(&found.improved, found.improved.measured.as_ref().unwrap()).unwrap();
-    assert_eq!(again.answer.verdict, StructureVerdict::Consistent);
+    assert_eq!(again.answer.verdict, DiagnosisVerdict::Consistent);
 }
 
 #[test]
@@ -50,10 +50,10 @@ fn modes_that_the_model_has_are_consistent_and_a_softer_beam_is_a_stiffness() {
     };
     measured(&mut project, 1.0);
     let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
-    assert_eq!(found.answer.verdict, StructureVerdict::Consistent);
+    assert_eq!(found.answer.verdict, DiagnosisVerdict::Consistent);
     measured(&mut project, 0.95);
     let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
-    assert_eq!(found.answer.verdict, StructureVerdict::Named);
+    assert_eq!(found.answer.verdict, DiagnosisVerdict::Named);
     let modulus = |p: &Project| p.plant.beam.as_ref().unwrap().youngs_modulus_pa;
     assert!((modulus(&found.improved) / modulus(&project) / 0.95_f64.powi(2) - 1.0).abs() < 1e-6);
 }

@@ -32,6 +32,11 @@ impl Change {
         self.figure.unit(self.controlled)
     }
 
+    /// Returns after - before; `None` if one is missing.
+    pub fn difference(&self) -> Option<f64> {
+        Some(self.after? - self.before?)
+    }
+
     /// Returns (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
     pub fn relative(&self) -> Option<f64> {
         let (before, after) = (self.before?, self.after?);

@@ -46,6 +46,11 @@ pub struct History {
 }
 
 impl History {
+    /// Returns the demanded less the actual hub rate, rad/s.
+    pub fn tracking_error_rad_s(&self) -> Vec<f64> {
+        self.demand_rad_s.iter().zip(&self.hub_rate_rad_s).map(|(demand, rate)| demand - rate).collect()
+    }
+
     /// Returns the first sample at or after a time; the number of samples where there is none.
     pub fn index_at(&self, time_s: f64) -> usize {
         self.time_s.partition_point(|t| *t < time_s)

@@ -55,7 +55,7 @@ pub use figure::{
 pub use history::{Experiment, History};
 pub use image_motion::Optics;
 pub use line_of_sight::{SightAngles, SightError};
-pub use measure::{Measured, Value};
+pub use measure::{MeasuredFigure, Value};
 pub use missing_figures::Unmeasured;
 pub use procedure::{FurtherRoad, HeaveAndPitch, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};

@@ -8,7 +8,7 @@ use counterpoise_models::{Plant, QuantityKind};
 
 use crate::coincidence::shots;
 use crate::history::{Experiment, History, integrate};
-use crate::measure::{Measured, Value};
+use crate::measure::{MeasuredFigure, Value};
 use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
 use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source, Unmeasured};
@@ -112,14 +112,20 @@ pub fn sight_error(history: &History, settle_s: f64, sight: LineOfSight) -> Sigh
 }
 
 /// Returns the figures of the line of sight from the run on which it is judged; none if nobody asks for them.
-pub(crate) fn figures(history: &History, procedure: &Procedure, loop_holds: LoopHolds) -> Vec<Measured> {
+pub(crate) fn figures(
+    history: &History,
+    procedure: &Procedure,
+    loop_holds: LoopHolds,
+) -> Vec<MeasuredFigure> {
     let Some(sight) = procedure.line_of_sight.filter(|_| history.experiment == experiment(procedure)) else {
         return Vec::new();
     };
     let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
     if let Some(why) = loop_holds.unlike_sight() {
-        let absent =
-            |figure| Measured { figure: Figure::Sight(figure), value: Value::Absent { why: why.clone() } };
+        let absent = |figure| MeasuredFigure {
+            figure: Figure::Sight(figure),
+            value: Value::Absent { why: why.clone() },
+        };
         return asked.map(absent).collect();
     }
     let values = values(history, procedure.sight_settle_s(), sight);
@@ -127,7 +133,7 @@ pub(crate) fn figures(history: &History, procedure: &Procedure, loop_holds: Loop
         let found = values.iter().find(|(known, _)| *known == figure).map(|(_, value)| *value);
         found.map_or(Value::Absent { why: Unmeasured::ShortRun }, Value::Is)
     };
-    asked.map(|figure| Measured { figure: Figure::Sight(figure), value: value(figure) }).collect()
+    asked.map(|figure| MeasuredFigure { figure: Figure::Sight(figure), value: value(figure) }).collect()
 }
 
 /// Returns why a figure that a project's `[verify.line_of_sight]` does not have was not measured.
@@ -191,7 +197,7 @@ impl From<&Plant> for LoopHolds {
 }
 
 /// Returns the figures of a run that diverges: the error is infinite, nothing is within the window, and no image is left.
-pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<Measured> {
+pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<MeasuredFigure> {
     let Some(sight) = procedure.line_of_sight.filter(|_| ran == experiment(procedure)) else {
         return Vec::new();
     };
@@ -200,7 +206,7 @@ pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<Me
         SightFigure::HubTransferLoss | SightFigure::TipTransferLoss => 1.0,
         _ => f64::INFINITY,
     };
-    let measured = |figure| Measured { figure: Figure::Sight(figure), value: Value::Is(worst(figure)) };
+    let measured = |figure| MeasuredFigure { figure: Figure::Sight(figure), value: Value::Is(worst(figure)) };
     SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure)).map(measured).collect()
 }
 

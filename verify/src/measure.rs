@@ -23,7 +23,7 @@ pub enum Value {
 
 /// A figure with its value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
+pub struct MeasuredFigure {
     /// Which figure.
     pub figure: Figure,
     /// What it is.
@@ -38,7 +38,7 @@ impl Value {
 
 /// Returns the margins of the loop broken at the plant's input, and the pole radius of the closed loop. An unstable loop has no
 /// margins: each is 0, and the sensitivities are infinite.
-pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<Measured> {
+pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<MeasuredFigure> {
     let stable = pole_radius < 1.0;
     let margin = |value: f64| if stable { value } else { 0.0 };
     let peak = |value: f64| if stable { value } else { f64::INFINITY };
@@ -61,12 +61,12 @@ pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<Measured> {
         (LoopFigure::Crossover, crossover),
     ];
     all.into_iter()
-        .map(|(figure, value)| Measured { figure: Figure::Loop(figure), value: Value::Is(value) })
+        .map(|(figure, value)| MeasuredFigure { figure: Figure::Loop(figure), value: Value::Is(value) })
         .collect()
 }
 
 /// Returns the figures of a time history. Statistics of a disturbance start at `settle_s`; those of a rest at half time.
-pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
+pub fn history_figures(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     match history.experiment {
         Experiment::Step => step_of(history),
         Experiment::Triangle => triangle_of(history, settle_s),
@@ -76,7 +76,7 @@ pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
 }
 
 /// Returns the same figures of a history that does not exist because the loop diverges: all infinite.
-pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<Measured> {
+pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<MeasuredFigure> {
     let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
         (Figure::Step(m, _), Experiment::Step) | (Figure::Triangle(m, _), Experiment::Triangle) => {
             *m == model
@@ -87,10 +87,10 @@ pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<Measured> {
         (Figure::Rest(_), Experiment::Rest) => model == Model::Nonlinear,
         _ => false,
     });
-    all.map(|figure| Measured { figure, value: Value::Is(f64::INFINITY) }).collect()
+    all.map(|figure| MeasuredFigure { figure, value: Value::Is(f64::INFINITY) }).collect()
 }
 
-fn step_of(history: &History) -> Vec<Measured> {
+fn step_of(history: &History) -> Vec<MeasuredFigure> {
     let demand = history.demand_rad_s.last().copied().unwrap_or(0.0);
     let found = step_figures(&history.time_s, &history.hub_rate_rad_s, demand);
     let control = peak(&history.control_v);
@@ -101,7 +101,7 @@ fn step_of(history: &History) -> Vec<Measured> {
         }
     };
     all.into_iter()
-        .map(|(figure, value)| Measured { figure: Figure::Step(history.model, figure), value })
+        .map(|(figure, value)| MeasuredFigure { figure: Figure::Step(history.model, figure), value })
         .collect()
 }
 
@@ -120,7 +120,7 @@ fn step_values(found: &StepFigures, control_peak_v: f64) -> Vec<(StepFigure, Val
     ]
 }
 
-fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
+fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     let Experiment::Disturbance(source, arrangement) = history.experiment else { return Vec::new() };
     let first = history.index_at(settle_s);
     let of = |column: &[f64], what: fn(&[f64]) -> f64| {
@@ -140,7 +140,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
         (Quantity::Rejection, rejection_of(history, source, first)),
     ];
     let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
-    all.into_iter().map(|(quantity, value)| Measured { figure: figure(quantity), value }).collect()
+    all.into_iter().map(|(quantity, value)| MeasuredFigure { figure: figure(quantity), value }).collect()
 }
 
 /// RMS of the hub's rate over that of the platform's motion, dB.
@@ -151,7 +151,7 @@ fn rejection_of(history: &History, source: Source, first: usize) -> Value {
     Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), Unmeasured::PlatformStill)
 }
 
-fn triangle_of(history: &History, settle_s: f64) -> Vec<Measured> {
+fn triangle_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     let first = history.index_at(settle_s).min(history.time_s.len());
     let both = history.demand_rad_s[first..].iter().zip(&history.hub_rate_rad_s[first..]);
     let error: Vec<f64> = both.map(|(demand, hub)| demand - hub).collect();
@@ -162,10 +162,10 @@ fn triangle_of(history: &History, settle_s: f64) -> Vec<Measured> {
         (TriangleFigure::ControlPeak, some(peak(&history.control_v[first..]))),
     ];
     let figure = |figure| Figure::Triangle(history.model, figure);
-    all.into_iter().map(|(one, value)| Measured { figure: figure(one), value }).collect()
+    all.into_iter().map(|(one, value)| MeasuredFigure { figure: figure(one), value }).collect()
 }
 
-fn rest_of(history: &History) -> Vec<Measured> {
+fn rest_of(history: &History) -> Vec<MeasuredFigure> {
     let half = history.time_s.len() / 2;
     let drift =
         history.travel_rad.last().zip(history.travel_rad.get(half)).map(|(end, start)| (end - start).abs());
@@ -173,5 +173,5 @@ fn rest_of(history: &History) -> Vec<Measured> {
         (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s[half..]))),
         (RestFigure::Drift, Value::of(drift, Unmeasured::EmptyRecord)),
     ];
-    all.into_iter().map(|(figure, value)| Measured { figure: Figure::Rest(figure), value }).collect()
+    all.into_iter().map(|(figure, value)| MeasuredFigure { figure: Figure::Rest(figure), value }).collect()
 }

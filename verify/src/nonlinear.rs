@@ -1,7 +1,7 @@
 //! Time histories on the nonlinear plant: friction, backlash, limits, converters and sensor noise, with the controller as exported.
 
 use counterpoise_controller::{Controller, Readings, Runner, SampledController};
-use counterpoise_models::Measured;
+use counterpoise_models::FeedbackSignal;
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_simulate::{
     Detail, Firing, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator,
@@ -193,7 +193,7 @@ fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> Platf
 
 /// What the loop's sensor shows at rest, from which demands and histories count; `None` in a loop of rate, where that is zero.
 struct Start {
-    measured: Measured,
+    measured: FeedbackSignal,
     reading: Option<f64>,
 }
 
@@ -202,9 +202,11 @@ impl Start {
         let at = &procedure.operating_point;
         let measured = plant.parameters().sensors.measured;
         let reading = match measured {
-            Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => None,
-            Measured::HubPosition | Measured::MotorPosition => Some(at.hub_angle_rad - at.platform_angle_rad),
-            Measured::Torque | Measured::Current => {
+            FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => None,
+            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => {
+                Some(at.hub_angle_rad - at.platform_angle_rad)
+            }
+            FeedbackSignal::Torque | FeedbackSignal::Current => {
                 Some(state_at_rest(plant, at.hub_angle_rad, at.platform_angle_rad, 0.0).hub_gyro[0])
             }
         };
@@ -226,8 +228,8 @@ fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
     let about_start =
         |values: &[f64]| values.iter().map(|value| value - from.reading.unwrap_or(0.0)).collect();
     match from.measured {
-        Measured::Torque => hub = about_start(&truth.mesh_torque_nm),
-        Measured::Current => hub = about_start(&truth.current_a),
+        FeedbackSignal::Torque => hub = about_start(&truth.mesh_torque_nm),
+        FeedbackSignal::Current => hub = about_start(&truth.current_a),
         _ => {}
     }
     if from.measured.is_position() {

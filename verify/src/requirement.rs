@@ -52,6 +52,18 @@ pub enum Verdict {
     },
 }
 
+impl Verdict {
+    /// Returns the room to the limit, or what is missing to it, relative to the limit; `None` if the figure could not be measured.
+    pub fn relative_distance(&self) -> Option<f64> {
+        let (Verdict::Holds { limit, margin: distance, .. } | Verdict::Fails { limit, by: distance, .. }) =
+            self
+        else {
+            return None;
+        };
+        Some(distance / limit.value().abs().max(f64::MIN_POSITIVE))
+    }
+}
+
 impl Limit {
     /// Returns the bare number.
     pub fn value(self) -> f64 {

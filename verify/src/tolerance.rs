@@ -390,3 +390,9 @@ pub const REPEATS: f64 = 0.6;
 
 /// The shortest lag counts whose correlation reaches this share of the largest: whole multiples of a period correlate as well.
 pub const SHORTEST_LAG_SHARE: f64 = 0.9;
+
+/// RMS of the line of sight below which a relative difference says nothing, rad: it is printed as 0.
+pub(crate) const LEAST_COMPARED_SIGHT_RAD: f64 = 0.05e-6;
+
+/// Ratio of the RMS with feedforwards to that without from which on they are called worse; below, the difference is that of two noise records.
+pub(crate) const WORSE_FEEDFORWARD: f64 = 1.01;

@@ -7,13 +7,15 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
+use crate::Quantity;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
-use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
+use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
+use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
     ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
     Unmeasured, Verdict, nonlinear,
@@ -23,7 +25,7 @@ use crate::{
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// Every figure that was measured.
-    pub figures: Vec<Measured>,
+    pub figures: Vec<MeasuredFigure>,
     /// Every requirement with its verdict, in the order given.
     pub verdicts: Vec<(Requirement, Verdict)>,
     /// What the figures were read from.
@@ -80,7 +82,36 @@ impl VerifiedController {
     }
 }
 
+/// A motion of the platform under which the feedforwards make what the loop controls worse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorseFeedforward {
+    /// On which plant.
+    pub model: Model,
+    /// Under which motion.
+    pub source: Source,
+    /// RMS with feedback alone.
+    pub without: f64,
+    /// RMS with the feedforwards.
+    pub with: f64,
+}
+
 impl Verification {
+    /// Returns the motions of the platform under which the feedforwards make the RMS of what the loop controls worse.
+    pub fn worse_feedforwards(&self) -> Vec<WorseFeedforward> {
+        let mut worse = Vec::new();
+        for model in [Model::Nonlinear, Model::Linear] {
+            for source in [Source::Heave, Source::Pitch, Source::Both, Source::Road] {
+                let rms = |arrangement| {
+                    self.value(Figure::Disturbance(model, source, arrangement, Quantity::HubRms))
+                };
+                let both = rms(Arrangement::Feedback).zip(rms(Arrangement::Compensated));
+                let found = both.filter(|(without, with)| *with > WORSE_FEEDFORWARD * without);
+                worse.extend(found.map(|(without, with)| WorseFeedforward { model, source, without, with }));
+            }
+        }
+        worse
+    }
+
     /// Returns what the loop controls.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         self.evidence.controlled
@@ -304,7 +335,7 @@ pub fn frequency_figures(
 /// Figures of a linear loop that need no motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyFigures {
-    figures: Vec<Measured>,
+    figures: Vec<MeasuredFigure>,
     /// Whether the closed loop is stable.
     pub is_stable: bool,
 }
@@ -316,7 +347,7 @@ impl FrequencyFigures {
     }
 }
 
-fn value_of(figures: &[Measured], figure: Figure) -> Option<f64> {
+fn value_of(figures: &[MeasuredFigure], figure: Figure) -> Option<f64> {
     figures.iter().find(|measured| measured.figure == figure).and_then(|measured| match measured.value {
         Value::Is(number) => Some(number),
         Value::Absent { .. } => None,
@@ -329,7 +360,7 @@ struct LinearLoops {
     loops: Vec<ArrangedLoop>,
     broken: StateSpace,
     margins: Margins,
-    figures: Vec<Measured>,
+    figures: Vec<MeasuredFigure>,
 }
 
 fn linear_loops(
@@ -399,7 +430,7 @@ pub(crate) fn rejection_figures(
     closed: &Closed,
     arrangement: Arrangement,
     frequencies: &[f64],
-) -> Result<Vec<Measured>, Error> {
+) -> Result<Vec<MeasuredFigure>, Error> {
     let mut figures = Vec::new();
     let stable = arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
     for rejection in rejections(sampled, closed, arrangement, frequencies)? {
@@ -407,7 +438,7 @@ pub(crate) fn rejection_figures(
             let figure =
                 Figure::Rejection { source: rejection.source, arrangement, frequency_hz: *frequency_hz };
             let db = if stable { 20.0 * h.norm().log10() } else { f64::INFINITY };
-            figures.push(Measured { figure, value: Value::Is(db) });
+            figures.push(MeasuredFigure { figure, value: Value::Is(db) });
         }
     }
     Ok(figures)
@@ -418,7 +449,7 @@ fn linear_histories(
     sampled: &SampledPlant,
     loops: &[ArrangedLoop],
     procedure: &Procedure,
-    figures: &mut Vec<Measured>,
+    figures: &mut Vec<MeasuredFigure>,
     histories: &mut Vec<History>,
 ) -> Result<(), Error> {
     for ArrangedLoop { arrangement, closed } in loops {

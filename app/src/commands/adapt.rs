@@ -1,6 +1,6 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
-use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Interval};
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_project::Purpose;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
@@ -8,13 +8,13 @@ use counterpoise_project::resolve::synthesis_options::AdaptationUse;
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise_report::adaptation::{self, adaptation_report, has_returned};
+use counterpoise_report::adaptation::{self, adaptation_report};
 use counterpoise_report::html_page;
 
 use crate::exit::{Done, verdict_code};
 use crate::options::Outputs;
 use crate::output::{self, say};
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, ProjectWorld};
 
 /// Arguments of `adapt`.
 #[derive(Args)]
@@ -30,14 +30,20 @@ pub struct AdaptOptions {
 pub fn run(options: &AdaptOptions) -> Done {
     let loaded = projects::load_project(&options.project, Purpose::Verify)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
-    let world = Surroundings::of(&loaded, options.outputs.results.progress());
+    let world = ProjectWorld::of(&loaded, options.outputs.results.progress());
     let result = study_adaptation(&loaded.project, &world)?;
     let (runs, tried) = (&result.runs, &result.trials);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write_file(
             path,
-            html_page(&adaptation_report(&loaded.project.plant.name, &command, runs)).as_bytes(),
+            html_page(&adaptation_report(
+                &loaded.project.plant.name,
+                &command,
+                runs,
+                AdaptedIntervals::of(runs),
+            ))
+            .as_bytes(),
         )?;
     }
     if !output::write_json(&options.outputs.results, &result)? {
@@ -48,7 +54,7 @@ pub fn run(options: &AdaptOptions) -> Done {
     let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
     let refused =
         own.is_some_and(|own| own.use_in_code == AdaptationUse::Exported && tried.refuses(own.method));
-    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(has_returned).chain([!refused])))
+    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(Interval::has_returned).chain([!refused])))
 }
 
 fn print(runs: &[AdaptRun]) {
@@ -56,7 +62,7 @@ fn print(runs: &[AdaptRun]) {
         say!("({}) {}", run.letter, run.says);
         for interval in &run.intervals {
             let [from, to] = interval.from_to_s;
-            let verdict = match (interval.adapted, has_returned(interval)) {
+            let verdict = match (interval.adapted, interval.has_returned()) {
                 (true, true) => "holds",
                 (true, false) => "FAILS",
                 (false, _) => "",
@@ -73,8 +79,6 @@ fn print(runs: &[AdaptRun]) {
             );
         }
     }
-    let judged: Vec<&Interval> =
-        runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
-    let good = judged.iter().filter(|interval| has_returned(interval)).count();
-    say!("{good} of {} adapted intervals are within 10 % of run (a)", judged.len());
+    let adapted = AdaptedIntervals::of(runs);
+    say!("{} of {} adapted intervals are within 10 % of run (a)", adapted.returned, adapted.intervals);
 }

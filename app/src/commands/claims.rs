@@ -7,7 +7,7 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use clap::Args;
 use counterpoise_claims::page;
-use counterpoise_claims::{Agreement, Claim, Criterion, Finding, claim_ids, measure_claims};
+use counterpoise_claims::{Agreement, Claim, ClaimOutcome, Criterion, claim_ids, measure_claims};
 use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::{Context, Origin, evidence, html_page};
@@ -18,8 +18,8 @@ use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output;
 use counterpoise_host::files::scratch_folder;
-use counterpoise_host::projects::{self, Surroundings};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::projects::{self, ProjectWorld};
+use counterpoise_host::stages::ProgressDisplay;
 
 /// Arguments of `claims`.
 #[derive(Args)]
@@ -70,7 +70,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
     let scratch = scratch_folder()?;
     let project = project_of(options, scratch.path())?;
     let loaded = projects::load_project(&project, Purpose::Design)?;
-    let world = Surroundings::of(&loaded, Progress::Quiet);
+    let world = ProjectWorld::of(&loaded, ProgressDisplay::Quiet);
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} claims, {elapsed}")?);
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -109,7 +109,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
         table.iter().for_each(print);
         say!("report  {}", path.display());
     }
-    Ok(verdict_code(rows.iter().map(|claim| claim.finding() != Finding::Fails)))
+    Ok(verdict_code(rows.iter().map(|claim| claim.finding() != ClaimOutcome::Fails)))
 }
 
 /// The mechanism of the claims where nobody names another.
@@ -151,10 +151,10 @@ fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
 
 fn row(claim: &Claim) -> Row<'_> {
     let (finding, why) = match claim.finding() {
-        Finding::Holds => ("holds", ""),
-        Finding::Fails => ("fails", claim.why.as_str()),
-        Finding::Differs { .. } => ("differs", claim.why.as_str()),
-        Finding::NotMeasured { .. } => ("not measured", claim.why.as_str()),
+        ClaimOutcome::Holds => ("holds", ""),
+        ClaimOutcome::Fails => ("fails", claim.why.as_str()),
+        ClaimOutcome::Differs { .. } => ("differs", claim.why.as_str()),
+        ClaimOutcome::NotMeasured { .. } => ("not measured", claim.why.as_str()),
     };
     Row {
         id: claim.id,

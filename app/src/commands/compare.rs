@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, ProjectWorld};
 use counterpoise_pipeline::Step;
 use counterpoise_pipeline::studies::designs::{ComparisonRequest, DesignTable, design_table};
 use counterpoise_project::Purpose;
@@ -48,7 +48,7 @@ pub fn run(options: &CompareOptions) -> Done {
     let further = options.limits.iter().map(|text| limits(text)).collect::<Result<_>>()?;
     let loaded = projects::load_project(&options.project, Purpose::Compare)?;
     output::print_warnings(&loaded, options.results.progress());
-    let world = Surroundings::of(&loaded, options.results.progress());
+    let world = ProjectWorld::of(&loaded, options.results.progress());
     let table = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
     let times = world.times();
     let designs = times.iter().filter(|time| time.name == Step::Synthesise.name());

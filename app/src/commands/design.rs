@@ -26,7 +26,7 @@ use super::{export, first_design};
 use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output;
-use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_host::projects::{self, Loaded, ProjectWorld};
 
 /// Arguments of `design`.
 #[derive(Args)]
@@ -57,7 +57,7 @@ struct Whole<'a> {
 pub fn run(options: &DesignOptions) -> Done {
     let loaded = projects::load_project(&options.project, Purpose::Design)?;
     output::print_warnings(&loaded, options.results.progress());
-    let world = Surroundings::of(&loaded, options.results.progress());
+    let world = ProjectWorld::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
     let mut result = results_of(options, &loaded, &designed)?;
     let code = &designed.targets.code;

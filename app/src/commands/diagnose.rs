@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
-use counterpoise_diagnose::findings::answer::{FitTable, Hypothesis, Verdict};
+use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
 use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_pipeline::configuration::apply_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
@@ -24,8 +24,8 @@ use crate::exit::{Done, Exit};
 use crate::options::DiagnoseOptions;
 use crate::output;
 use counterpoise_host::interrupt;
-use counterpoise_host::projects::{self, Loaded, Surroundings};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::projects::{self, Loaded, ProjectWorld};
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::Workers;
 
 /// Runs the command.
@@ -96,7 +96,7 @@ fn print_confirmation(replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
-            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.rms_error / c.floor))
+            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.error_over_floor()))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }
@@ -120,7 +120,7 @@ fn print_held_out(recordings: &[HeldOutText]) {
             "after / floor"
         );
         for (name, c) in &recording.channels {
-            let ratio = c.after / c.floor;
+            let ratio = c.residual_over_floor();
             say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
         }
         recording.remarks.iter().for_each(|remark| say!("    {remark}"));
@@ -129,11 +129,15 @@ fn print_held_out(recordings: &[HeldOutText]) {
 
 /// Returns what the improved model means for the project's design; `None` if nothing was found or the project has no
 /// design.
-fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::Result<Option<Consequence>> {
+fn redesign(
+    loaded: &Loaded,
+    found: &Diagnosis,
+    progress: ProgressDisplay,
+) -> anyhow::Result<Option<Consequence>> {
     if found.improved == loaded.project.plant {
         return Ok(None);
     }
-    Ok(verify_redesign(&loaded.project, &found.improved, &Surroundings::of(loaded, progress))?)
+    Ok(verify_redesign(&loaded.project, &found.improved, &ProjectWorld::of(loaded, progress))?)
 }
 
 fn print_consequence(found: &Consequence) {
@@ -213,7 +217,7 @@ const SHOWN_CANDIDATES: usize = 3;
 
 /// Prints the effects of the library that explain most, each with its size and what it leaves, if no name explains everything.
 fn print_candidates(answer: &AnswerText) {
-    if !matches!(answer.verdict, Verdict::Unknown | Verdict::Incomplete) {
+    if !matches!(answer.verdict, DiagnosisVerdict::Unknown | DiagnosisVerdict::Incomplete) {
         return;
     }
     let first = answer.hypotheses.iter().filter(|h| h.stage == 1 && h.beside.is_empty());

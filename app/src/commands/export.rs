@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output;
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, ProjectWorld};
 
 /// Arguments of `export`.
 #[derive(Args)]
@@ -37,7 +37,7 @@ pub struct ExportOptions {
 pub fn run(options: &ExportOptions) -> Done {
     let loaded = projects::load_project(&options.project, Purpose::Export)?;
     output::print_warnings(&loaded, options.results.progress());
-    let world = Surroundings::of(&loaded, options.results.progress());
+    let world = ProjectWorld::of(&loaded, options.results.progress());
     let made = pipeline::run_stages(&loaded.project, &world)?;
     if !options.check.is_empty() {
         let below = made.traverse.iter().flat_map(|axis| &axis.files);

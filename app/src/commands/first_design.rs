@@ -8,7 +8,7 @@ use counterpoise_synth::{FirstDesign, LimitKind, Unknown};
 
 use crate::output::say;
 use counterpoise_plot::number::short_number;
-use counterpoise_report::first_design::{allows_more, describe_limitation};
+use counterpoise_report::first_design::describe_limitation;
 
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
 pub fn print_first_design(loaded: &Loaded) {
@@ -67,7 +67,7 @@ fn print_limit(row: &LimitRow) {
                 same if same == "1" => "which is reached".to_owned(),
                 more => format!("{more} times what is reached"),
             };
-            let alone = if allows_more(row) { " to loops that miss others" } else { "" };
+            let alone = if row.allows_more() { " to loops that miss others" } else { "" };
             say!("  {:26} allows {:>9} rad/s{alone}, {over}{without}", row.limit, short_number(rate));
         }
         _ => say!("  {:26} allows every bandwidth that was looked at{without}", row.limit),

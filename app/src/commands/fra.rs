@@ -8,11 +8,13 @@ use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::frequencies::logarithmic_hz;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
+use counterpoise_pipeline::studies::fra_summary::{MapTotals, MeasuringPace};
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{Pace, fra_report, map_title, sticking_lines};
+use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
 use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
+use ndarray::Array2;
 
 use crate::exit::{Done, Exit};
 use crate::options::Outputs;
@@ -20,7 +22,7 @@ use crate::output::{self, say};
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::clock::Moment;
 use counterpoise_host::projects::{self, Loaded};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::{Processors, Workers, run_on};
 
 /// Arguments of `fra`.
@@ -115,7 +117,10 @@ pub fn run(options: &FraOptions) -> Done {
             .chain(std::env::args().skip_while(|argument| argument != "fra"))
             .collect::<Vec<_>>()
             .join(" ");
-        projects::write_file(path, html_page(&fra_report(&maps, &speed, &command)).as_bytes())?;
+        projects::write_file(
+            path,
+            html_page(&fra_report(&maps, MapTotals::of(&maps), &speed, &command)).as_bytes(),
+        )?;
     }
     if !output::json_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(print);
@@ -139,7 +144,7 @@ fn check_platform_is_measured(loaded: &Loaded, around: Around) -> Result<()> {
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
 /// on fewer.
-fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<Pace>)> {
+fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<MeasuringPace>)> {
     let modelled = pipeline::model(&loaded.project)?;
     let project = &loaded.project;
     let analyser = Analyser::new(project, &modelled, plan, On::Simulation)?;
@@ -158,25 +163,25 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     let seconds = start.elapsed().as_secs_f64();
     workers.finish();
     let measured = measured?;
-    let mut speed = vec![Pace { threads: Processors.processors(), seconds }];
+    let mut speed = vec![MeasuringPace { threads: Processors.processors(), seconds }];
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
-    let map = analyser.compare(&measured, &Workers::new(Progress::Quiet))?;
+    let map = analyser.compare(&measured, &Workers::new(ProgressDisplay::Quiet))?;
     Ok((vec![describe_map(map)], speed))
 }
 
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
 /// last bit.
-fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
+fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> Result<Vec<MeasuringPace>> {
     let all = Processors.processors();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
     let mut paces = Vec::new();
     for threads in doubling.chain([all]) {
         let start = Moment::now();
-        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(Progress::Quiet)))??;
-        paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
-        if measured != expected {
+        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(ProgressDisplay::Quiet)))??;
+        paces.push(MeasuringPace { threads, seconds: start.elapsed().as_secs_f64() });
+        if measured != *expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
         }
     }
@@ -184,15 +189,14 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result
 }
 
 /// How fast a map was, and how its time falls with the threads.
-fn tell_speed(maps: &[Map], speed: &[Pace]) {
-    let points: usize = maps.iter().map(|map| map.points.len()).sum();
-    let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
+fn tell_speed(maps: &[Map], speed: &[MeasuringPace]) {
+    let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
     for pace in speed {
         let gained = match (speed, pace.speed_up(speed)) {
             _ if pace.threads == 1 || speed.len() == 1 => String::new(),
             (_, gained) => format!(", {gained:.2} times as fast as on one"),
         };
-        let times = simulated_s / pace.seconds;
+        let times = pace.times_real_time(simulated_s);
         let noun = if pace.threads == 1 { "thread" } else { "threads" };
         say!(
             "{points} points, {simulated_s:.0} s of motion simulated in {:.2} s: {times:.0} times real time on {} {noun}{gained}",
@@ -266,7 +270,7 @@ fn print(map: &Map) {
         "harmonics",
         format!("mean {}", map.signals.output_unit)
     );
-    for p in &map.points {
+    for p in map.points.iter() {
         let described = p.describing_gain_db().map_or("-".to_owned(), |gain| format!("{gain:.2}"));
         let [gain, phase] = match p.sticks() {
             true => ["sticks".to_owned(), "-".to_owned()],

@@ -1,11 +1,12 @@
 //! `counterpoise diagnose` without recordings: what the structure's model lacks, from measured natural frequencies.
 
 use anyhow::bail;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, diagnose_structure};
-use counterpoise_pipeline::recordings::structure_hypotheses::StructureVerdict;
 use counterpoise_report::html_page;
 use counterpoise_report::structure::structure_report;
-use counterpoise_report::wording::structure::{describe_support, structure_verdict_name};
+use counterpoise_report::wording::answer::describe_verdict;
+use counterpoise_report::wording::structure::describe_support;
 
 use crate::exit::{Done, Exit};
 use crate::options::DiagnoseOptions;
@@ -43,17 +44,18 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
 }
 
 fn print(answer: &StructureAnswer) {
-    let named = answer.verdict != StructureVerdict::Consistent;
+    let named = answer.verdict != DiagnosisVerdict::Consistent;
     let best = answer.tried.get(1).filter(|_| named);
-    say!("{}: {}", structure_verdict_name(answer.verdict), answer.explanation);
+    say!("{}: {}", describe_verdict(answer.verdict).name, answer.explanation);
     let head = best.map_or(String::new(), |t| format!("with {}", t.what));
     say!("  {:>4} {:>12} {:>12} {:>8}   {head}", "mode", "measured Hz", "model Hz", "error %");
+    let off = answer.errors_percent(&answer.model_hz);
     for (k, measured) in answer.measured_hz.iter().enumerate() {
-        let error = |f: f64| 100.0 * (f / measured - 1.0);
         let model = answer.model_hz[k];
-        let improved =
-            best.map_or(String::new(), |t| format!("{:12.3} {:+8.2}", t.modes_hz[k], error(t.modes_hz[k])));
-        say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, error(model));
+        let improved = best.map_or(String::new(), |t| {
+            format!("{:12.3} {:+8.2}", t.modes_hz[k], answer.errors_percent(&t.modes_hz)[k])
+        });
+        say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, off[k]);
     }
     say!();
     say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "held out %");

@@ -18,8 +18,8 @@ use crate::options::Results;
 use crate::output;
 use counterpoise_host::campaign_progress::Pace;
 use counterpoise_host::interrupt::Interrupted;
-use counterpoise_host::projects::{self, Surroundings};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::projects::{self, ProjectWorld};
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::{Workers, try_map};
 use counterpoise_host::{interrupt, shards};
 
@@ -96,7 +96,7 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
     let loaded = projects::load_project(&options.project, Purpose::Sweep)?;
     output::print_warnings(&loaded, options.results.progress());
     campaign_is_stated(&loaded.project)?;
-    let world = Surroundings::of(&loaded, options.results.progress());
+    let world = ProjectWorld::of(&loaded, options.results.progress());
     let designed = pipeline::run_stages(&loaded.project, &world)?;
     let campaign =
         pipeline::prepare_campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
@@ -188,7 +188,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     )?;
     shards::write_shard(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let others = BesideSamples {
-        worst: worst_cases(&named.campaign, &samples, &Workers::new(Progress::Quiet))?,
+        worst: worst_cases(&named.campaign, &samples, &Workers::new(ProgressDisplay::Quiet))?,
         families: named.families.clone(),
         stability: named.stability.clone(),
     };

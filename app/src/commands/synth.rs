@@ -18,8 +18,8 @@ use crate::exit::{Done, Exit, verdict_code};
 use crate::options::Outputs;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
-use counterpoise_host::projects::{self, Loaded, Surroundings};
-use counterpoise_host::stages::Progress;
+use counterpoise_host::projects::{self, Loaded, ProjectWorld};
+use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::trade_off::VerifiedPoint;
 use counterpoise_report::{Origin, html_page, of_synthesis, trade_off};
@@ -282,7 +282,7 @@ fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, 
     let _watch = interrupt::watch_interrupts();
     let mut found =
         search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::is_stop_requested())?;
-    let world = Surroundings::of(loaded, Progress::Quiet);
+    let world = ProjectWorld::of(loaded, ProgressDisplay::Quiet);
     let judged = match loaded.project.verify {
         Some(_) => verify_found(&found, modelled, reduced, &world, &mut || !interrupt::is_stop_requested())?,
         None => Vec::new(),

@@ -29,7 +29,7 @@ use super::design::print_verdicts;
 use crate::exit::{Done, verdict_code};
 use crate::options::Results;
 use crate::output::{self, say};
-use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::projects::{self, ProjectWorld};
 
 /// Arguments of `verify`.
 #[derive(Args)]
@@ -180,7 +180,7 @@ struct VerificationStudy {
 fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let loaded = projects::load_project(path, Purpose::Verify)?;
     output::print_warnings(&loaded, options.results.progress());
-    let world = Surroundings::of(&loaded, options.results.progress());
+    let world = ProjectWorld::of(&loaded, options.results.progress());
     let project = &loaded.project;
     let modelled = pipeline::model(project)?;
     let reduced = pipeline::reduce(project, &modelled)?;
@@ -237,7 +237,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     })
 }
 
-fn both_axes(elevation: DesignedAxis, world: &Surroundings) -> Result<Option<TwoAxisStudy>> {
+fn both_axes(elevation: DesignedAxis, world: &ProjectWorld) -> Result<Option<TwoAxisStudy>> {
     let traverse = pipeline::design_traverse(elevation.project, world)?;
     Ok(pipeline::study_two_axes(elevation, traverse, world)?)
 }

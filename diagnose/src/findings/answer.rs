@@ -13,19 +13,19 @@ use crate::recording::instrument_faults::InstrumentFault;
 use crate::recording::remarks::RecordingRemark;
 use crate::tolerance::RIGHT_OF_UNKNOWN;
 
-/// The verdict of a diagnosis.
+/// The verdict of a diagnosis: of recordings, or of the measured modes of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// The model explains the recordings: nothing found.
+pub enum DiagnosisVerdict {
+    /// The model explains what was measured: nothing found.
     Consistent,
-    /// An effect was identified, and with it the recordings are explained.
+    /// An effect was identified, and with it the measurements are explained.
     Named,
     /// An effect was identified, but it explains only part.
     Incomplete,
-    /// One of several equivalent effects, which these recordings cannot tell apart.
+    /// One of several equivalent effects, which these measurements cannot tell apart.
     Ambiguous,
-    /// No effect of the library explains the recordings.
+    /// No effect that is known explains the measurements.
     Unknown,
 }
 
@@ -250,7 +250,7 @@ pub struct Hypothesis {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Verdict.
-    pub verdict: Verdict,
+    pub verdict: DiagnosisVerdict,
     /// Findings, most important first; empty if the verdict is consistent.
     pub findings: Vec<Finding>,
     /// How the fit improved.

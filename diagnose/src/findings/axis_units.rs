@@ -41,18 +41,18 @@ fn unit(base: &Parameters, component: Component, parameter: &str, turning: &'sta
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoise_models::{Measured, reference};
+    use counterpoise_models::{FeedbackSignal, reference};
 
     #[test]
     fn a_sensor_has_the_unit_of_what_it_measures_and_a_frequency_that_of_a_frequency() {
         let mut machine = reference::rig();
         let of = |p: &Parameters, parameter| unit(p, Component::HubGyro, parameter, "rad/s");
         assert_eq!([of(&machine, "bias"), of(&machine, "natural_frequency")], ["rad/s", "rad/s"]);
-        machine.sensors.measured = Measured::Torque;
+        machine.sensors.measured = FeedbackSignal::Torque;
         assert_eq!([of(&machine, "bias"), of(&machine, "natural_frequency")], ["N m", "rad/s"]);
         machine.axis = Axis::Linear;
         assert_eq!([of(&machine, "bias"), of(&machine, "natural_frequency")], ["N", "rad/s"]);
-        machine.sensors.measured = Measured::HubPosition;
+        machine.sensors.measured = FeedbackSignal::HubPosition;
         assert_eq!(of(&machine, "bias"), "m");
         assert_eq!(unit(&machine, Component::Pivot, "phase", "rad"), "rad");
         assert_eq!(unit(&machine, Component::Pivot, "coulomb", "N m"), "N");

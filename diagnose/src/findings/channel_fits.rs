@@ -15,12 +15,19 @@ pub struct ChannelFit {
     pub floor: f64,
 }
 
+impl ChannelFit {
+    /// Returns the RMS error over the noise floor.
+    pub fn error_over_floor(&self) -> f64 {
+        self.rms_error / self.floor
+    }
+}
+
 /// Fit of every channel, over all recordings.
 pub type Channels = BTreeMap<&'static str, ChannelFit>;
 
 /// Returns the largest RMS error over its noise floor of all channels; 0 without channels.
 pub(crate) fn largest_ratio(channels: &Channels) -> f64 {
-    channels.values().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    channels.values().map(ChannelFit::error_over_floor).fold(0.0, f64::max)
 }
 
 /// Returns the RMS over the recordings, channel by channel.

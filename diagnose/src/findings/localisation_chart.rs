@@ -141,7 +141,7 @@ mod tests {
             (0..SAMPLES).map(|k| f(k) + noise(size)).collect()
         };
         let measured = MeasuredSignals {
-            measured: counterpoise_models::Measured::HubRate,
+            measured: counterpoise_models::FeedbackSignal::HubRate,
             period_s: 1e-3,
             control: series(CONTROL_FLOOR, &|_| 2.9),
             hub_rate: series(2e-4, &rate),

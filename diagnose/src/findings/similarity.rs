@@ -10,7 +10,7 @@ use crate::tolerance::findings::{UNSCALED_WITHIN, USUAL_INERTIA_AND_RATIO, USUAL
 use counterpoise_models::friction::Similarity;
 use counterpoise_models::loads::{Force, Loads};
 use counterpoise_models::{
-    Drift, LearnedElement, LearnedPlace, Measured, Parameters, RegimeVariable, Ripple, Sensor,
+    Drift, FeedbackSignal, LearnedElement, LearnedPlace, Parameters, RegimeVariable, Ripple, Sensor,
 };
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
@@ -112,8 +112,8 @@ impl Scale {
 
     /// Returns the factor on what the loop's sensor reads: that of the torques if it measures one. A current, and a rate or an angle of the motor
     /// over the ratio, stay as they are.
-    fn reading(self, measured: Measured) -> f64 {
-        if measured == Measured::Torque { self.torque } else { 1.0 }
+    fn reading(self, measured: FeedbackSignal) -> f64 {
+        if measured == FeedbackSignal::Torque { self.torque } else { 1.0 }
     }
 
     /// Scales a free function: its values if they are torques, and its points if they are torques, or angles or rates of the motor.
@@ -133,7 +133,7 @@ impl Scale {
     }
 
     /// Returns a recording as the scaled machine would have made it, in a loop of what `measured` says.
-    pub fn recording(self, recording: &Recording, measured: Measured) -> Recording {
+    pub fn recording(self, recording: &Recording, measured: FeedbackSignal) -> Recording {
         let mut out = recording.clone();
         let reading = self.reading(measured);
         let factors =
@@ -146,7 +146,7 @@ impl Scale {
 
     /// Returns the loop in which the scaled machine is replayed: under the recorded control if its readings are scaled, because a controller
     /// reads those of the machine itself. [`Loop::from_controller`] replays such a loop so anyway.
-    pub fn replayed_loop(self, control: Loop, measured: Measured) -> Loop {
+    pub fn replayed_loop(self, control: Loop, measured: FeedbackSignal) -> Loop {
         if self.reading(measured) == 1.0 { control } else { Loop::Open }
     }
 
@@ -200,7 +200,7 @@ impl Scale {
         }
     }
 
-    fn bring_channels_back(self, table: &mut Channels, measured: Measured) {
+    fn bring_channels_back(self, table: &mut Channels, measured: FeedbackSignal) {
         for (channel, factor) in [("motor_rate", self.ratio), ("hub_rate", self.reading(measured))] {
             if let Some(fit) = table.get_mut(channel) {
                 fit.rms_error /= factor;
@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn a_torque_is_read_scaled_and_comes_back_with_its_sensor_and_its_loads() {
         let mut rig = rig();
-        rig.sensors.measured = Measured::Torque;
+        rig.sensors.measured = FeedbackSignal::Torque;
         rig.sensors.hub_gyro = Sensor { noise_rms: 0.5, bias: 3.0, resolution: 0.25, ..Sensor::IDEAL };
         rig.loads.end_stops = Some(EndStops {
             lower_rad: -1e-3,
@@ -365,9 +365,9 @@ mod tests {
         assert!(largest > 10.0 && off < 1e-3 * largest, "{off} of {largest} N m");
         assert_eq!(scale.inverse().apply_to(&machine), rig);
         let recording = Recording::new("", 1e-3).with(Channel::HubRate, of_machine.clone());
-        let back = scale.inverse().recording(&recording, Measured::Torque);
+        let back = scale.inverse().recording(&recording, FeedbackSignal::Torque);
         let read = back.samples(Channel::HubRate).unwrap();
         assert!(read.iter().zip(&of_machine).all(|(back, own)| *back == own / scale.torque));
-        assert_eq!(scale.inverse().recording(&recording, Measured::Current), recording);
+        assert_eq!(scale.inverse().recording(&recording, FeedbackSignal::Current), recording);
     }
 }

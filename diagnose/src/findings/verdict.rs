@@ -1,8 +1,8 @@
 //! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
 
 use crate::findings::answer::{
-    Answer, Basis, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue, Name, NearestEffect,
-    NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
+    Answer, Basis, DiagnosisVerdict, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue, Name,
+    NearestEffect, NextExperiment, NotExcited, Pattern, SearchWarning,
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
@@ -71,16 +71,16 @@ impl Evidence<'_> {
     }
 
     /// Returns the verdict.
-    pub(crate) fn verdict(&self) -> Verdict {
+    pub(crate) fn verdict(&self) -> DiagnosisVerdict {
         let Some(accepted) = self.named_model() else {
             let explained = self.search.baseline.score.worst() < EXPLAINED;
-            return if explained { Verdict::Consistent } else { Verdict::Unknown };
+            return if explained { DiagnosisVerdict::Consistent } else { DiagnosisVerdict::Unknown };
         };
         let ambiguous = (0..accepted.fit.effects.len()).any(|i| !self.alternatives(accepted, i).is_empty());
         match (accepted.whole.worst() < EXPLAINED, ambiguous) {
-            (true, false) => Verdict::Named,
-            (true, true) => Verdict::Ambiguous,
-            (false, _) => Verdict::Incomplete,
+            (true, false) => DiagnosisVerdict::Named,
+            (true, true) => DiagnosisVerdict::Ambiguous,
+            (false, _) => DiagnosisVerdict::Incomplete,
         }
     }
 
@@ -165,12 +165,12 @@ impl Evidence<'_> {
         }
     }
 
-    fn findings(&self, verdict: Verdict) -> Vec<Finding> {
+    fn findings(&self, verdict: DiagnosisVerdict) -> Vec<Finding> {
         match (self.named_model(), verdict) {
             (Some(accepted), _) => {
                 (0..accepted.fit.effects.len()).map(|i| self.finding(accepted, i)).collect()
             }
-            (None, Verdict::Unknown) => vec![self.unknown()],
+            (None, DiagnosisVerdict::Unknown) => vec![self.unknown()],
             _ => Vec::new(),
         }
     }
@@ -311,14 +311,16 @@ impl Evidence<'_> {
             .collect()
     }
 
-    fn next_experiment(&self, verdict: Verdict, findings: &[Finding]) -> Option<NextExperiment> {
+    fn next_experiment(&self, verdict: DiagnosisVerdict, findings: &[Finding]) -> Option<NextExperiment> {
         let rival = findings.iter().find(|f| f.effect != EffectName::Unknown && !f.alternatives.is_empty());
         match (verdict, rival) {
-            (Verdict::Consistent, _) => None,
+            (DiagnosisVerdict::Consistent, _) => None,
             (_, Some(finding)) => {
                 Some(NextExperiment::Separate { found: finding.name(), alternative: finding.alternatives[0] })
             }
-            (Verdict::Unknown | Verdict::Incomplete, None) => Some(NextExperiment::TravelAndMultisine),
+            (DiagnosisVerdict::Unknown | DiagnosisVerdict::Incomplete, None) => {
+                Some(NextExperiment::TravelAndMultisine)
+            }
             _ => None,
         }
     }

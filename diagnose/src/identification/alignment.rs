@@ -9,7 +9,7 @@
 //! c_r and c_y are the hub gyroscope's sensitivities less the platform gyroscope's: near level both read the same two rates, so that kinematics alone
 //! tell their difference. `diagnose` tells which of the two it is, by what the loop does with each.
 
-use counterpoise_models::{Measured, Parameters};
+use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::outcome::{Estimate, SensorErrors};
@@ -46,7 +46,7 @@ struct Turning {
 /// Returns the misalignments about roll and yaw; `None` if no recording shows them.
 fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Estimate>; 2]> {
     let sensors = &p.sensors;
-    if sensors.measured != Measured::HubRate || !sensors.platform_gyro.is_fitted() {
+    if sensors.measured != FeedbackSignal::HubRate || !sensors.platform_gyro.is_fitted() {
         return None;
     }
     let parts: Vec<Turning> = recordings.iter().filter_map(|recording| turning(p, recording)).collect();

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::tolerance::identification::*;
 
 /// The amplifier, and the problem with its curve where the curve departs from the project's.
-pub struct Found {
+pub struct GainCurve {
     /// What the recordings say of it.
     pub amplifier: Amplifier,
     /// The problem and its solution with the curve.
@@ -18,8 +18,13 @@ pub struct Found {
 }
 
 /// Identifies the curve.
-pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &Fit) -> Result<Found, Error> {
-    let unseen = |reason| Ok(Found { amplifier: Amplifier::NotIdentifiable { reason }, curved: None });
+pub fn curve(
+    p: &Parameters,
+    states: &[&[Recording]],
+    plain: &Problem,
+    linear: &Fit,
+) -> Result<GainCurve, Error> {
+    let unseen = |reason| Ok(GainCurve { amplifier: Amplifier::NotIdentifiable { reason }, curved: None });
     let knots = knots(p, plain);
     if knots.len() < LEAST_POINTS + 2 {
         return unseen(Unidentifiable::ControlStaysLarge);
@@ -37,9 +42,9 @@ pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &
         apart > CURVE_DEPARTURE * q.linear_a && apart > q.current_a - q.ci95_a[0]
     });
     if departs && fit.residual_rms.powi(2) < CURVE_WORTH * linear.residual_rms.powi(2) {
-        return Ok(Found { amplifier: Amplifier::Curve { points }, curved: Some((problem, fit)) });
+        return Ok(GainCurve { amplifier: Amplifier::Curve { points }, curved: Some((problem, fit)) });
     }
-    Ok(Found { amplifier: Amplifier::AsInProject { points }, curved: None })
+    Ok(GainCurve { amplifier: Amplifier::AsInProject { points }, curved: None })
 }
 
 /// Returns the knots that the control was near for long enough, with 0 and the start of the linear range.

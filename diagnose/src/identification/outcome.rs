@@ -13,6 +13,13 @@ pub struct Estimate {
     pub before: f64,
 }
 
+impl Estimate {
+    /// Returns half the width of the 95 % interval.
+    pub fn half_width(&self) -> f64 {
+        0.5 * (self.ci95[1] - self.ci95[0])
+    }
+}
+
 /// The mechanism in one state of balance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Balance {

@@ -9,7 +9,7 @@
 //! their parts of the viscous friction in the project (they differ while the gear twists); w is the rate of the mean
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
-use counterpoise_models::{AccelerometerAxis, Axis, Measured, Parameters};
+use counterpoise_models::{AccelerometerAxis, Axis, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::signal::{Chain, Kernel};
@@ -328,8 +328,9 @@ fn noise_variance(series: &[f64]) -> f64 {
 fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Error> {
     let controlled = p.controlled_quantity();
     let missing = |channel| Error::NotIdentifiable { controlled, recording: r.name.clone(), channel };
-    let control = r.samples(Channel::Control).ok_or_else(|| missing("control"))?;
-    let hub = r.samples(Channel::HubRate).ok_or_else(|| missing("hub_rate"))?;
+    let period_s = r.sample_period_s;
+    let recorded = |channel, name| r.samples(channel).ok_or_else(|| missing(name));
+    let (control, hub) = (recorded(Channel::Control, "control")?, recorded(Channel::HubRate, "hub_rate")?);
     let n = control.len().min(hub.len());
     let mut whole = vec![true; n];
     let mut filled = |column: &[f64]| {
@@ -345,40 +346,39 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     let mut heave = r.samples(Channel::PlatformAccel).map_or_else(|| vec![0.0; n], &mut filled);
     let arm = p.sensors.accelerometer_lever_arm_m;
     if arm != 0.0 {
-        let pitching = derivative(&platform, r.sample_period_s);
+        let pitching = derivative(&platform, period_s);
         heave.iter_mut().zip(pitching).for_each(|(reading, a)| *reading -= arm * a);
     }
-    let fitted = p.sensors.motor_tachometer.is_some();
-    let motor = r.samples(Channel::MotorRate).filter(|_| fitted).map(&mut filled);
-    let measured = p.sensors.measured;
-    let relative: Vec<f64> = match measured {
-        Measured::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
-        Measured::RelativeRate | Measured::MotorRate => reading.clone(),
-        Measured::HubPosition | Measured::MotorPosition => derivative(&reading, r.sample_period_s),
+    let motor_read = r.samples(Channel::MotorRate).filter(|_| p.sensors.motor_tachometer.is_some());
+    let motor = motor_read.map(&mut filled);
+    let relative: Vec<f64> = match p.sensors.measured {
+        FeedbackSignal::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
+        FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => reading.clone(),
+        FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => derivative(&reading, period_s),
         // A torque and a current show no motion; the motor's tachometer does, and a torque how far the load stays behind.
-        Measured::Torque => {
+        FeedbackSignal::Torque => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
-            behind_the_gear(&chain.as_gyro(motor), &reading, r.sample_period_s, p)
+            behind_the_gear(&chain.as_gyro(motor), &reading, period_s, p)
         }
-        Measured::Current => {
+        FeedbackSignal::Current => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
             motor.iter().map(|rate| rate / p.gearbox.ratio).collect()
         }
     };
+    let measured = p.sensors.measured;
     let hub = match measured {
-        Measured::HubRate => reading.clone(),
+        FeedbackSignal::HubRate => reading.clone(),
         _ => relative.iter().zip(&platform).map(|(r, p)| r + p).collect(),
     };
-    let turned = || integral(&relative, r.sample_period_s);
     // the integral of what the gyroscopes read has their lag already
     let resolver = r.samples(Channel::HubPosition).filter(|_| p.sensors.hub_resolver.is_some());
     let position = match resolver {
         Some(column) => chain.as_gyro(&filled(column)),
         None if measured.is_position() => reading,
-        None => turned(),
+        None => integral(&relative, period_s),
     };
     let noise = match measured {
-        Measured::Torque => RateNoise::WhiteOfMotor,
+        FeedbackSignal::Torque => RateNoise::WhiteOfMotor,
         _ if measured.is_position() => RateNoise::Differentiated,
         _ => RateNoise::White,
     };

@@ -69,6 +69,18 @@ impl Reading {
         self.find(name).map_or(0.0, |p| p.half_width)
     }
 
+    /// Returns the 95 % interval of a parameter by its name.
+    pub fn interval(&self, name: &str) -> [f64; 2] {
+        let (value, half) = (self.value(name), self.half_width(name));
+        [value - half, value + half]
+    }
+
+    /// Returns how much a line changes over the range of its points, and the half width of that.
+    pub fn change_over(&self, element: &LearnedElement) -> [f64; 2] {
+        let range = element.points.last().unwrap_or(&0.0) - element.points.first().unwrap_or(&0.0);
+        [(self.value("slope") * range).abs(), self.half_width("slope") * range]
+    }
+
     fn find(&self, name: &str) -> Option<&FormParameter> {
         self.parameters.iter().find(|p| p.name == name)
     }

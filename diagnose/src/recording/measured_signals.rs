@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use counterpoise_models::Measured;
+use counterpoise_models::FeedbackSignal;
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::recording::series::derivative;
@@ -15,7 +15,7 @@ pub struct MeasuredSignals {
     /// Control, V.
     pub control: Vec<f64>,
     /// What the loop's sensor measures, which is recorded as the hub rate.
-    pub measured: Measured,
+    pub measured: FeedbackSignal,
     /// Hub rate, rad/s; in a loop of another quantity the reading of its sensor.
     pub hub_rate: Vec<f64>,
     /// Platform rate, rad/s.
@@ -33,31 +33,35 @@ impl MeasuredSignals {
     /// or the derivative of its reading.
     pub fn relative_rate(&self) -> Vec<f64> {
         match self.measured {
-            Measured::HubRate => self.hub_rate.iter().zip(&self.platform_rate).map(|(h, p)| h - p).collect(),
-            Measured::RelativeRate | Measured::MotorRate => self.hub_rate.clone(),
-            Measured::HubPosition | Measured::MotorPosition => derivative(&self.hub_rate, self.period_s),
+            FeedbackSignal::HubRate => {
+                self.hub_rate.iter().zip(&self.platform_rate).map(|(h, p)| h - p).collect()
+            }
+            FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => self.hub_rate.clone(),
+            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => {
+                derivative(&self.hub_rate, self.period_s)
+            }
             // Of a torque or a current there are no signals: see [`read_signals`].
-            Measured::Torque | Measured::Current => vec![f64::NAN; self.hub_rate.len()],
+            FeedbackSignal::Torque | FeedbackSignal::Current => vec![f64::NAN; self.hub_rate.len()],
         }
     }
 
     /// Returns the signals with the hub's inertial rate as a gyroscope would have measured it, whatever the loop's sensor measures; an
     /// angle that it measures is the hub's position, unless that was recorded.
     pub fn with_inertial_rate(&self) -> Cow<'_, Self> {
-        if self.measured == Measured::HubRate {
+        if self.measured == FeedbackSignal::HubRate {
             return Cow::Borrowed(self);
         }
         let relative = self.relative_rate();
         let hub_rate = relative.iter().zip(&self.platform_rate).map(|(r, p)| r + p).collect();
         let own = self.measured.is_position().then(|| self.hub_rate.clone());
         let hub_position = self.hub_position.clone().or(own);
-        Cow::Owned(Self { measured: Measured::HubRate, hub_rate, hub_position, ..self.clone() })
+        Cow::Owned(Self { measured: FeedbackSignal::HubRate, hub_rate, hub_position, ..self.clone() })
     }
 }
 
 /// Returns the signals of a recording in a loop of what `measured` says; `None` if it has no control or no hub rate, or if the loop's sensor
 /// measures a torque or a current, which shows no motion.
-pub fn read_signals(recording: &Recording, measured: Measured) -> Option<MeasuredSignals> {
+pub fn read_signals(recording: &Recording, measured: FeedbackSignal) -> Option<MeasuredSignals> {
     if measured.is_effort() {
         return None;
     }

@@ -398,7 +398,7 @@ mod tests {
             .collect();
         MeasuredSignals {
             period_s: 1e-3,
-            measured: counterpoise_models::Measured::HubRate,
+            measured: counterpoise_models::FeedbackSignal::HubRate,
             control: rate.iter().map(|w| 10.0 * w).collect(),
             platform_rate: vec![0.0; 5000],
             platform_accel: vec![0.0; 5000],

@@ -4,8 +4,8 @@ use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Axis, Friction, FrictionLaw, IDEAL_LAG_S, Measured, Ripple, Sensor,
-    StribeckCurve,
+    AccelerometerAxis, AmplifierDynamics, Axis, FeedbackSignal, Friction, FrictionLaw, IDEAL_LAG_S, Ripple,
+    Sensor, StribeckCurve,
 };
 
 /// Motor rate over which the direction of the power through the mesh changes, rad/s.
@@ -161,20 +161,22 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
         _ => "armature",
     };
     let (measured, shown, shown_at_rest) = match p.sensors.measured {
-        Measured::HubRate => ("hub_rate", "v.hub_rate", "pitch_rate_rad_s".to_owned()),
-        Measured::RelativeRate => ("relative_rate", "v.rate[1]", number(0.0)),
-        Measured::MotorRate if p.cylinder.is_some() => ("motor_rate", "v.rate[1]", number(0.0)),
-        Measured::MotorPosition if p.cylinder.is_some() => ("motor_position", "v.angle[1]", number(0.0)),
-        Measured::MotorRate => ("motor_rate", "v.rate[0] / m.ratio", number(0.0)),
-        Measured::HubPosition => ("hub_position", "v.angle[1]", number(0.0)),
-        Measured::MotorPosition => {
+        FeedbackSignal::HubRate => ("hub_rate", "v.hub_rate", "pitch_rate_rad_s".to_owned()),
+        FeedbackSignal::RelativeRate => ("relative_rate", "v.rate[1]", number(0.0)),
+        FeedbackSignal::MotorRate if p.cylinder.is_some() => ("motor_rate", "v.rate[1]", number(0.0)),
+        FeedbackSignal::MotorPosition if p.cylinder.is_some() => {
+            ("motor_position", "v.angle[1]", number(0.0))
+        }
+        FeedbackSignal::MotorRate => ("motor_rate", "v.rate[0] / m.ratio", number(0.0)),
+        FeedbackSignal::HubPosition => ("hub_position", "v.angle[1]", number(0.0)),
+        FeedbackSignal::MotorPosition => {
             ("motor_position", "v.angle[0] / m.ratio", number(rest.core_state[state::WINDUP]))
         }
-        Measured::Torque => {
+        FeedbackSignal::Torque => {
             let at_rest = plant.transmitted_torque_at_rest_nm(rest.core_state[state::WINDUP], 0.0);
             ("torque", transmitted(plant), number(at_rest))
         }
-        Measured::Current => ("current", "x[CURRENT]", number(rest.core_state[state::CURRENT])),
+        FeedbackSignal::Current => ("current", "x[CURRENT]", number(rest.core_state[state::CURRENT])),
     };
     let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
     minijinja::context! {

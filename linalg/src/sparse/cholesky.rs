@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::analysis::Analysis;
 use super::matrix::Sparse;
-use super::modes::Watch;
+use super::modes::ProgressObserver;
 use super::numeric::{Factors, Term, Wanted, factorise};
 use crate::error::Error;
 use crate::mat::Mat;
@@ -35,7 +35,7 @@ impl SparseCholesky {
         A: &Sparse,
         analysis: Analysis,
         stage: &'static str,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<Self, Error> {
         A.check_symmetric("the sparse matrix")?;
         let terms = [Term { factor: 1.0, matrix: A }];

@@ -5,7 +5,7 @@
 //! so the same factors of `s^2 M + s D + K`. Shifts are the poles that contribute most to what remains, in the style of the dominant poles of Rommes and
 //! Martins (IEEE Trans. Power Syst. 21 (2006) 1218), within a subspace that grows with the iteration.
 
-use super::modes::{Progress, Watch};
+use super::modes::{ProgressObserver, StageProgress};
 use super::pencil::{QuadraticPencil, Shifted};
 use super::ritz::{RitzBasis, Weights};
 use crate::decomposition::svd;
@@ -85,7 +85,7 @@ pub fn low_rank_gramians(
     pencil: &QuadraticPencil,
     ports: &Ports,
     accuracy: Accuracy,
-    watch: &mut Watch,
+    watch: &mut ProgressObserver,
 ) -> Result<LowRankGramians, Error> {
     check(pencil, ports)?;
     let mut reach = Iterate::new(Mat::zeros(ports.F.nrows(), ports.F.ncols()), ports.F.clone());
@@ -104,7 +104,7 @@ pub fn low_rank_gramians(
         };
         let Some(shift) = basis.next_shift(pencil, &weights)? else { break };
         let stage = "balancing the structure";
-        if watch(Progress { stage, done: shifts.len(), of: accuracy.steps }).is_break() {
+        if watch(StageProgress { stage, done: shifts.len(), of: accuracy.steps }).is_break() {
             return Err(Error::Cancelled { what: stage });
         }
         let shifted = pencil.at(-shift, stage, watch)?;

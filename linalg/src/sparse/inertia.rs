@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use super::analysis::Analysis;
 use super::matrix::{Entry, Sparse};
-use super::modes::Watch;
+use super::modes::ProgressObserver;
 use super::numeric::{Term, Wanted, factorise};
 use crate::error::Error;
 use crate::tolerance::PIVOT_GROWTH;
@@ -50,7 +50,7 @@ impl<'a> ModeCounter<'a> {
     ///
     /// # Errors
     /// [`Error::TooLarge`], [`Error::Singular`] for such a pivot, or [`Error::Cancelled`].
-    pub fn count_below(&self, limit: f64, watch: &mut Watch) -> Result<Vec<usize>, Error> {
+    pub fn count_below(&self, limit: f64, watch: &mut ProgressObserver) -> Result<Vec<usize>, Error> {
         let terms = [Term { factor: 1.0, matrix: self.K }, Term { factor: -limit, matrix: self.M }];
         let stage = "counting the modes";
         let pivots = factorise(&self.analysis, &terms, Wanted::Pivots, stage, watch)?.pivots;

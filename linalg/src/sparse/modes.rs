@@ -16,7 +16,7 @@ use super::matrix::Sparse;
 
 /// How far a long computation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
+pub struct StageProgress {
     /// What is being done.
     pub stage: &'static str,
     /// Parts that are done.
@@ -26,7 +26,7 @@ pub struct Progress {
 }
 
 /// Called after each part of a long computation; [`ControlFlow::Break`] ends it with [`Error::Cancelled`].
-pub type Watch<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
+pub type ProgressObserver<'a> = dyn FnMut(StageProgress) -> ControlFlow<()> + 'a;
 
 /// Which modes are wanted.
 #[derive(Debug, Clone, Copy)]
@@ -108,7 +108,7 @@ pub fn lowest_modes(
     solve: &dyn Fn(&Mat) -> Result<Mat, Error>,
     M: &Sparse,
     wanted: &Wanted,
-    watch: &mut Watch,
+    watch: &mut ProgressObserver,
 ) -> Result<LowestModes, Error> {
     let mut lanczos = Lanczos {
         solve,
@@ -125,7 +125,7 @@ pub fn lowest_modes(
         let coupling = lanczos.extend(&mut block)?;
         let found = lanczos.ritz(&coupling, wanted)?;
         let done = found.residuals.iter().take_while(|r| **r <= wanted.tolerance).count();
-        if watch(Progress { stage: wanted.stage, done, of: wanted.count }).is_break() {
+        if watch(StageProgress { stage: wanted.stage, done, of: wanted.count }).is_break() {
             return Err(Error::Cancelled { what: wanted.stage });
         }
         if done == wanted.count || block.ncols() == 0 {

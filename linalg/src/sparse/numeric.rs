@@ -12,7 +12,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::analysis::{Analysis, Panel};
 use super::matrix::Sparse;
-use super::modes::{Progress, Watch};
+use super::modes::{ProgressObserver, StageProgress};
 use crate::error::Error;
 use crate::mat::C64;
 use crate::scalar::Scalar;
@@ -88,7 +88,7 @@ pub(super) fn factorise<T: Number>(
     terms: &[Term<T>],
     wanted: Wanted,
     stage: &'static str,
-    watch: &mut Watch,
+    watch: &mut ProgressObserver,
 ) -> Result<Factors<T>, Error> {
     let (n, total) = (analysis.size(), analysis.operations());
     let mut run = Elimination {
@@ -114,7 +114,7 @@ pub(super) fn factorise<T: Number>(
         let percent = (100.0 * done / total) as usize;
         if percent > told {
             told = percent;
-            if watch(Progress { stage, done: percent.min(99), of: 100 }) == ControlFlow::Break(()) {
+            if watch(StageProgress { stage, done: percent.min(99), of: 100 }) == ControlFlow::Break(()) {
                 return Err(Error::Cancelled { what: stage });
             }
         }

@@ -5,7 +5,7 @@
 
 use super::analysis::Analysis;
 use super::matrix::{Entry, Sparse};
-use super::modes::Watch;
+use super::modes::ProgressObserver;
 use super::numeric::{Factors, Term, Wanted, factorise};
 use crate::error::Error;
 use crate::mat::{C64, CMat, Mat};
@@ -52,7 +52,12 @@ impl<'a> QuadraticPencil<'a> {
     ///
     /// # Errors
     /// [`Error::Singular`] at an eigenvalue, [`Error::TooLarge`], or [`Error::Cancelled`].
-    pub fn at(&self, s: C64, stage: &'static str, watch: &mut Watch) -> Result<Shifted<'_>, Error> {
+    pub fn at(
+        &self,
+        s: C64,
+        stage: &'static str,
+        watch: &mut ProgressObserver,
+    ) -> Result<Shifted<'_>, Error> {
         let factors = if s.im == 0.0 {
             Kind::Real(self.factorise([s.re * s.re, s.re, 1.0], stage, watch)?)
         } else {
@@ -65,7 +70,7 @@ impl<'a> QuadraticPencil<'a> {
         &self,
         [of_mass, of_damping, of_stiffness]: [T; 3],
         stage: &'static str,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<Factors<T>, Error> {
         let terms = [
             Term { factor: of_mass, matrix: self.M },

@@ -55,7 +55,7 @@ pub use dahl::Dahl;
 pub use dry::{DryFriction, SmoothLaw};
 pub use law::Law;
 pub use lugre::Lugre;
-pub use model::{FrictionModel, Surroundings};
+pub use model::{FrictionConditions, FrictionModel};
 pub use partials::Partials;
 pub use properties::Similarity;
 pub use real::Real;

@@ -29,7 +29,7 @@ pub struct FrictionModel {
 
 /// What the level of dry friction may depend on besides the rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Surroundings {
+pub struct FrictionConditions {
     /// Angle between the bodies, rad.
     pub angle_rad: f64,
     /// Torque that the joint carries, N m.
@@ -107,7 +107,7 @@ impl FrictionModel {
     }
 
     /// Returns the factor on the Coulomb level.
-    pub fn level(&self, at: &Surroundings) -> f64 {
+    pub fn level(&self, at: &FrictionConditions) -> f64 {
         if !self.is_modulated() {
             return 1.0;
         }

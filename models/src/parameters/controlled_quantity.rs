@@ -3,7 +3,7 @@
 //! Figures, signals and readings were named for a loop of the hub's rate. A loop of something else has them of its own quantity, with
 //! the names from here.
 
-use super::{Axis, Measured, Parameters};
+use super::{Axis, FeedbackSignal, Parameters};
 
 /// What kind of quantity a loop controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -48,7 +48,7 @@ impl Parameters {
     }
 }
 
-impl Measured {
+impl FeedbackSignal {
     /// Returns the kind of the measured quantity.
     pub fn kind(self) -> QuantityKind {
         match self {

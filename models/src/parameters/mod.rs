@@ -25,7 +25,7 @@ pub use drive_limits::{
 };
 pub use free_functions::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
-pub use sensing::{AccelerometerAxis, Alignment, Clock, Drift, Interface, Measured, Sensor, Sensors};
+pub use sensing::{AccelerometerAxis, Alignment, Clock, Drift, FeedbackSignal, Interface, Sensor, Sensors};
 pub use structure::{Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
 /// One axis of a cantilever mechanism on a moving platform.

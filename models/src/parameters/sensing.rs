@@ -4,7 +4,7 @@
 ///
 /// Values of the motor are divided by the ratio, so that every reading of the loop is one of the hub's side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Measured {
+pub enum FeedbackSignal {
     /// Inertial rate of the hub: a gyroscope on it.
     #[default]
     HubRate,
@@ -22,7 +22,7 @@ pub enum Measured {
     Current,
 }
 
-impl Measured {
+impl FeedbackSignal {
     /// Returns whether it is an angle or a place.
     pub fn is_position(self) -> bool {
         matches!(self, Self::HubPosition | Self::MotorPosition)
@@ -49,7 +49,7 @@ pub struct Sensors {
     /// Sensor of the controlled output: a rate gyroscope on the hub, unless `measured` says otherwise.
     pub hub_gyro: Sensor,
     /// What that sensor measures.
-    pub measured: Measured,
+    pub measured: FeedbackSignal,
     /// Rate gyroscope on the platform (inertial rate); [`Sensor::ABSENT`] if none is fitted.
     pub platform_gyro: Sensor,
     /// Accelerometer on the platform (heave, gravity removed); [`Sensor::ABSENT`] if none is fitted.

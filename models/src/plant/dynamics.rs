@@ -4,7 +4,7 @@ use super::core::{input, state};
 use super::free_functions::{JointMotion, LearnedRegime};
 use super::mesh_loss::MeshLoss;
 use super::{Core, CylinderPoint, Mesh, Plant};
-use crate::friction::{FrictionModel, Surroundings};
+use crate::friction::{FrictionConditions, FrictionModel};
 use crate::loads::LoadPoint;
 use crate::parameters::LearnedPlace;
 use crate::tolerance::POWER_REVERSAL_RATE;
@@ -185,7 +185,7 @@ impl Plant {
         let ratio = self.parameters.gearbox.ratio;
         let part =
             |friction: &FrictionModel, place: LearnedPlace, motion: JointMotion, load_nm: f64, z: f64| {
-                let around = Surroundings { angle_rad: motion.angle_rad, load_nm, time_s: at.time_s };
+                let around = FrictionConditions { angle_rad: motion.angle_rad, load_nm, time_s: at.time_s };
                 let level = self.learned_level(place, at) * friction.level(&around);
                 dry(friction, motion.rate_rad_s, level, z)
             };

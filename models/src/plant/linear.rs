@@ -57,7 +57,7 @@ pub enum Angles {
 /// ```
 ///
 /// With [`Angles::Position`] hub and tip are angles relative to the platform, rad. If the loop's sensor measures neither the hub's
-/// inertial rate nor its angle, a fourth output is what it measures (see [`crate::Measured`]).
+/// inertial rate nor its angle, a fourth output is what it measures (see [`crate::FeedbackSignal`]).
 ///
 /// The motor's inertial coupling to the platform needs no pitch acceleration: its state is the sum of motor rate and
 /// coupling x pitch rate, and the pitch rate enters directly. Sensors are not included; the static gain of the

@@ -3,7 +3,7 @@
 use super::Plant;
 use super::core::{input, state};
 use super::linear::{Angles, LinearPlant, OutputRow, unit};
-use crate::parameters::{ControlledQuantity, Measured, QuantityKind};
+use crate::parameters::{ControlledQuantity, FeedbackSignal, QuantityKind};
 
 impl Plant {
     /// Returns the outputs over the states of the core and the relative angle behind them.
@@ -31,7 +31,7 @@ impl Plant {
         };
         let mut names = vec![motion.signal(), motion.tip_signal(), "motor_rate_rad_s".to_owned()];
         names.extend(self.measured_row(angles).map(|_| match self.parameters.sensors.measured {
-            Measured::HubRate => controlled.signal(),
+            FeedbackSignal::HubRate => controlled.signal(),
             _ => controlled.key_of(&format!("measured_{}", controlled.short_name())),
         }));
         names
@@ -42,29 +42,29 @@ impl Plant {
         let ratio = self.parameters.gearbox.ratio;
         let mut inputs = [0.0; 3];
         let states = match self.parameters.sensors.measured {
-            Measured::HubRate if angles != Angles::Position => return None,
-            Measured::HubPosition if angles != Angles::Relative => return None,
-            Measured::HubPosition => self.relative_angle_row(),
-            Measured::HubRate => self.hub_rate_row(),
-            Measured::RelativeRate => {
+            FeedbackSignal::HubRate if angles != Angles::Position => return None,
+            FeedbackSignal::HubPosition if angles != Angles::Relative => return None,
+            FeedbackSignal::HubPosition => self.relative_angle_row(),
+            FeedbackSignal::HubRate => self.hub_rate_row(),
+            FeedbackSignal::RelativeRate => {
                 inputs[LinearPlant::PITCH_RATE] = -1.0;
                 self.hub_rate_row()
             }
-            Measured::MotorRate => {
+            FeedbackSignal::MotorRate => {
                 inputs[LinearPlant::PITCH_RATE] = -self.motor_share() / ratio;
                 self.motor_rate_row().into_iter().map(|entry| entry / ratio).collect()
             }
-            Measured::MotorPosition => {
+            FeedbackSignal::MotorPosition => {
                 let mut row = self.relative_angle_row();
                 row[state::WINDUP] += 1.0;
                 row
             }
-            Measured::Torque => {
+            FeedbackSignal::Torque => {
                 inputs[LinearPlant::PITCH_RATE] =
                     self.parameters.gearbox.damping_nm_s_rad * (1.0 - self.motor_share() / ratio);
                 self.transmitted_torque_row()
             }
-            Measured::Current => self.current_row()[..self.core_order()].to_vec(),
+            FeedbackSignal::Current => self.current_row()[..self.core_order()].to_vec(),
         };
         Some(OutputRow { states, inputs })
     }

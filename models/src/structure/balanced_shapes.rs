@@ -7,7 +7,7 @@
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat, Sparse,
-    sparse::{Accuracy, Ports, QuadraticPencil, Wanted, Watch, low_rank_gramians, lowest_modes},
+    sparse::{Accuracy, Ports, ProgressObserver, QuadraticPencil, Wanted, low_rank_gramians, lowest_modes},
 };
 
 use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
@@ -34,7 +34,7 @@ impl BalancedShapes {
         clamped: &Clamped,
         modes: usize,
         damping_ratio: f64,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<Self, Error> {
         let free = clamped.free();
         let (M, K) = (structure.M.select(free), structure.K.select(free));
@@ -103,7 +103,7 @@ fn proportional(
     structure: &SparseStructure,
     clamped: &Clamped,
     ratio: f64,
-    watch: &mut Watch,
+    watch: &mut ProgressObserver,
 ) -> Result<Sparse, Error> {
     let none = Mat::zeros(structure.heave.len(), 0);
     let stage = "lowest mode of the clamped structure";

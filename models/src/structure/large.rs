@@ -5,7 +5,7 @@
 //! hub clamped serves all of them: a load that is in equilibrium with the rigid motions needs no reaction at the hub.
 
 use counterpoise_linalg as linalg;
-use counterpoise_linalg::{Mat, Sparse, sparse::Watch};
+use counterpoise_linalg::{Mat, Sparse, sparse::ProgressObserver};
 
 use super::balanced_shapes::BalancedShapes;
 use super::fe::{FeModel, NodeRows};
@@ -53,7 +53,7 @@ impl SparseStructure {
     /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass or a mode without damping where shapes are
     /// balanced, [`Error::MovesFreely`] if K leaves other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch`
     /// asked to stop.
-    pub fn condense(&self, wanted: &Condensation, watch: &mut Watch) -> Result<FeModel, Error> {
+    pub fn condense(&self, wanted: &Condensation, watch: &mut ProgressObserver) -> Result<FeModel, Error> {
         self.check()?;
         let clamped = Clamped::of(self, watch)?;
         let mut shapes = clamped.solve(&self.M.times(&self.rigid()));

@@ -3,7 +3,7 @@
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat, Sparse, SparseCholesky,
-    sparse::{Analysis, Progress, Watch},
+    sparse::{Analysis, ProgressObserver, StageProgress},
 };
 
 use super::fe::{FeModel, NodeRows};
@@ -62,11 +62,11 @@ pub(super) struct Clamped {
 }
 
 impl Clamped {
-    pub(super) fn of(structure: &SparseStructure, watch: &mut Watch) -> Result<Self, Error> {
+    pub(super) fn of(structure: &SparseStructure, watch: &mut ProgressObserver) -> Result<Self, Error> {
         let (size, hub) = (structure.heave.len(), structure.hub);
         let free: Vec<usize> = (0..size).filter(|&i| i != hub.deflection && i != hub.rotation).collect();
         let stage = "factorising the stiffness matrix";
-        if watch(Progress { stage, done: 0, of: 100 }).is_break() {
+        if watch(StageProgress { stage, done: 0, of: 100 }).is_break() {
             return Err(linalg::Error::Cancelled { what: stage }.into());
         }
         let K = structure.K.select(&free);

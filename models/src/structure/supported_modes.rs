@@ -6,7 +6,9 @@
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat,
-    sparse::{Cut, LowestModes, ModeCounter, Progress, Wanted, Watch, highest_cut, lowest_modes},
+    sparse::{
+        Cut, LowestModes, ModeCounter, ProgressObserver, StageProgress, Wanted, highest_cut, lowest_modes,
+    },
 };
 
 use super::modes::Support;
@@ -43,7 +45,7 @@ impl<'a> SupportedModes<'a> {
         structure: &'a SparseStructure,
         clamped: &'a Clamped,
         modes: usize,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<[LowestModes; 3], Error> {
         let hub = structure.hub;
         let search = |support: Support, stage: &'static str, motions: &Mat, count: usize| {
@@ -74,7 +76,7 @@ impl<'a> SupportedModes<'a> {
     }
 
     /// The modes that the iteration finds.
-    fn first(&self, search: &Search, watch: &mut Watch) -> Result<LowestModes, Error> {
+    fn first(&self, search: &Search, watch: &mut ProgressObserver) -> Result<LowestModes, Error> {
         let found = self.iterate(search, &search.rigid, search.count, watch)?;
         match found.squares.iter().any(|&square| self.is_rigid(&found.shapes, square)) {
             true => Err(Error::MovesFreely { support: search.stage }),
@@ -87,7 +89,7 @@ impl<'a> SupportedModes<'a> {
         search: &Search,
         known: &Mat,
         count: usize,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<LowestModes, Error> {
         let wanted = Wanted { stage: search.stage, count, tolerance: MODE_RESIDUAL, rigid: known };
         let solve = |loads: &Mat| Ok(self.clamped.solve(loads));
@@ -100,7 +102,7 @@ impl<'a> SupportedModes<'a> {
         &self,
         found: &mut [LowestModes; 3],
         together: &[usize],
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<(), Error> {
         for _ in 0..MODE_SEARCHES {
             let sets: Vec<&LowestModes> = together.iter().map(|&k| &found[k]).collect();
@@ -125,8 +127,8 @@ impl<'a> SupportedModes<'a> {
     }
 
     /// The number of flexible modes below a limit within a gap.
-    fn count(&self, cut: Cut, watch: &mut Watch) -> Result<Counts, Error> {
-        let step = Progress { stage: "counting the modes", done: 0, of: 100 };
+    fn count(&self, cut: Cut, watch: &mut ProgressObserver) -> Result<Counts, Error> {
+        let step = StageProgress { stage: "counting the modes", done: 0, of: 100 };
         if watch(step).is_break() {
             return Err(linalg::Error::Cancelled { what: step.stage }.into());
         }

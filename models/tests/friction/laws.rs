@@ -2,7 +2,7 @@
 
 use super::{assert_close, dahl, lugre, model, reset_integrator};
 use counterpoise_models::friction::describing::sinusoidal_loop;
-use counterpoise_models::friction::{FrictionModel, Surroundings};
+use counterpoise_models::friction::{FrictionConditions, FrictionModel};
 use counterpoise_models::{Error, Friction, FrictionLaw, Ripple, StribeckCurve};
 
 fn curved(curve: StribeckCurve) -> FrictionModel {
@@ -123,7 +123,7 @@ fn the_level_follows_angle_load_and_time() {
         ..plain.clone()
     })
     .unwrap();
-    let at = Surroundings { angle_rad: 0.5, load_nm: -8.0, time_s: 50.0 };
+    let at = FrictionConditions { angle_rad: 0.5, load_nm: -8.0, time_s: 50.0 };
     let expected = (1.0 + 0.2 * 1.5_f64.sin()) * (1.0 + 0.3 * ((-0.5_f64).exp() - 1.0)) + 0.4;
     assert_close(friction.level(&at), expected, 1e-14);
     assert_eq!(FrictionModel::new(&plain).unwrap().level(&at), 1.0);

@@ -12,7 +12,7 @@ use counterpoise_export::{
     rust_crate,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{Axis, Measured, Parameters};
+use counterpoise_models::{Axis, FeedbackSignal, Parameters};
 use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
@@ -287,14 +287,14 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
         Axis::Linear => ("position, m", "speed, m/s", "force of the transmission, N"),
     };
     let signal = match plant.sensors.measured {
-        Measured::HubRate if plant.axis == Axis::Rotary => return None,
-        Measured::HubRate => format!("inertial {rate}"),
-        Measured::RelativeRate => format!("{rate}, relative to the platform"),
-        Measured::MotorRate => format!("motor's {rate}, over the ratio, relative to the platform"),
-        Measured::HubPosition => format!("{angle}, relative to the platform"),
-        Measured::MotorPosition => format!("motor's {angle}, over the ratio, relative to the platform"),
-        Measured::Torque => torque.to_owned(),
-        Measured::Current => "current of the motor, A".to_owned(),
+        FeedbackSignal::HubRate if plant.axis == Axis::Rotary => return None,
+        FeedbackSignal::HubRate => format!("inertial {rate}"),
+        FeedbackSignal::RelativeRate => format!("{rate}, relative to the platform"),
+        FeedbackSignal::MotorRate => format!("motor's {rate}, over the ratio, relative to the platform"),
+        FeedbackSignal::HubPosition => format!("{angle}, relative to the platform"),
+        FeedbackSignal::MotorPosition => format!("motor's {angle}, over the ratio, relative to the platform"),
+        FeedbackSignal::Torque => torque.to_owned(),
+        FeedbackSignal::Current => "current of the motor, A".to_owned(),
     };
     Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }

@@ -1,6 +1,6 @@
 //! Readings beyond the range of the converter that they passed, as the project describes it.
 
-use counterpoise_models::{Measured, Parameters, Sensor};
+use counterpoise_models::{FeedbackSignal, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::sensor_of;
 
@@ -38,7 +38,9 @@ fn beyond(values: &mut [f64], limit: f64) -> Option<BeyondRange> {
 fn limit(plant: &Parameters, channel: Channel) -> Option<f64> {
     let sensor = match channel {
         Channel::Control => return (plant.interface.output_bits > 0).then_some(CONVERTER_RANGE_V),
-        Channel::Demand | Channel::HubRate if plant.sensors.measured != Measured::HubRate => return None,
+        Channel::Demand | Channel::HubRate if plant.sensors.measured != FeedbackSignal::HubRate => {
+            return None;
+        }
         Channel::Demand => sensor_of(plant, Channel::HubRate)?,
         read => sensor_of(plant, read)?,
     };

@@ -3,11 +3,12 @@
 //! Every hypothesis changes the finite elements of the project's beam by at most two numbers. It is fitted to all modes but
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, modes};
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
-use super::structure_hypotheses::{Change, End, Hypothesis, Scale, StructureVerdict, TriedStructure};
+use super::structure_hypotheses::{Change, End, Hypothesis, Scale, TriedStructure};
 use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
 use crate::wording::structure::{MASS, STIFFNESS_FACTOR, describe_hypothesis, describe_structure};
 use crate::{PipelineError, finite_elements};
@@ -24,7 +25,7 @@ const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StructureAnswer {
     /// Verdict.
-    pub verdict: StructureVerdict,
+    pub verdict: DiagnosisVerdict,
     /// In words: what was left out, how large it is.
     pub explanation: String,
     /// Measured frequencies, Hz.
@@ -35,6 +36,13 @@ pub struct StructureAnswer {
     pub tried: Vec<TriedStructure>,
     /// Others that explain the modes as well as the one that is named.
     pub alternatives: Vec<String>,
+}
+
+impl StructureAnswer {
+    /// Returns by how much each frequency of a structure is off, percent of the measured one; `modes_hz` in the order of the measured modes.
+    pub fn errors_percent(&self, modes_hz: &[f64]) -> Vec<f64> {
+        modes_hz.iter().zip(&self.measured_hz).map(|(hz, measured)| 100.0 * (hz / measured - 1.0)).collect()
+    }
 }
 
 /// The answer, and the project with what was named.
@@ -54,10 +62,10 @@ pub fn diagnose_structure(
     project: &Project,
     measured: &MeasuredModes,
 ) -> Result<StructureDiagnosis, PipelineError> {
-    let bench = Bench { project, measured };
+    let trials = StructureTrials { project, measured };
     let mut tried: Vec<Tried> = Vec::new();
     for hypothesis in hypotheses(measured.modes_hz.len()) {
-        if let Some(structure) = bench.tried(hypothesis)? {
+        if let Some(structure) = trials.tried(hypothesis)? {
             tried.push(Tried { hypothesis, structure });
         }
     }
@@ -65,7 +73,7 @@ pub fn diagnose_structure(
     tried.sort_by(|a, b| a.structure.left_out_percent.total_cmp(&b.structure.left_out_percent));
     let chosen = chosen(&as_it_is, &tried);
     let improved = match chosen {
-        Some(found) => bench.improved(found.hypothesis, &found.structure),
+        Some(found) => trials.improved(found.hypothesis, &found.structure),
         None => project.clone(),
     };
     Ok(StructureDiagnosis { answer: answer(measured, &as_it_is.structure, &tried, chosen), improved })
@@ -104,12 +112,12 @@ struct Fitting {
 }
 
 /// The project and what was measured on the real structure.
-struct Bench<'a> {
+struct StructureTrials<'a> {
     project: &'a Project,
     measured: &'a MeasuredModes,
 }
 
-impl Bench<'_> {
+impl StructureTrials<'_> {
     /// Fits and judges one hypothesis; `None` if it changes nothing.
     fn tried(&self, hypothesis: Hypothesis) -> Result<Option<TriedStructure>, PipelineError> {
         let candidates = self.candidates(hypothesis.change)?;
@@ -290,13 +298,13 @@ fn answer(
     let alternatives: Vec<String> =
         tried.iter().filter(alike).map(|one| one.structure.what.clone()).collect();
     let verdict = match chosen {
-        None if as_it_is.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => StructureVerdict::Consistent,
-        None => StructureVerdict::Unknown,
-        Some(_) if !alternatives.is_empty() => StructureVerdict::Ambiguous,
+        None if as_it_is.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => DiagnosisVerdict::Consistent,
+        None => DiagnosisVerdict::Unknown,
+        Some(_) if !alternatives.is_empty() => DiagnosisVerdict::Ambiguous,
         Some(best) if best.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => {
-            StructureVerdict::Named
+            DiagnosisVerdict::Named
         }
-        Some(_) => StructureVerdict::Incomplete,
+        Some(_) => DiagnosisVerdict::Incomplete,
     };
     let mut all = vec![as_it_is.clone()];
     all.extend(tried.iter().map(|one| one.structure.clone()));

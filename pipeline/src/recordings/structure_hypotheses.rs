@@ -42,22 +42,6 @@ pub(crate) enum Scale {
     Fitted,
 }
 
-/// How the structure and its measured modes stand to each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum StructureVerdict {
-    /// The model has the measured modes.
-    Consistent,
-    /// What it lacks has a name, and with it the model has them.
-    Named,
-    /// What has a name is part of it.
-    Incomplete,
-    /// Several explain the modes alike.
-    Ambiguous,
-    /// Nothing that is known explains them.
-    Unknown,
-}
-
 /// A hypothesis that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TriedStructure {

@@ -32,6 +32,11 @@ impl Track {
         ControlledQuantity::of_unit(self.unit)
     }
 
+    /// Returns simulated less measured samples; `simulated` is [`Track::before`] or [`Track::after`].
+    pub fn error(&self, simulated: &[f64]) -> Vec<f64> {
+        simulated.iter().zip(&self.measured).map(|(simulated, measured)| simulated - measured).collect()
+    }
+
     /// Returns the power of the residual of the model as it was, relative to that of what was measured.
     pub fn relative_residual_power(&self) -> f64 {
         let sum: f64 = self.measured.iter().zip(&self.before).map(|(m, b)| (m - b).powi(2)).sum();

@@ -20,8 +20,7 @@ use crate::budget::{Run, affordable};
 use crate::synth::controller_blocks::{dead_band_m_s2, drive_curve, inertia_v_s2_rad};
 use crate::synth::schedule::scale_imbalance;
 use crate::synth::torque_per_volt;
-use crate::tolerance::ADAPTED_FROM_SHARE;
-use crate::tolerance::SMALL_KG_M;
+use crate::tolerance::{ADAPTED_FROM_SHARE, RETURNED, SMALL_KG_M};
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
@@ -92,6 +91,41 @@ impl Serialize for Interval {
         map.serialize_entry("over_default", &self.over_default)?;
         map.serialize_entry("adapted", &self.adapted)?;
         map.end()
+    }
+}
+
+impl Interval {
+    /// Returns whether the hub rate came back, where the adaptation was to bring it back.
+    pub fn has_returned(&self) -> bool {
+        !self.adapted || self.over_default <= RETURNED
+    }
+}
+
+/// What the adapted intervals of all runs came to.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AdaptedIntervals {
+    /// Number of intervals with the adaptation in force throughout.
+    pub intervals: usize,
+    /// Number of those in which the hub rate came back.
+    pub returned: usize,
+    /// Largest hub rate over that of run (a).
+    pub largest_over_default: f64,
+    /// Largest error of the estimate at the end of an interval, kg m.
+    pub largest_estimate_error_kg_m: f64,
+}
+
+impl AdaptedIntervals {
+    /// Returns what the adapted intervals of runs came to.
+    pub fn of(runs: &[AdaptRun]) -> Self {
+        let adapted = runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted);
+        adapted.fold(Self::default(), |all, one| Self {
+            intervals: all.intervals + 1,
+            returned: all.returned + usize::from(one.has_returned()),
+            largest_over_default: all.largest_over_default.max(one.over_default),
+            largest_estimate_error_kg_m: all
+                .largest_estimate_error_kg_m
+                .max((one.used_kg_m - one.out_of_balance_kg_m).abs()),
+        })
     }
 }
 

@@ -145,6 +145,11 @@ impl TrialRow {
         self.with_rad_s / self.without_rad_s
     }
 
+    /// Returns by how much the hub rate without adaptation exceeds that with a known load, relative to it.
+    pub fn added_share(&self) -> f64 {
+        self.without_rad_s / self.told_rad_s - 1.0
+    }
+
     /// Returns the share of the added hub rate that the adaptation removes; `None` if the load adds no more than a twentieth, or no more than
     /// what friction remembers of the runs before.
     pub fn removed_share(&self) -> Option<f64> {

@@ -120,13 +120,13 @@ pub fn advise_changes(
     kept: Kept,
 ) -> Result<Vec<Advice>, PipelineError> {
     let Some(asked) = project.synth.as_ref() else { return Ok(Vec::new()) };
-    let bench = Bench { project, modelled, reduced, procedure, kept };
+    let trials = WeightTrials { project, modelled, reduced, procedure, kept };
     let parameters = weight_parameters(&asked.specification);
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, .. } if value.is_finite() => Some((requirement, *value)),
         _ => None,
     });
-    failing.map(|(requirement, value)| bench.advise(requirement, value, &parameters)).collect()
+    failing.map(|(requirement, value)| trials.advise(requirement, value, &parameters)).collect()
 }
 
 /// Returns the weights that a specification has.
@@ -162,7 +162,7 @@ struct WeightChange<'a> {
     factor: f64,
 }
 
-struct Bench<'a> {
+struct WeightTrials<'a> {
     project: &'a Project,
     modelled: &'a Modelled,
     reduced: &'a Reduced,
@@ -170,7 +170,7 @@ struct Bench<'a> {
     kept: Kept,
 }
 
-impl Bench<'_> {
+impl WeightTrials<'_> {
     fn advise(
         &self,
         requirement: &Requirement,

@@ -323,7 +323,7 @@ fn with_feedback(
     })
 }
 
-fn words(findings: &[counterpoise_synth::Finding]) -> String {
+fn words(findings: &[counterpoise_synth::DesignFinding]) -> String {
     findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 

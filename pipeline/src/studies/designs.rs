@@ -77,6 +77,26 @@ pub struct DesignRow {
     pub why: Option<String>,
 }
 
+/// How far a bound of the best linear feedback is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundGap {
+    /// By how much the value exceeds the dual bound of the basis, percent of that.
+    pub above_dual_percent: f64,
+    /// By how much the value with half of the basis exceeds the value, percent of that; `None` if half the basis keeps no such limits.
+    pub half_basis_percent: Option<f64>,
+}
+
+impl DesignRow {
+    /// Returns how far the bound is known; `None` if the row is no bound.
+    pub fn bound_gap(&self) -> Option<BoundGap> {
+        let (bound, value) = (self.bound.as_ref()?, self.linear.as_ref()?.residual.value);
+        Some(BoundGap {
+            above_dual_percent: 100.0 * (value / bound.lower_bound - 1.0),
+            half_basis_percent: bound.half_basis.map(|half| 100.0 * (half / value - 1.0)),
+        })
+    }
+}
+
 /// How good the bound of the best linear feedback is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundResult {
@@ -167,7 +187,7 @@ pub fn design_table(
     let wanted = asked.options.tuning.clone().unwrap_or_default();
     let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
     let identity = ProjectIdentity::of(project, world);
-    let bench = Bench {
+    let builder = RowBuilder {
         project,
         modelled: &modelled,
         reduced: &reduced,
@@ -176,9 +196,9 @@ pub fn design_table(
         procedure: own_procedure(project, world)?,
     };
     let own_name = own_name(&asked);
-    let own = bench.row(&own_name, project)?;
+    let own = builder.row(&own_name, project)?;
     let mut rows = vec![own];
-    rows.extend(variants(&asked).into_iter().map(|(name, synthesis)| bench.attempted(name, synthesis)));
+    rows.extend(variants(&asked).into_iter().map(|(name, synthesis)| builder.attempted(name, synthesis)));
     let mut limits: Vec<LoopLimits> = rows[0].linear.iter().map(|found| limits_of(found, &wanted)).collect();
     let decay_rad_s = limits.first().map_or(0.0, |limits| limits.decay_rad_s);
     limits.extend(asked.options.tuning.iter().map(|tuning| tuning.limits));
@@ -187,16 +207,16 @@ pub fn design_table(
     for limits in limits {
         for (name, structure) in structures() {
             let subject = TuningSubject::Structure(&structure);
-            rows.push(bench.tuned(name, subject, &Tuning { limits, ..wanted.clone() }));
+            rows.push(builder.tuned(name, subject, &Tuning { limits, ..wanted.clone() }));
         }
         rows.extend(weights.iter().map(|from| {
             let subject = TuningSubject::Weights(from);
-            bench.tuned(TUNED_WEIGHTS, subject, &Tuning { limits, ..wanted.clone() })
+            builder.tuned(TUNED_WEIGHTS, subject, &Tuning { limits, ..wanted.clone() })
         }));
-        rows.push(bench.best(limits, &wanted));
+        rows.push(builder.best(limits, &wanted));
     }
     let controlled = project.plant.controlled_quantity();
-    let motion = if bench.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
+    let motion = if builder.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
     let objective = match ground.objective {
         TuningObjective::Motion => {
             format!("{} under {motion}", controlled.name())
@@ -274,7 +294,7 @@ fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
 }
 
 /// What every row is made with.
-struct Bench<'a> {
+struct RowBuilder<'a> {
     project: &'a Project,
     modelled: &'a Modelled,
     reduced: &'a Reduced,
@@ -283,7 +303,7 @@ struct Bench<'a> {
     procedure: Procedure,
 }
 
-impl Bench<'_> {
+impl RowBuilder<'_> {
     fn row(&self, name: &str, project: &Project) -> Result<DesignRow, PipelineError> {
         let made =
             run_observed(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;

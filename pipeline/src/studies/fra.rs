@@ -16,9 +16,11 @@ use counterpoise_simulate::fra::{self, Measurement, PlannedPoint, Response, Sett
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::plant::Resolver;
+use ndarray::Array2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use super::fra_points::{MapPoints, MeasuredPoint};
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
@@ -51,36 +53,6 @@ pub struct Plan {
     pub frequencies_hz: Vec<f64>,
     /// Heave per pitch acceleration of the platform, m.
     pub offset_m: f64,
-}
-
-/// One point of the map.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Point {
-    /// Amplitude of the excitation, in the input's unit.
-    pub amplitude: f64,
-    /// Frequency, Hz, moved so that whole cycles fill whole samples.
-    pub frequency_hz: f64,
-    /// Real and imaginary part of the response.
-    pub response: [f64; 2],
-    /// Gain, dB.
-    pub gain_db: f64,
-    /// Phase, degrees, from -180 to 180.
-    pub phase_deg: f64,
-    /// Mean of what is measured: of the hub rate, rad/s, in a loop of rate, otherwise in the output's unit.
-    pub mean_rad_s: f64,
-    /// Harmonics of what is measured from the second on, over its fundamental.
-    pub distortion: f64,
-    /// Whole cycles in the window.
-    pub cycles: usize,
-    /// Relative change of the response from the window before; none on a recording.
-    pub last_change: Option<f64>,
-    /// Whether the motion had settled; on a recording, whether it was excited at this frequency at all.
-    pub settled: bool,
-    /// The linear model without dry friction.
-    pub linear: [f64; 2],
-    /// The linear model with dry friction as its describing function; `None` if there is no dry friction, or if the
-    /// describing function finds no amplitude that repeats itself.
-    pub describing: Option<[f64; 2]>,
 }
 
 /// What has to be known with the numbers of a map.
@@ -130,8 +102,8 @@ pub struct Map<Remark = String> {
     pub signals: MapSignals,
     /// Name of the recording, where the instrument ran on one.
     pub recording: Option<String>,
-    /// Points: amplitude by amplitude, frequency rising.
-    pub points: Vec<Point>,
+    /// The numbers of its points.
+    pub points: MapPoints,
     /// How long the mechanism was simulated, s.
     pub simulated_s: f64,
     /// What has to be known with the numbers.
@@ -164,35 +136,6 @@ pub fn map_recordings(
         Ok(RecordedMap { map: Map { recording: Some(item.file), ..map }, columns: item.remarks })
     };
     read(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
-}
-
-/// The moduli of a map at one amplitude, over the frequency in rad/s.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct AmplitudeCurve {
-    /// Amplitude of the excitation, in the input's unit.
-    pub amplitude: f64,
-    /// Frequency (rad/s) and modulus as measured.
-    pub measured: Vec<[f64; 2]>,
-    /// Frequency (rad/s) and modulus of the linear model without dry friction.
-    pub linear: Vec<[f64; 2]>,
-}
-
-impl<Remark> Map<Remark> {
-    /// Returns the curves of the map, amplitude by amplitude.
-    pub fn amplitude_curves(&self) -> Vec<AmplitudeCurve> {
-        let mut all: Vec<AmplitudeCurve> = Vec::new();
-        for point in &self.points {
-            if all.last().is_none_or(|last| last.amplitude != point.amplitude) {
-                all.push(AmplitudeCurve { amplitude: point.amplitude, ..AmplitudeCurve::default() });
-            }
-            if let Some(AmplitudeCurve { measured, linear, .. }) = all.last_mut() {
-                let (rate, modulus) = (TAU * point.frequency_hz, |h: [f64; 2]| h[0].hypot(h[1]));
-                measured.push([rate, modulus(point.response)]);
-                linear.push([rate, modulus(point.linear)]);
-            }
-        }
-        all
-    }
 }
 
 impl Around {
@@ -288,11 +231,11 @@ impl Analyser {
         Ok(Self { plant, ..self })
     }
 
-    /// Measures every point on the simulated mechanism, in parallel.
+    /// Measures every point on the simulated mechanism, in parallel, and returns the measurements, frequency x amplitude.
     ///
     /// # Errors
     /// The first point that cannot be measured.
-    pub fn measure(&self, plan: &Plan, pool: &dyn Pool) -> Result<Vec<Measurement>, PipelineError> {
+    pub fn measure(&self, plan: &Plan, pool: &dyn Pool) -> Result<Array2<Measurement>, PipelineError> {
         let count = plan.amplitudes.len() * plan.frequencies_hz.len();
         let settings = Settings {
             hub_angle_rad: self.point.hub_angle_rad,
@@ -320,9 +263,11 @@ impl Analyser {
             found
         });
         let measured: Vec<_> = measured.into_iter().flatten().collect();
-        let amplitudes = 0..plan.amplitudes.len();
-        let by_amplitude = amplitudes.flat_map(|k| measured.iter().skip(k).step_by(plan.amplitudes.len()));
-        by_amplitude.map(|point| Ok(point.clone()?)).collect()
+        let (frequencies, amplitudes) = (plan.frequencies_hz.len(), plan.amplitudes.len());
+        let by_amplitude = (0..amplitudes).flat_map(|k| measured.iter().skip(k).step_by(amplitudes));
+        let points: Vec<Measurement> = by_amplitude.cloned().collect::<Result<_, _>>()?;
+        let at = |(frequency, amplitude): (usize, usize)| points[amplitude * frequencies + frequency].clone();
+        Ok(Array2::from_shape_fn((frequencies, amplitudes), at))
     }
 
     /// Returns the map of what was measured, with the linear models beside it.
@@ -331,21 +276,23 @@ impl Analyser {
     /// Those of the linearisation.
     pub fn compare(
         &self,
-        measured: &[Measurement],
+        measured: &Array2<Measurement>,
         pool: &dyn Pool,
     ) -> Result<Map<MapRemark>, PipelineError> {
+        let frequencies = measured.nrows();
         let points = map(pool, measured.len(), |k| {
-            let one = &measured[k];
+            let one = &measured[(k % frequencies, k / frequencies)];
             let point = self.point_of(&one.response, one.amplitude)?;
-            Ok(Point { last_change: Some(one.last_change), settled: one.settled, ..point })
+            Ok(MeasuredPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
         });
+        let points: Vec<MeasuredPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
             signals: self.around.signals(self.plant.parameters().controlled_quantity()),
             recording: None,
-            points: points.into_iter().collect::<Result<_, PipelineError>>()?,
-            simulated_s: measured.iter().map(|one| one.simulated_s).sum(),
+            points: MapPoints::of(&points, frequencies),
+            simulated_s: measured.t().iter().map(|one| one.simulated_s).sum(),
             remarks: self.remarks.clone(),
         })
     }
@@ -375,36 +322,34 @@ impl Analyser {
         for hz in frequencies_hz {
             let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
-            points.push(Point { settled: excited(&found, recording.sample_period_s), ..point });
+            points.push(MeasuredPoint { settled: excited(&found, recording.sample_period_s), ..point });
         }
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
             signals: self.around.signals(self.plant.parameters().controlled_quantity()),
             recording: Some(recording.name.clone()),
-            points,
+            points: MapPoints::of(&points, frequencies_hz.len()),
             simulated_s: 0.0,
             remarks: self.remarks.clone(),
         })
     }
 
-    fn point_of(&self, response: &Response, amplitude: f64) -> Result<Point, PipelineError> {
+    fn point_of(&self, response: &Response, amplitude: f64) -> Result<MeasuredPoint, PipelineError> {
         let rate = response.frequency_rad_s;
         let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
         let describing = self.described(&linear, rate, amplitude)?;
-        Ok(Point {
+        Ok(MeasuredPoint {
             amplitude,
             frequency_hz: rate / TAU,
-            response: pair(response.value),
-            gain_db: response.gain_db(),
-            phase_deg: response.phase_rad().to_degrees(),
-            mean_rad_s: response.output.mean,
+            response: response.value,
+            mean: response.output.mean,
             distortion: response.distortion(),
             cycles: response.cycles,
             last_change: None,
             settled: true,
-            linear: pair(linear.response),
-            describing: describing.map(|found| pair(found.response)),
+            linear: linear.response,
+            describing: describing.map(|found| found.response),
         })
     }
 
@@ -530,10 +475,6 @@ fn excited(found: &Response, period_s: f64) -> bool {
 
 fn column(all: &counterpoise_linalg::CMat, input: usize) -> Vec<C64> {
     (0..all.nrows()).map(|i| all[(i, input)]).collect()
-}
-
-fn pair(value: C64) -> [f64; 2] {
-    [value.re, value.im]
 }
 
 /// A controller that does nothing: the test without one does not ask it.

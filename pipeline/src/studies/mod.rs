@@ -18,6 +18,7 @@ pub mod cost_basis;
 pub mod designs;
 pub mod fra;
 pub mod fra_plan;
+pub mod fra_points;
 pub mod fra_summary;
 pub mod search;
 pub mod sweep;

@@ -1,7 +1,7 @@
 //! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
 
 use counterpoise_synth::{
-    Figures, Found, Requirements, SearchTask, Trial, figures, search as searched, trade_off,
+    Figures, Requirements, SearchResult, SearchTask, Trial, figures, search as searched, trade_off,
 };
 
 use counterpoise_verify::VerifiedController;
@@ -19,14 +19,14 @@ pub struct TradeOffPoint {
     /// The limit of the largest sensitivity Ms.
     pub ms_limit: f64,
     /// What was found under it.
-    pub found: Found,
+    pub found: SearchResult,
 }
 
 /// The answer of a search.
 #[derive(Debug, Clone)]
 pub struct Searched {
     /// What was found.
-    pub found: Found,
+    pub found: SearchResult,
     /// The trade-off between rejection and sensitivity, in the order of the project's limits.
     pub curve: Vec<TradeOffPoint>,
     /// The figures of what was found on the plant as it was before reduction.
@@ -93,7 +93,7 @@ pub fn search(
 
 /// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
 /// points were searched further.
-fn better_point(curve: &[TradeOffPoint], found: &Found, wanted: &Requirements) -> Option<Trial> {
+fn better_point(curve: &[TradeOffPoint], found: &SearchResult, wanted: &Requirements) -> Option<Trial> {
     let rejection = |trial: &Trial| trial.figures.rejection;
     let points = curve.iter().map(|point| &point.found.best);
     points
@@ -109,7 +109,7 @@ pub struct Judged {
     /// The limit of Ms under which they were found; none for the answer itself.
     pub ms_limit: Option<f64>,
     /// What was found.
-    pub found: Found,
+    pub found: SearchResult,
     /// The verified controller.
     pub verified: VerifiedController,
     /// The project with these weights.
@@ -135,7 +135,7 @@ pub fn verify_found(
     world: &dyn World,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Vec<Judged>, PipelineError> {
-    let mut points: Vec<(Option<f64>, &Found)> =
+    let mut points: Vec<(Option<f64>, &SearchResult)> =
         searched.curve.iter().map(|point| (Some(point.ms_limit), &point.found)).collect();
     points.sort_by(|a, b| a.1.best.figures.rejection.total_cmp(&b.1.best.figures.rejection));
     let mut all = Vec::new();

@@ -12,13 +12,12 @@ use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
 
 use super::torque_per_volt;
+use crate::tolerance::LEAST_LEFT;
 use crate::{Modelled, PipelineError};
 
 /// Share of the available control and of the no-load rate that a ramp takes: the other half is for disturbances, and for a machine
 /// that is not quite the model.
 const SHARE: f64 = 0.5;
-/// Least share of the control that counts as available, where weight and friction take nearly all of it.
-const LEAST_LEFT: f64 = 0.1;
 /// Duration over which a ramp's control is looked at, in periods of the loop's bandwidth over 2 pi, and of its position gain.
 const RAMP_OF_BANDWIDTH: f64 = 30.0;
 const RAMP_OF_POSITION_GAIN: f64 = 6.0;

@@ -11,8 +11,8 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, fr
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
-    Alternative, Channel, Design, Entry, Finding, Method, Reference, Sampled, Sampling, alternative, design,
-    discretise, discretise_schedule,
+    Alternative, Channel, Design, DesignFinding, Entry, Method, Reference, Sampled, Sampling, alternative,
+    design, discretise, discretise_schedule,
 };
 
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
@@ -36,7 +36,7 @@ pub struct Synthesised {
     /// The sampled controller and its loop.
     pub sampled: Sampled,
     /// What a designer should know.
-    pub warnings: Vec<Finding>,
+    pub warnings: Vec<DesignFinding>,
     /// How it is sampled.
     pub sampling: Sampling,
     /// The other method that made the feedback, where the project names one.

@@ -1,8 +1,7 @@
 //! The diagnosis of a structure in words: what was tried, and what the model lacks. Its JSON result carries them.
 
-use crate::recordings::structure_hypotheses::{
-    Change, End, Hypothesis, Scale, StructureVerdict, TriedStructure,
-};
+use crate::recordings::structure_hypotheses::{Change, End, Hypothesis, Scale, TriedStructure};
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 
 /// Name of the fitted mass at an end of the beam.
 pub(crate) const MASS: &str = "mass [kg]";
@@ -27,13 +26,13 @@ pub(crate) fn describe_hypothesis(hypothesis: Hypothesis) -> String {
 
 /// Describes what a structure's model lacks; `chosen` is the hypothesis that explains the modes, if there is one.
 pub(crate) fn describe_structure(
-    verdict: StructureVerdict,
+    verdict: DiagnosisVerdict,
     as_it_is: &TriedStructure,
     chosen: Option<&TriedStructure>,
 ) -> String {
     let before = as_it_is.left_out_percent;
     match (verdict, chosen) {
-        (StructureVerdict::Consistent, _) => {
+        (DiagnosisVerdict::Consistent, _) => {
             format!("the model has the measured modes within {before:.2} % RMS")
         }
         (_, Some(found)) => format!(

@@ -22,7 +22,7 @@ pub use visit::Choice;
 use crate::diagnostic::{Diagnostic, Problem, Severity};
 use attachments::LARGEST_TEXT;
 use source::{Remark, Source};
-use tree::{Entry, Found, Node, Start, Value};
+use tree::{Entry, Lookup, Node, Start, Value};
 
 /// The format of project files that this version writes; it reads this one and all before it.
 ///
@@ -180,7 +180,7 @@ impl Document {
     /// Returns the node at a path, if it is there.
     pub(crate) fn node_at(&self, path: &str) -> Option<&Node> {
         let (node, found) = tree::find(&self.entries, path);
-        node.filter(|_| found == Found::There)
+        node.filter(|_| found == Lookup::Exact)
     }
 
     /// Returns the same file with the value at a path replaced as it is given, whatever unit stood there
@@ -212,7 +212,7 @@ impl Document {
     pub(crate) fn refuse_part(&self, path: &str) -> Result<(), EditError> {
         let (node, found) = tree::find(&self.entries, path);
         let inside_of_list = path.contains('[');
-        let Some(node) = node.filter(|_| found == Found::There || inside_of_list) else { return Ok(()) };
+        let Some(node) = node.filter(|_| found == Lookup::Exact || inside_of_list) else { return Ok(()) };
         match self.source.part_at(node.span.start) {
             None => Ok(()),
             Some(part) => Err(EditError::InPart { path: path.to_owned(), part: part.to_owned() }),

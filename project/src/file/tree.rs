@@ -103,31 +103,31 @@ impl Value {
 
 /// Returns the node at a path such as `plant.beam.section[1].to`, and whether the whole path is there: if it is not, the node is
 /// that of the nearest thing around it.
-pub(crate) fn find<'e>(entries: &'e [Entry], path: &str) -> (Option<&'e Node>, Found) {
+pub(crate) fn find<'e>(entries: &'e [Entry], path: &str) -> (Option<&'e Node>, Lookup) {
     let (mut entries, mut nearest) = (entries, None);
     for part in path.split('.') {
         let (key, index) = part
             .split_once('[')
             .map_or((part, None), |(k, i)| (k, i.trim_end_matches(']').parse::<usize>().ok()));
-        let Some(entry) = entries.iter().find(|e| e.key == key) else { return (nearest, Found::Around) };
+        let Some(entry) = entries.iter().find(|e| e.key == key) else { return (nearest, Lookup::Enclosing) };
         let node = match (&entry.node.value, index) {
             (Value::List(items), Some(index)) => match items.get(index) {
                 Some(item) => item,
-                None => return (Some(&entry.node), Found::Around),
+                None => return (Some(&entry.node), Lookup::Enclosing),
             },
             _ => &entry.node,
         };
         nearest = Some(node);
         entries = if let Value::Table(inside) = &node.value { inside } else { &[] };
     }
-    (nearest, Found::There)
+    (nearest, Lookup::Exact)
 }
 
 /// Whether a search found the thing itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Found {
+pub(crate) enum Lookup {
     /// The thing itself.
-    There,
+    Exact,
     /// Something around it.
-    Around,
+    Enclosing,
 }

@@ -1,7 +1,7 @@
 //! What the loop controls: the rate, the position, the torque or the current that its sensor measures, or rate and position in a cascade.
 
 use counterpoise_lti::Discretisation;
-use counterpoise_models::{Axis, Measured};
+use counterpoise_models::{Axis, FeedbackSignal};
 use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
 
 use super::synthesis::{LoopKind, Synthesis};
@@ -30,7 +30,7 @@ const GAIN: Field = Field::new(
 .limit(Limit::Above(0.0));
 
 /// Reads or lists what the loop controls.
-pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
+pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal) {
     let usual = usual_kind(measured);
     if synth.loop_kind != LoopKind::Cascade {
         synth.loop_kind = usual;
@@ -64,12 +64,12 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: Meas
 }
 
 /// What the loop of a sensor controls if nothing else is said.
-fn usual_kind(measured: Measured) -> LoopKind {
+fn usual_kind(measured: FeedbackSignal) -> LoopKind {
     match measured {
-        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => LoopKind::Rate,
-        Measured::HubPosition | Measured::MotorPosition => LoopKind::Position,
-        Measured::Torque => LoopKind::Torque,
-        Measured::Current => LoopKind::Current,
+        FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => LoopKind::Rate,
+        FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => LoopKind::Position,
+        FeedbackSignal::Torque => LoopKind::Torque,
+        FeedbackSignal::Current => LoopKind::Current,
     }
 }
 

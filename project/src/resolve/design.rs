@@ -6,7 +6,7 @@ use counterpoise_export::{Options, Precision};
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{Discretisation, Timebase};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::{Axis, Measured};
+use counterpoise_models::{Axis, FeedbackSignal};
 use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
 };
@@ -164,7 +164,7 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 }
 
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured, axis: Axis) {
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal, axis: Axis) {
     cascade::loop_kind(v, synth, measured);
     cascade::rate_limit(v, synth, axis);
     assembly_and_form(v, synth);

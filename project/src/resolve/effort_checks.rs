@@ -1,7 +1,7 @@
 //! What a loop of torque, force or current needs: something between motor and sensor that has a state, and something that holds the machine.
 
 use counterpoise_models::parameters::AmplifierDynamics;
-use counterpoise_models::{Measured, Parameters};
+use counterpoise_models::{FeedbackSignal, Parameters};
 
 use super::Project;
 use super::findings::Findings;
@@ -12,16 +12,16 @@ use crate::file::source::Remark;
 pub(super) fn effort(findings: &mut Findings<'_>, project: &Project) {
     let plant = &project.plant;
     let key = match plant.sensors.measured {
-        Measured::Torque => "plant.sensors.torque",
-        Measured::Current => "plant.sensors.current",
+        FeedbackSignal::Torque => "plant.sensors.torque",
+        FeedbackSignal::Current => "plant.sensors.current",
         _ => return,
     };
     let missing = match plant.sensors.measured {
-        Measured::Torque if plant.gearbox.is_rigid() => Some((
+        FeedbackSignal::Torque if plant.gearbox.is_rigid() => Some((
             "measures the torque of a transmission that gives, and this one is rigid",
             "state its stiffness (that of the sensor itself if the rest is stiff) and the inertia of the motor: gearbox = { ratio = 1.0, stiffness = ... } and motor = { inertia = ... }",
         )),
-        Measured::Current => no_current(plant),
+        FeedbackSignal::Current => no_current(plant),
         _ => None,
     };
     if let Some((problem, hint)) = missing {

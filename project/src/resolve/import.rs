@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use counterpoise_linalg::{Sparse, sparse::Watch};
+use counterpoise_linalg::{Sparse, sparse::ProgressObserver};
 use counterpoise_models::PointMass;
 use counterpoise_models::structure::fe::Fitted;
 use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};
@@ -83,7 +83,7 @@ impl ImportedContent {
         &self,
         fitted: &Fitted,
         wanted: &Condensation,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if !self.matrices.is_large() && wanted.shapes == Shapes::Modes {
             return self.computed(fitted, wanted, watch);
@@ -110,7 +110,7 @@ impl ImportedContent {
         &self,
         fitted: &Fitted,
         wanted: &Condensation,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if *fitted == Fitted::default() {
             return self.matrices.condense(&self.map, wanted, watch);

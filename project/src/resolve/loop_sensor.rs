@@ -2,7 +2,7 @@
 //!
 //! Without any, the loop has an ideal rate gyroscope.
 
-use counterpoise_models::{Axis, Measured, Parameters, Sensor};
+use counterpoise_models::{Axis, FeedbackSignal, Parameters, Sensor};
 use std::f64::consts::TAU;
 
 use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
@@ -13,13 +13,13 @@ use crate::file::visit::{Choice, Presence, Visit, choose};
 pub(super) const UNKNOWN: Sensor = Sensor { scale_v_unit: IDEAL_SCALE, ..Sensor::IDEAL };
 
 /// Returns the section of the loop's sensor where its readings go through a converter.
-pub(super) fn section_of_analogue(measured: Measured) -> &'static str {
+pub(super) fn section_of_analogue(measured: FeedbackSignal) -> &'static str {
     match measured {
-        Measured::HubRate => "hub_gyro",
-        Measured::RelativeRate | Measured::MotorRate => "tachometer",
-        Measured::HubPosition | Measured::MotorPosition => "resolver",
-        Measured::Torque => "torque",
-        Measured::Current => "current",
+        FeedbackSignal::HubRate => "hub_gyro",
+        FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => "tachometer",
+        FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => "resolver",
+        FeedbackSignal::Torque => "torque",
+        FeedbackSignal::Current => "current",
     }
 }
 
@@ -46,20 +46,23 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let digital = plant.sensors.hub_gyro.resolution > 0.0;
     let mut found = 0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
-    if v.enter(&gyro, Presence::from(measured == Measured::HubRate && plant.sensors.hub_gyro != UNKNOWN)) {
+    if v.enter(
+        &gyro,
+        Presence::from(measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN),
+    ) {
         gyroscope(v, &mut plant.sensors.hub_gyro);
-        found += measures(plant, Measured::HubRate, found);
+        found += measures(plant, FeedbackSignal::HubRate, found);
         v.leave();
     }
-    let rate = matches!(measured, Measured::RelativeRate | Measured::MotorRate);
+    let rate = matches!(measured, FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate);
     if v.enter(
         &TableField::optional("tachometer", "rate relative to the platform, which the loop controls"),
         Presence::from(rate),
     ) {
-        let mut place = if measured == Measured::MotorRate { Place::Motor } else { Place::Load };
+        let mut place = if measured == FeedbackSignal::MotorRate { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
         sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
-        let rates = [Measured::RelativeRate, Measured::MotorRate];
+        let rates = [FeedbackSignal::RelativeRate, FeedbackSignal::MotorRate];
         found += measures(plant, rates[usize::from(place == Place::Motor)], found);
         v.leave();
     }
@@ -71,7 +74,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         if !v.enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
         }
-        let mut place = if measured == Measured::MotorPosition { Place::Motor } else { Place::Load };
+        let mut place = if measured == FeedbackSignal::MotorPosition { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
         if plant.axis == Axis::Linear && place == Place::Load && v.has("counts") {
             let allowed = "must be \"motor\" for an encoder with counts a turn";
@@ -83,7 +86,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
             resolution(v, plant, place);
         }
         sensor(v, &mut plant.sensors.hub_gyro, "rad");
-        let positions = [Measured::HubPosition, Measured::MotorPosition];
+        let positions = [FeedbackSignal::HubPosition, FeedbackSignal::MotorPosition];
         found += measures(plant, positions[usize::from(place == Place::Motor)], found);
         v.leave();
     }
@@ -123,10 +126,10 @@ fn efforts(v: &mut dyn Visit, plant: &mut Parameters, found: usize) -> usize {
         (
             "torque",
             "torque or force that the transmission passes to the load, which the loop controls",
-            Measured::Torque,
+            FeedbackSignal::Torque,
             torque_unit,
         ),
-        ("current", "current of the motor, which the loop controls", Measured::Current, "A"),
+        ("current", "current of the motor, which the loop controls", FeedbackSignal::Current, "A"),
     ] {
         if v.enter(&TableField::optional(key, meaning), Presence::from(measured == of)) {
             sensor(v, &mut plant.sensors.hub_gyro, unit);
@@ -138,7 +141,7 @@ fn efforts(v: &mut dyn Visit, plant: &mut Parameters, found: usize) -> usize {
 }
 
 /// Sets what the loop's sensor measures, if `found` sensors before it are none: the first one of a file counts. Returns 1.
-fn measures(plant: &mut Parameters, measured: Measured, found: usize) -> usize {
+fn measures(plant: &mut Parameters, measured: FeedbackSignal, found: usize) -> usize {
     if found == 0 {
         plant.sensors.measured = measured;
     }

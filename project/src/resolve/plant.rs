@@ -1,8 +1,8 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    AccelerometerAxis, Axis, Clock, DriveLimits, Friction, FrictionLaw, Gearbox, Interface, Loads, Lumped,
-    Measured, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    AccelerometerAxis, Axis, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox, Interface,
+    Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::Words;
@@ -36,7 +36,7 @@ pub(crate) fn blank() -> Parameters {
         pivot_friction: Friction::plain(FrictionLaw::None, 0.0),
         sensors: Sensors {
             hub_gyro: loop_sensor::UNKNOWN,
-            measured: Measured::HubRate,
+            measured: FeedbackSignal::HubRate,
             platform_gyro: Sensor::ABSENT,
             platform_accelerometer: Sensor::ABSENT,
             accelerometer_lever_arm_m: 0.0,

@@ -1,6 +1,6 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
-use counterpoise_models::{Axis, Measured};
+use counterpoise_models::{Axis, FeedbackSignal};
 use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
 
 use super::Project;
@@ -17,10 +17,12 @@ impl Project {
     /// Returns what the axis, the loop's sensor and the recording's controller make of the units of the channels of recordings.
     pub fn channel_units(&self) -> ChannelUnits {
         let reading = match self.plant.sensors.measured {
-            Measured::HubRate | Measured::RelativeRate | Measured::MotorRate => Controlled::Rate,
-            Measured::HubPosition | Measured::MotorPosition => Controlled::Position,
-            Measured::Torque => Controlled::Torque,
-            Measured::Current => Controlled::Current,
+            FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => {
+                Controlled::Rate
+            }
+            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => Controlled::Position,
+            FeedbackSignal::Torque => Controlled::Torque,
+            FeedbackSignal::Current => Controlled::Current,
         };
         let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
         let demand = if positioned { Controlled::Position } else { reading };

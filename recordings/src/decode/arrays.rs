@@ -22,12 +22,12 @@ pub struct NamedArray {
 
 /// Arrays and what was left out, in the order in which they are found.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct DecodedArrays {
     pub(super) arrays: Vec<NamedArray>,
     pub(super) remarks: Vec<Remark>,
 }
 
-impl Found {
+impl DecodedArrays {
     /// Adds an array that is not read.
     pub(super) fn unread(&mut self, column: &str, why: Unread) {
         self.remarks.push(Remark::Unread { column: column.to_owned(), why });

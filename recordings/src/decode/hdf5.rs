@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use hdf5_pure::{DType, Dataset, Error as Hdf5Error, File, FormatError, Group};
 use ndarray::{Array2, ShapeBuilder};
 
-use super::arrays::{Found, NamedArray};
+use super::arrays::{DecodedArrays, NamedArray};
 use super::budget::Budget;
 use crate::remark::Unread;
 use crate::table::{TIME_NAMES, name_and_unit};
@@ -36,7 +36,7 @@ struct Reader<'a> {
     file: &'a str,
     order: Order,
     budget: Budget<'a>,
-    found: Found,
+    found: DecodedArrays,
     objects: usize,
     /// Channels of which a data set was found.
     channels: BTreeSet<Channel>,
@@ -55,13 +55,19 @@ impl From<Hdf5Error> for Stop {
 }
 
 /// Returns the arrays of an HDF5 file. Should the library panic over a damaged file, that too is an error.
-pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<Found, Error> {
+pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<DecodedArrays, Error> {
     let unreadable = |why: String| Error::Unreadable { file: file.to_owned(), kind: "HDF5", why };
     let read = std::panic::catch_unwind(|| {
         let opened = File::from_bytes(bytes.to_vec())?;
         let budget = Budget::new(file, bytes.len());
-        let mut reader =
-            Reader { file, order, budget, found: Found::default(), objects: 0, channels: BTreeSet::new() };
+        let mut reader = Reader {
+            file,
+            order,
+            budget,
+            found: DecodedArrays::default(),
+            objects: 0,
+            channels: BTreeSet::new(),
+        };
         reader.group(&opened.root(), "", 0)?;
         reader.links(bytes);
         Ok::<_, Stop>(reader.found)

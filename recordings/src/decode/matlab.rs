@@ -7,7 +7,7 @@ use std::io::Read;
 
 use ndarray::{Array2, ShapeBuilder};
 
-use super::arrays::{Found, NamedArray};
+use super::arrays::{DecodedArrays, NamedArray};
 use super::budget::Budget;
 use super::elements::{ByteOrder, COMPRESSED, Element, Elements};
 use crate::Error;
@@ -36,7 +36,7 @@ struct Reader<'a> {
     file: &'a str,
     order: ByteOrder,
     budget: Budget<'a>,
-    found: Found,
+    found: DecodedArrays,
 }
 
 /// Where an array lies: its name is empty for one at the top, which has a name of its own.
@@ -46,13 +46,14 @@ struct Place<'a> {
 }
 
 /// Returns the arrays of a MATLAB file of version 5.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Found, Error> {
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<DecodedArrays, Error> {
     let order = match bytes.get(126..128) {
         Some(b"IM") => ByteOrder::LittleEndian,
         Some(b"MI") => ByteOrder::BigEndian,
         _ => return Err(broken(file, "the header has no byte order mark")),
     };
-    let mut reader = Reader { file, order, budget: Budget::new(file, bytes.len()), found: Found::default() };
+    let mut reader =
+        Reader { file, order, budget: Budget::new(file, bytes.len()), found: DecodedArrays::default() };
     let mut elements = Elements { bytes: bytes.get(HEADER..).unwrap_or_default(), order };
     while let Some(element) = elements.next() {
         reader.variable(&element)?;

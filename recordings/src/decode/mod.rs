@@ -15,7 +15,7 @@ pub use arrays::NamedArray;
 pub use csv::CsvParts;
 
 use crate::{Column, Error, Remark, Table};
-use arrays::Found;
+use arrays::DecodedArrays;
 
 /// First bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
@@ -65,7 +65,7 @@ pub fn read_arrays(bytes: &[u8], name: &str) -> Result<(Vec<NamedArray>, Vec<Rem
 }
 
 /// Returns what a file of arrays holds; `None` for a file of another format.
-fn found(bytes: &[u8], file: &str) -> Option<Result<Found, Error>> {
+fn found(bytes: &[u8], file: &str) -> Option<Result<DecodedArrays, Error>> {
     if bytes.starts_with(MATLAB) {
         Some(matlab::read(bytes, file))
     } else if bytes.starts_with(MATLAB_7_3) {

@@ -7,7 +7,7 @@
 use half::f16;
 use ndarray::{Array2, ShapeBuilder};
 
-use super::arrays::{Found, NamedArray};
+use super::arrays::{DecodedArrays, NamedArray};
 use super::budget::Budget;
 use super::zip;
 use crate::Error;
@@ -21,15 +21,15 @@ const ONLY: &str = "column";
 const MOST_FIELDS: usize = 4096;
 
 /// Returns the array, or the fields, of an .npy file.
-pub(super) fn read_array(bytes: &[u8], file: &str) -> Result<Found, Error> {
-    let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: Found::default() };
+pub(super) fn read_array(bytes: &[u8], file: &str) -> Result<DecodedArrays, Error> {
+    let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: DecodedArrays::default() };
     reader.array(bytes, ONLY)?;
     Ok(reader.found)
 }
 
 /// Returns the arrays of an archive.
-pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<Found, Error> {
-    let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: Found::default() };
+pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<DecodedArrays, Error> {
+    let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: DecodedArrays::default() };
     for entry in zip::entries(bytes).ok_or_else(|| broken(file, "the archive is cut off or damaged"))? {
         let Some(name) = entry.name.strip_suffix(".npy") else {
             reader.found.holds(&entry.name, "something other than an array");
@@ -56,7 +56,7 @@ fn broken(file: &str, why: &str) -> Error {
 struct Reader<'a> {
     file: &'a str,
     budget: Budget<'a>,
-    found: Found,
+    found: DecodedArrays,
 }
 
 /// What the header of an array says.

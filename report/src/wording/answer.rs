@@ -2,8 +2,8 @@
 
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{
-    Answer, Basis, Finding, FitTable, FittedParameter, Hypothesis, Name, NextExperiment, NotExcited,
-    SearchWarning, Verdict,
+    Answer, Basis, DiagnosisVerdict, Finding, FitTable, FittedParameter, Hypothesis, Name, NextExperiment,
+    NotExcited, SearchWarning,
 };
 use counterpoise_diagnose::findings::localisation_chart::LocalisationChart;
 use counterpoise_diagnose::library::{Component, EffectName};
@@ -23,7 +23,7 @@ use super::recordings::{describe_column_remark, describe_fault, describe_missing
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnswerText {
     /// Verdict.
-    pub verdict: Verdict,
+    pub verdict: DiagnosisVerdict,
     /// Findings, most important first; none if the verdict is consistent.
     pub findings: Vec<FindingText>,
     /// How the fit improved.
@@ -118,17 +118,19 @@ pub struct VerdictText {
 }
 
 /// Describes a verdict: the one wording of the terminal, the report and the studio. The JSON result keeps its own words.
-pub fn describe_verdict(verdict: Verdict) -> VerdictText {
+pub fn describe_verdict(verdict: DiagnosisVerdict) -> VerdictText {
     let (name, sentence) = match verdict {
-        Verdict::Consistent => ("consistent", "the model explains the recordings"),
-        Verdict::Named => ("identified", "with the effects found, the model explains the recordings"),
-        Verdict::Ambiguous => {
+        DiagnosisVerdict::Consistent => ("consistent", "the model explains the recordings"),
+        DiagnosisVerdict::Named => {
+            ("identified", "with the effects found, the model explains the recordings")
+        }
+        DiagnosisVerdict::Ambiguous => {
             ("ambiguous", "several effects explain the recordings, which cannot distinguish between them")
         }
-        Verdict::Incomplete => {
+        DiagnosisVerdict::Incomplete => {
             ("incomplete", "the effects found explain part of the residual; something else remains")
         }
-        Verdict::Unknown => ("unidentified", "the model lacks an effect that is not in the library"),
+        DiagnosisVerdict::Unknown => ("unidentified", "the model lacks an effect that is not in the library"),
     };
     VerdictText { name, sentence }
 }

@@ -35,6 +35,13 @@ pub struct HeldOutChannel {
     pub after: f64,
 }
 
+impl HeldOutChannel {
+    /// Returns the RMS of the residual of the improved model over the noise floor.
+    pub fn residual_over_floor(&self) -> f64 {
+        self.after / self.floor
+    }
+}
+
 /// Describes held-out recordings.
 pub fn describe_held_out(recordings: &[HeldOutRecording]) -> Vec<HeldOutText> {
     recordings.iter().map(describe).collect()

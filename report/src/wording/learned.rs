@@ -52,6 +52,17 @@ pub struct LearnedFunctionText {
     pub range: String,
 }
 
+impl LearnedFunctionText {
+    /// Returns the ends of the 95 % band at each point; the value itself if the band is not known.
+    pub fn band(&self) -> Vec<[f64; 2]> {
+        let ends = |(k, value): (usize, &f64)| {
+            let half = self.half_width.get(k).copied().unwrap_or(0.0);
+            [value - half, value + half]
+        };
+        self.values.iter().enumerate().map(ends).collect()
+    }
+}
+
 /// Describes a model without a name.
 pub fn describe_learned(model: &LearnedModel) -> LearnedText {
     let [before, after] = model.worst_held_out;
@@ -270,10 +281,9 @@ fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
 
 /// Describes a factor that changes in proportion to its variable.
 fn evenly(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
-    let (slope, half_width) = (reading.value("slope"), reading.half_width("slope"));
-    let reach = element.points.last().unwrap_or(&0.0) - element.points.first().unwrap_or(&0.0);
-    let rises = if slope > 0.0 { "rises" } else { "falls" };
-    let by = change(element, (slope * reach).abs(), half_width * reach);
+    let [size, half_width] = reading.change_over(element);
+    let rises = if reading.value("slope") > 0.0 { "rises" } else { "falls" };
+    let by = change(element, size, half_width);
     format!("{subject} {rises} evenly with the {}, by {by} over its range", variable(element.variable))
 }
 
@@ -332,8 +342,8 @@ fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
         "{subject} is {} x + {} x^3 ({} to {}), x in {unit}{what}",
         short_number(slope),
         short_number(cube),
-        short_number(cube - reading.half_width("cubic")),
-        short_number(cube + reading.half_width("cubic"))
+        short_number(reading.interval("cubic")[0]),
+        short_number(reading.interval("cubic")[1])
     )
 }
 

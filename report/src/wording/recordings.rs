@@ -107,7 +107,7 @@ pub fn describe_replay_mode(result: &RecordingResult) -> String {
     let Some(divergence) = &result.parting else { return by };
     let of_machine = result.free.iter().filter(|(name, _)| !name.starts_with("platform"));
     let left: Vec<String> =
-        of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
+        of_machine.map(|(name, c)| format!("{name} {:.2}", c.error_over_floor())).collect();
     format!(
         "{by}: the machine hunts, and two runs of the model itself diverge by {:.1} noise floors in {}; from start to end the residual over the noise floor is {}",
         divergence.floors,
@@ -298,9 +298,9 @@ fn describe_fault_kind(kind: &FaultKind) -> String {
         FaultKind::Clipped { limit, share } => {
             format!("is clipped at {limit:.6}: {:.1} % of its samples lie there", 100.0 * share)
         }
-        FaultKind::Coarse { step, expected } => format!(
+        FaultKind::Coarse { step, .. } => format!(
             "moves in steps of {step:.3e}, {:.0} times the step of the project's converter",
-            step / expected
+            kind.step_ratio().unwrap_or(f64::NAN)
         ),
         FaultKind::Held { samples } => {
             format!("changes only every {samples} samples: it was recorded at a lower rate and held")

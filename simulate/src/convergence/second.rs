@@ -7,7 +7,7 @@
 use super::{PLATFORM, STEPS};
 use crate::Error;
 use crate::tolerance::{MOST_SWITCHES, SECOND_LEVELS, SECOND_RATE_ROUNDING};
-use counterpoise_models::friction::{FrictionModel, Law, Surroundings};
+use counterpoise_models::friction::{FrictionConditions, FrictionModel, Law};
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{JointMotion, LearnedRegime};
 use counterpoise_models::{Excitation, Friction, FrictionLaw, LearnedPlace, Mesh, Plant};
@@ -141,7 +141,8 @@ impl<'a> Second<'a> {
             mesh_torque_nm: mesh,
         };
         let place = [LearnedPlace::Motor, LearnedPlace::Pivot][joint];
-        let own = model.level(&Surroundings { angle_rad: self.angle(joint, y, time_s), load_nm, time_s });
+        let own =
+            model.level(&FrictionConditions { angle_rad: self.angle(joint, y, time_s), load_nm, time_s });
         own * self.plant.learned_level(place, &regime)
     }
 

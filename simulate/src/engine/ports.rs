@@ -5,9 +5,9 @@ use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use crate::firing::Firing;
 use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION, SMALL_FLOW};
-use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
+use counterpoise_models::friction::{Bristle, FrictionConditions, FrictionModel, Law, Stick};
 use counterpoise_models::plant::{CylinderPoint, Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
-use counterpoise_models::{Axis, LearnedPlace, LoadPoint, Loads, Measured, Parameters, Plant};
+use counterpoise_models::{Axis, FeedbackSignal, LearnedPlace, LoadPoint, Loads, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
@@ -239,7 +239,7 @@ pub(crate) struct Ports {
     /// Whether the transmission has a kinematic error.
     wavy: bool,
     axis: Axis,
-    measured: Measured,
+    measured: FeedbackSignal,
     lossy: bool,
     needs_mesh_torque: bool,
     learned: Option<Box<LearnedFunctions>>,
@@ -258,7 +258,7 @@ pub(crate) struct CommonParts {
     pub has_motor_extras: bool,
     pub has_hub_extras: bool,
     pub axis: Axis,
-    pub measured: Measured,
+    pub measured: FeedbackSignal,
 }
 
 impl Ports {
@@ -325,7 +325,7 @@ impl Ports {
             || self.learned.is_some()
             || self.loads.is_some()
             || self.has_cylinder
-            || self.measured == Measured::Torque
+            || self.measured == FeedbackSignal::Torque
             || self.frictions().iter().any(|friction| friction.is_modulated());
         (!has_others).then_some(CommonParts {
             has_motor_extras: self.motor_extras,
@@ -393,12 +393,12 @@ impl Ports {
     pub fn sensor_reading(&self, plant: &Plant, at: &SensorPoint) -> f64 {
         let SensorPoint { outputs, platform, .. } = at;
         match self.measured {
-            Measured::HubRate => outputs[HUB_RATE],
-            Measured::RelativeRate => outputs[HUB_RATE] - platform.rate,
-            Measured::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
-            Measured::HubPosition => outputs[HUB_ANGLE] - platform.angle,
-            Measured::MotorPosition => self.wind_up(outputs) + outputs[HUB_ANGLE] - platform.angle,
-            Measured::Torque => {
+            FeedbackSignal::HubRate => outputs[HUB_RATE],
+            FeedbackSignal::RelativeRate => outputs[HUB_RATE] - platform.rate,
+            FeedbackSignal::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
+            FeedbackSignal::HubPosition => outputs[HUB_ANGLE] - platform.angle,
+            FeedbackSignal::MotorPosition => self.wind_up(outputs) + outputs[HUB_ANGLE] - platform.angle,
+            FeedbackSignal::Torque => {
                 let motor_rate = outputs[MOTOR] - self.coupling * platform.rate;
                 let motor_angle = self.ratio * (outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle);
                 let spring =
@@ -406,7 +406,7 @@ impl Ports {
                 let passed = spring + at.gear_hysteresis_nm;
                 passed + plant.kinematic_error_nm(passed, motor_angle, motor_rate).hub_nm
             }
-            Measured::Current => outputs[CURRENT],
+            FeedbackSignal::Current => outputs[CURRENT],
         }
     }
 
@@ -593,7 +593,7 @@ impl Ports {
             return learned;
         }
         let load_nm = at.mesh_torque / self.ratio;
-        learned * self.motor.level(&Surroundings { angle_rad: at.motor_angle, load_nm, time_s })
+        learned * self.motor.level(&FrictionConditions { angle_rad: at.motor_angle, load_nm, time_s })
     }
 
     #[inline]
@@ -603,7 +603,11 @@ impl Ports {
             return learned;
         }
         learned
-            * self.pivot.level(&Surroundings { angle_rad: at.pivot_angle, load_nm: at.mesh_torque, time_s })
+            * self.pivot.level(&FrictionConditions {
+                angle_rad: at.pivot_angle,
+                load_nm: at.mesh_torque,
+                time_s,
+            })
     }
 
     /// Returns the factor of the free functions on the level of a joint's friction.

@@ -12,7 +12,7 @@ pub mod analyser;
 
 pub use analyser::{Response, Spectrum, response, spectrum};
 
-use crate::ensemble::{Variant, Watch, run_ensemble};
+use crate::ensemble::{RunObserver, Variant, run_ensemble};
 use crate::fra::analyser::Analyser;
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
@@ -188,7 +188,7 @@ impl TestRun {
             Some(holding) => holding as &mut dyn SampledController,
             None => controller,
         };
-        Variant { simulator, controller, scenario, watch: Some(Watch { every, goes_on }) }
+        Variant { simulator, controller, scenario, watch: Some(RunObserver { every, goes_on }) }
     }
 
     fn measurement(self, history: &TimeHistory) -> Result<Measurement, Error> {

@@ -5,7 +5,7 @@ use crate::engine::moments::NODES;
 use crate::engine::ports::Ports;
 use crate::engine::tables::{OUTPUTS, PORTS, STAGES};
 use counterpoise_models::friction::{DryFriction, Real};
-use counterpoise_models::{Axis, Measured, Plant};
+use counterpoise_models::{Axis, FeedbackSignal, Plant};
 use pulp::Simd;
 
 const MOTOR: usize = 0;
@@ -26,7 +26,7 @@ pub(crate) struct LanePorts<R = Lanes> {
     has_motor_extras: bool,
     has_hub_extras: bool,
     axis: Axis,
-    measured: Measured,
+    measured: FeedbackSignal,
     /// Torques and loads against which an error at a port is small.
     pub scales: [R; PORTS],
 }
@@ -235,13 +235,13 @@ impl<S: Simd> LanePorts<Lane<S>> {
     #[inline(always)]
     pub fn sensor_reading(&self, outputs: &[Lane<S>; OUTPUTS], platform: &LanePlatform<Lane<S>>) -> Lane<S> {
         match self.measured {
-            Measured::HubRate => outputs[HUB_RATE],
-            Measured::RelativeRate => outputs[HUB_RATE] - platform.rate,
-            Measured::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
-            Measured::HubPosition => outputs[HUB_ANGLE] - platform.angle,
-            Measured::MotorPosition => outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle,
+            FeedbackSignal::HubRate => outputs[HUB_RATE],
+            FeedbackSignal::RelativeRate => outputs[HUB_RATE] - platform.rate,
+            FeedbackSignal::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
+            FeedbackSignal::HubPosition => outputs[HUB_ANGLE] - platform.angle,
+            FeedbackSignal::MotorPosition => outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle,
             // a machine whose loop measures torque runs alone
-            Measured::Torque | Measured::Current => outputs[CURRENT],
+            FeedbackSignal::Torque | FeedbackSignal::Current => outputs[CURRENT],
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Ticks and numbers of axes.
 
+use crate::tolerance::{LARGEST_EXPONENT, WHOLE_DECADE};
 use counterpoise_plot::ticks;
 use egui_plot::{GridInput, GridMark};
 
@@ -37,8 +38,6 @@ pub fn format_linear_tick(mark: GridMark) -> String {
 const NUMBERED: f64 = 1.0;
 /// Step of a tick without a number.
 const BARE: f64 = 0.1;
-/// Largest exponent of ten that a number can have.
-const LARGEST_EXPONENT: f64 = 300.0;
 
 /// Returns the ticks of a logarithmic axis; its coordinates are exponents of ten.
 fn decade_ticks(input: GridInput, count: f64) -> Vec<GridMark> {
@@ -56,7 +55,7 @@ pub fn format_decade_tick(mark: GridMark) -> String {
     if mark.step_size < 0.9 {
         return String::new();
     }
-    let is_decade = (mark.value - mark.value.round()).abs() < 1e-6;
+    let is_decade = (mark.value - mark.value.round()).abs() < WHOLE_DECADE;
     if is_decade && !(-3.01..=4.01).contains(&mark.value) {
         format!("1e{}", mark.value.round() as i32)
     } else {

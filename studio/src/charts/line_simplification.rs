@@ -1,5 +1,6 @@
 //! Fewer points that look the same on a screen.
 
+use crate::tolerance::TOLERANCE_PX;
 use std::borrow::Cow;
 
 use ndarray::aview2;
@@ -16,9 +17,6 @@ pub fn decimate(points: &[[f64; 2]], [low, high]: [f64; 2], pixels: usize) -> Co
     let kept = counterpoise_plot::thin::thin_points(aview2(seen), stretches);
     Cow::Owned(kept.into_iter().map(|k| seen[k]).collect())
 }
-
-/// Largest distance of a simplified curve from its points, in pixels: less than the eye can see.
-const TOLERANCE_PX: f64 = 0.3;
 
 /// Returns the corners of a curve whose straight connections look like it (Ramer, Douglas and Peucker). Dashes need segments that
 /// are longer than themselves.

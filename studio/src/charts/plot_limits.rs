@@ -3,6 +3,7 @@
 //! The plotting library keeps limits by the plot's name. Here it is decided, in each frame, whether they are the chart's or the user's.
 //! They become the chart's again if its scope changes (another unit, part or project), by a double click, and by command.
 
+use crate::tolerance::SAME_LIMITS;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use egui::{Id, Rect, Ui, Vec2};
@@ -12,8 +13,6 @@ use super::chart::{Chart, PlotAxis};
 
 /// Zoom for one point of the wheel: a notch of 50 points zooms by about a quarter.
 const ZOOM_PER_POINT: f32 = 0.005;
-/// Relative difference of limits that is rounding.
-const ROUNDING: f64 = 1e-6;
 
 /// Who has set the limits of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -110,7 +109,7 @@ fn was_moved(state: &LimitsState, plot: &PlotUi<'_>) -> bool {
         let is_auto = if k == 0 { auto.x } else { auto.y };
         match state.set[k] {
             Some((low, high)) => {
-                let tolerance = ROUNDING * (high - low).abs();
+                let tolerance = SAME_LIMITS * (high - low).abs();
                 (bounds.min()[k] - low).abs() > tolerance || (bounds.max()[k] - high).abs() > tolerance
             }
             None => !is_auto,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use counterpoise_host::files::Folder;
-use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::projects;
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline::recordings::diagnose;
@@ -30,10 +30,10 @@ pub struct DiagnosisRequest {
 pub type DiagnosisWorker = Worker<DiagnosisRequest, Result<DescribedDiagnosis, ErrorLines>>;
 
 /// Returns a worker that diagnoses and says its progress.
-pub fn diagnosis_worker(wake: &Wake, progress: &Progress) -> DiagnosisWorker {
+pub fn diagnosis_worker(wake: &Wake, progress: &SharedProgress) -> DiagnosisWorker {
     let (progress, own_wake) = (progress.clone(), Arc::clone(wake));
     Worker::new(Arc::clone(wake), move |request: DiagnosisRequest, token: &Token| {
-        let watch = Watch { token, progress: &progress, wake: &own_wake };
+        let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
         let files = projects::read_recordings(&request.paths).map_err(|error| vec![format!("{error:#}")])?;
         let refused = |error| vec![describe_recordings_error(&error)];

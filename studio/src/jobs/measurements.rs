@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use counterpoise_diagnose::simulator_access::map;
-use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
@@ -20,9 +20,9 @@ use crate::versioned_results::Versioned;
 #[derive(Debug, Clone, Default)]
 pub struct Measurements {
     /// The analyser's map, or why there is none.
-    pub map: Option<Versioned<Result<Map, ErrorLines>>>,
+    pub map: Option<Versioned<Result<Box<Map>, ErrorLines>>>,
     /// The campaign, or why there is none.
-    pub campaign: Option<Versioned<Result<CampaignResult, ErrorLines>>>,
+    pub campaign: Option<Versioned<Result<CampaignView, ErrorLines>>>,
 }
 
 /// What is to be measured.
@@ -38,14 +38,14 @@ pub enum MeasurementRequest {
 #[derive(Debug, Clone)]
 pub enum MeasurementResult {
     /// The map.
-    Map(Result<Map, ErrorLines>),
+    Map(Result<Box<Map>, ErrorLines>),
     /// The campaign.
-    Campaign(Result<CampaignResult, ErrorLines>),
+    Campaign(Result<CampaignView, ErrorLines>),
 }
 
 /// The requirements over many mechanisms.
 #[derive(Debug, Clone)]
-pub struct CampaignResult {
+pub struct CampaignView {
     /// One row for each requirement.
     pub rows: Vec<RequirementSpread>,
     /// Number of mechanisms that were simulated.
@@ -55,7 +55,7 @@ pub struct CampaignResult {
 }
 
 /// What a running campaign has found so far.
-pub type PartialCampaign = Arc<Mutex<Option<CampaignResult>>>;
+pub type PartialCampaign = Arc<Mutex<Option<CampaignView>>>;
 
 /// Measures.
 pub type MeasurementWorker = Worker<MeasurementRequest, MeasurementResult>;
@@ -70,15 +70,19 @@ const FREQUENCY_COUNT: usize = 21;
 const PARTIAL_INTERVAL: usize = 10;
 
 /// Returns a worker that measures, says its progress, and leaves what a campaign has found so far in `partial`.
-pub fn measurement_worker(wake: &Wake, progress: &Progress, partial: &PartialCampaign) -> MeasurementWorker {
+pub fn measurement_worker(
+    wake: &Wake,
+    progress: &SharedProgress,
+    partial: &PartialCampaign,
+) -> MeasurementWorker {
     let (progress, own_wake, partial) = (progress.clone(), Arc::clone(wake), Arc::clone(partial));
     Worker::new(Arc::clone(wake), move |request: MeasurementRequest, token: &Token| {
-        let watch = Watch { token, progress: &progress, wake: &own_wake };
+        let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
         match &request {
-            MeasurementRequest::Map(of) => {
-                MeasurementResult::Map(measure_map(of, &watch).map_err(|error| error_lines(&error)))
-            }
+            MeasurementRequest::Map(of) => MeasurementResult::Map(
+                measure_map(of, &watch).map(Box::new).map_err(|error| error_lines(&error)),
+            ),
             MeasurementRequest::Campaign(of, verified) => {
                 MeasurementResult::Campaign(run_campaign(of, verified, &partial, &watch))
             }
@@ -86,7 +90,7 @@ pub fn measurement_worker(wake: &Wake, progress: &Progress, partial: &PartialCam
     })
 }
 
-fn measure_map(of: &VerificationRequest, watch: &Watch) -> Result<Map, pipeline::PipelineError> {
+fn measure_map(of: &VerificationRequest, watch: &CancellablePool) -> Result<Map, pipeline::PipelineError> {
     let [low, high] = FREQUENCIES_HZ;
     let frequency = |k: usize| low * (high / low).powf(k as f64 / (FREQUENCY_COUNT - 1) as f64);
     let plan = Plan {
@@ -104,8 +108,8 @@ fn run_campaign(
     of: &VerificationRequest,
     verified: &VerifiedController,
     partial: &PartialCampaign,
-    watch: &Watch,
-) -> Result<CampaignResult, ErrorLines> {
+    watch: &CancellablePool,
+) -> Result<CampaignView, ErrorLines> {
     let design = &of.design;
     let campaign = pipeline::prepare_campaign(&design.project, &design.modelled, verified, &of.folder)
         .map_err(|error| error_lines(&error))?;
@@ -126,7 +130,7 @@ fn run_campaign(
     Ok(campaign_result(&campaign, &samples))
 }
 
-fn campaign_result(campaign: &Campaign, samples: &[Sample]) -> CampaignResult {
+fn campaign_result(campaign: &Campaign, samples: &[Sample]) -> CampaignView {
     let rows = requirement_spreads(campaign, samples);
-    CampaignResult { rows, done: samples.len(), total: campaign.len() }
+    CampaignView { rows, done: samples.len(), total: campaign.len() }
 }

@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 use counterpoise_host::change_watcher::ChangeWatcher;
 use counterpoise_host::file_check::{FileCheck, FileCheckResult, check_file};
-use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Beam;
@@ -108,8 +108,8 @@ pub struct Jobs {
     pub partial: PartialVerification,
     /// What a running campaign has found so far.
     pub partial_campaign: PartialCampaign,
-    diagnosis_progress: Progress,
-    measurement_progress: Progress,
+    diagnosis_progress: SharedProgress,
+    measurement_progress: SharedProgress,
 }
 
 /// What has come of a diagnosis since the last frame.
@@ -125,7 +125,8 @@ impl Jobs {
     /// Starts the workers; they wait for work.
     pub fn new(wake: &Wake, store: ProjectStore) -> Self {
         let disk = Arc::clone(&store.disk);
-        let (diagnosis_progress, measurement_progress) = (Progress::default(), Progress::default());
+        let (diagnosis_progress, measurement_progress) =
+            (SharedProgress::default(), SharedProgress::default());
         let (partial, partial_campaign) = (PartialVerification::default(), PartialCampaign::default());
         Self {
             design: design_worker(wake),
@@ -253,9 +254,10 @@ impl Jobs {
 }
 
 fn design_worker(wake: &Wake) -> Worker<PreviewRequest, Result<TimedPreview, ErrorLines>> {
-    let (mut cache, own_wake, progress) = (PreviewCache::default(), Arc::clone(wake), Progress::default());
+    let (mut cache, own_wake, progress) =
+        (PreviewCache::default(), Arc::clone(wake), SharedProgress::default());
     Worker::new(Arc::clone(wake), move |request: PreviewRequest, token: &Token| {
-        let pool = Watch { token, progress: &progress, wake: &own_wake };
+        let pool = CancellablePool { token, progress: &progress, wake: &own_wake };
         preview_timed(&request, &mut cache, &pool)
     })
 }

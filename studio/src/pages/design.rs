@@ -1,5 +1,6 @@
 //! The page Design: weights with handles, and all their consequences at once.
 
+use crate::tolerance::{LARGEST_TRIAL_KG_M, SMALLEST_TRIAL_KG_M};
 use std::sync::Arc;
 
 use counterpoise_pipeline::preview::DesignPreview;
@@ -147,11 +148,6 @@ fn show_noise(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &
         widgets::number_field(ui, view, queue, "synth.feedback.loop_recovery", f.loop_recovery);
     });
 }
-
-/// Smallest move of the slider that starts a trial, kg m: less is rounding of the slider.
-const SMALLEST_TRIAL_KG_M: f64 = 0.05;
-/// Largest out-of-balance that can be tried, kg m.
-const LARGEST_TRIAL_KG_M: f64 = 400.0;
 
 /// Shows the slider that tries another out-of-balance.
 fn show_trial(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &DesignPreview) {

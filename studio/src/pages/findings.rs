@@ -1,6 +1,6 @@
 //! The result of a diagnosis: findings, fit, localisation and hypotheses.
 
-use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
 use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_recordings::Channel;
@@ -18,7 +18,7 @@ use crate::units::DisplayUnit;
 use crate::view::View;
 
 /// Returns the verdict as a sentence that begins with a capital.
-pub fn verdict_sentence(verdict: Verdict) -> String {
+pub fn verdict_sentence(verdict: DiagnosisVerdict) -> String {
     capitalise_first(describe_verdict(verdict).sentence)
 }
 

@@ -1,16 +1,18 @@
 //! The longer measurements of the page Verify: the analyser's map, and the requirements over many mechanisms.
 
+use crate::tolerance::HELD_BY_ALL_SHARE;
 use counterpoise_pipeline::studies::fra::Map;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParameter};
 use counterpoise_verify::Limit;
 use counterpoise_verify::robust::Sense;
 use egui::{RichText, Ui};
+use ndarray::ArrayView1;
 
 use super::frequency_charts::frequency_chart;
 use super::widgets;
 use crate::charts::chart::{Chart, Dash};
 use crate::command::Command;
-use crate::jobs::measurements::{CampaignResult, Measurements};
+use crate::jobs::measurements::{CampaignView, Measurements};
 use crate::number_format::format_short;
 use crate::theme::{Theme, space};
 use crate::versioned_results::Freshness;
@@ -93,17 +95,21 @@ pub fn show_map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &
 fn map_chart(view: &View, map: &Map) -> Chart {
     let theme = &view.theme;
     let mut chart = frequency_chart(view, "Platform rate to hub rate, as an analyser measures it", "modulus");
-    let displayed = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        points.iter().map(|p| [view.units.display_frequency(p[0]), view.units.display_gain(p[1])]).collect()
+    let rates = map.points.frequency_rad_s();
+    let displayed = |moduli: ArrayView1<'_, f64>| -> Vec<[f64; 2]> {
+        let points = rates.iter().zip(moduli);
+        points.map(|(rate, h)| [view.units.display_frequency(*rate), view.units.display_gain(*h)]).collect()
     };
-    for (k, one) in map.amplitude_curves().iter().enumerate() {
-        if k == 0 {
-            chart = chart.with_curve("linear", theme.weak, Dash::Dashed, displayed(&one.linear));
-        }
-        let amplitude = format_short(view.units.angle_factor() * one.amplitude);
+    if map.points.amplitudes() > 0 {
+        let linear = displayed(map.points.linear_modulus().view());
+        chart = chart.with_curve("linear", theme.weak, Dash::Dashed, linear);
+    }
+    for (k, measured) in map.points.modulus().columns().into_iter().enumerate() {
+        let amplitude = map.points.amplitude.column(k).first().copied().unwrap_or(f64::NAN);
+        let amplitude = format_short(view.units.angle_factor() * amplitude);
         let name = format!("{amplitude} {}", view.units.angular_rate_unit());
         let colour = theme.curves[k % theme.curves.len()];
-        chart = chart.with_curve(&name, colour, Dash::Solid, displayed(&one.measured));
+        chart = chart.with_curve(&name, colour, Dash::Solid, displayed(measured));
     }
     chart
 }
@@ -134,7 +140,7 @@ pub fn show_campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, sho
     }
 }
 
-fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, result: &CampaignResult) {
+fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, result: &CampaignView) {
     let theme = view.theme;
     egui::ScrollArea::vertical().max_height(0.55 * ui.available_height()).show(ui, |ui| {
         theme.card().show(ui, |ui| {
@@ -151,7 +157,7 @@ fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, 
     }
 }
 
-fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignResult) {
+fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignView) {
     let theme = view.theme;
     widgets::show_heading(ui, &format!("{} of {} mechanisms", result.done, result.total));
     egui::Grid::new("robustness").num_columns(6).striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
@@ -168,11 +174,8 @@ fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignResult) {
     });
 }
 
-/// Share above which a requirement counts as held by all mechanisms: rounding of a share of thousands.
-const ALL: f64 = 0.999;
-
 /// Shows the requirement of an index; its name is a button.
-fn show_row(ui: &mut Ui, view: &View, result: &CampaignResult, index: usize) -> egui::Response {
+fn show_row(ui: &mut Ui, view: &View, result: &CampaignView, index: usize) -> egui::Response {
     let (row, is_selected) = (&result.rows[index], view.requirement == index);
     let theme = &view.theme;
     let unit = view.units.display_unit(row.requirement.figure.unit(row.controlled));
@@ -183,7 +186,7 @@ fn show_row(ui: &mut Ui, view: &View, result: &CampaignResult, index: usize) -> 
     let shown = ui.selectable_label(is_selected, widgets::figure_name_layout(&name, theme));
     shown.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, name.clone()));
     ui.label(format!("{sign} {} {}", written(row.requirement.limit.value()), unit.name));
-    let colour = if s.share >= ALL { theme.good } else { theme.bad };
+    let colour = if s.share >= HELD_BY_ALL_SHARE { theme.good } else { theme.bad };
     ui.label(RichText::new(format!("{:.0} %", 100.0 * s.share)).color(colour));
     ui.label(written(s.median));
     ui.label(format!("{} to {}", written(s.q05), written(s.q95)));

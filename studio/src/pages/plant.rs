@@ -145,7 +145,7 @@ fn show_operating_point(
             ui.end_row();
             for pole in comparison.iter().flat_map(|c| &c.poles) {
                 ui.label(format_short(view.units.display_frequency(pole.norm())));
-                ui.label(format_short(-pole.re / pole.norm().max(f64::MIN_POSITIVE)));
+                ui.label(format_short(counterpoise_lti::damping_ratio(*pole)));
                 ui.end_row();
             }
         });
@@ -251,13 +251,13 @@ fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
     let of = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
         function.points.iter().enumerate().map(|(k, x)| [*x, value(k)]).collect()
     };
-    let half = |k: usize| function.half_width.get(k).copied().unwrap_or(0.0);
+    let band = function.band();
     let colour = view.theme.curves[0];
     let title = format!("Free function: {} at the {}", function.quantity, function.place);
     let curve = Chart::new(&title, &along, &format!("{}, {unit}", function.quantity))
         .with_curve("fitted", colour, Dash::Solid, of(&|k| function.values[k]))
-        .with_curve("95 % band", colour, Dash::Dotted, of(&|k| function.values[k] - half(k)))
-        .with_curve("95 % band, upper", colour, Dash::Dotted, of(&|k| function.values[k] + half(k)));
+        .with_curve("95 % band", colour, Dash::Dotted, of(&|k| band[k][0]))
+        .with_curve("95 % band, upper", colour, Dash::Dotted, of(&|k| band[k][1]));
     let share = |k: usize| function.coverage.get(k).copied().unwrap_or(0.0);
     let coverage = Chart::new("Coverage by the recordings", &along, "share of samples, 1").with_curve(
         "recorded",

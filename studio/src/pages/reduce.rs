@@ -1,5 +1,6 @@
 //! The page Reduce: the order of the model for the design, by Hankel singular values and by the responses of both plants.
 
+use crate::tolerance::SMALLEST_VALUE;
 use counterpoise_pipeline::preview::PlantPreview;
 use counterpoise_pipeline::reduction_views::ReductionComparison;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
@@ -188,14 +189,11 @@ fn show_modes(
                 choose_order(queue, method, states);
             }
             ui.label(format_short(view.units.display_frequency(pole.norm())));
-            ui.label(format_short(-pole.re / pole.norm().max(f64::MIN_POSITIVE)));
+            ui.label(format_short(counterpoise_lti::damping_ratio(*pole)));
             ui.end_row();
         }
     });
 }
-
-/// Smallest value of a logarithmic axis: below it lies rounding.
-const SMALLEST_VALUE: f64 = 1e-16;
 
 fn hankel_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
     let title = if comparison.hankel.is_empty() {

@@ -18,7 +18,7 @@ pub fn skipped(reason: &str) {
 }
 
 /// A window with a studio.
-pub type Bench = Harness<'static, Studio>;
+pub type StudioHarness = Harness<'static, Studio>;
 
 /// Lines of the reference rig that say how long its runs last, and those of short runs. What a window shows and does is the same for both.
 const SHORT_RUNS: [(&str, &str); 4] = [
@@ -72,12 +72,12 @@ pub fn filed(studio: &mut Studio) {
 }
 
 /// Returns a window with that studio.
-pub fn bench(folder: &Path) -> Bench {
+pub fn bench(folder: &Path) -> StudioHarness {
     around(studio(folder))
 }
 
 /// Returns a window around a studio.
-pub fn around(studio: Studio) -> Bench {
+pub fn around(studio: Studio) -> StudioHarness {
     let show = |ui: &mut egui::Ui, studio: &mut Studio| {
         studio.update();
         main_window::show(studio, ui);
@@ -112,7 +112,7 @@ impl counterpoise_host::files::Disk for FullDisk {
 }
 
 /// Returns a window with the project of a folder on a disk.
-pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> Bench {
+pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn counterpoise_host::files::Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
@@ -121,7 +121,7 @@ pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> Bench {
 }
 
 /// Ends a studio as a crash does: nothing is closed, and the operating system releases the lock on the project.
-pub fn crash(mut bench: Bench) {
+pub fn crash(mut bench: StudioHarness) {
     bench.state_mut().opened.as_mut().unwrap().lock = None;
     std::mem::forget(bench);
 }
@@ -138,14 +138,14 @@ pub fn settle(studio: &mut Studio) {
 }
 
 /// A frame, and what follows from it.
-pub fn rest(bench: &mut Bench) {
+pub fn rest(bench: &mut StudioHarness) {
     bench.run_steps(2);
     settle(bench.state_mut());
     bench.run_steps(2);
 }
 
 /// Frames until something is so.
-pub fn until(bench: &mut Bench, what: &str, so: impl Fn(&Studio) -> bool) {
+pub fn until(bench: &mut StudioHarness, what: &str, so: impl Fn(&Studio) -> bool) {
     let end = Instant::now() + Duration::from_secs(60);
     bench.run_steps(1);
     while !so(bench.state()) {
@@ -156,11 +156,11 @@ pub fn until(bench: &mut Bench, what: &str, so: impl Fn(&Studio) -> bool) {
 }
 
 /// Returns the project's text.
-pub fn text(bench: &Bench) -> String {
+pub fn text(bench: &StudioHarness) -> String {
     bench.state().opened.as_ref().unwrap().session.text().to_owned()
 }
 
 /// Returns whether something in the window says this.
-pub fn says(bench: &Bench, what: &str) -> bool {
+pub fn says(bench: &StudioHarness, what: &str) -> bool {
     bench.query_all_by_label_contains(what).next().is_some()
 }

@@ -4,7 +4,7 @@ use super::Circumstances;
 use super::candidate::round_weight;
 use super::scan::Tried;
 use crate::error::attempt;
-use crate::finding::Finding;
+use crate::finding::DesignFinding;
 use crate::{
     Assembly, Basis, Channel, Error, FeedforwardWeights, Knowledge, Reference, Specification, Weight, design,
 };
@@ -32,7 +32,7 @@ const ROLL_OFF_DAMPING: f64 = 0.7;
 pub(super) fn with_feedforwards(
     given: &Circumstances,
     found: &Tried,
-) -> Result<(Specification, Vec<Finding>), Error> {
+) -> Result<(Specification, Vec<DesignFinding>), Error> {
     let mut specification = Specification {
         feedback: found.weights.clone(),
         heave: None,
@@ -60,7 +60,7 @@ pub(super) fn with_feedforwards(
                 Err(refusal) => reasons = refusal.findings,
             }
         }
-        left_out.extend(reasons.into_iter().filter(Finding::is_refusal));
+        left_out.extend(reasons.into_iter().filter(DesignFinding::is_refusal));
     }
     Ok((specification, left_out))
 }

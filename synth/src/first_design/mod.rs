@@ -34,7 +34,7 @@ use counterpoise_lti::StateSpace;
 
 use crate::bandwidth::Bandwidth;
 use crate::cause::Cause;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error, ParallelRun, Sampling, Specification};
 use scan::Scan;
 
@@ -89,7 +89,7 @@ pub struct FirstDesign {
     /// Sample period of the controller, s.
     pub sample_period_s: f64,
     /// Channels that are measured but have no feedforward, with the reason.
-    pub left_out: Vec<Finding>,
+    pub left_out: Vec<DesignFinding>,
 }
 
 /// The sampled loops, broken at the control, whose bandwidths are those of a limit.
@@ -120,7 +120,7 @@ pub fn first_design_on(
     let mut scan = Scan::new(circumstances, processors)?;
     scan.run()?;
     let Some(found) = scan.best_design() else {
-        let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
+        let finding = DesignFinding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
         return Err(Error::refusal(vec![finding]));
     };
     let lifted_limits::BandwidthWithLoops { bandwidth, shown_by } =

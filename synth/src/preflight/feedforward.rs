@@ -6,22 +6,22 @@ use counterpoise_lti::{StateSpace, poles};
 use super::gain::Gain;
 use super::{against_plant, axis_roots, not_stable, weight_forms, well_formed};
 use crate::cause::Cause;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::{Assembly, Basis, Channel, DesignPlant, Error, Knowledge, Specification, Weight};
 
 pub(super) fn check_feedforward(
     plant: &DesignPlant,
     spec: &Specification,
     channel: Channel,
-) -> Result<Vec<Finding>, Error> {
+) -> Result<Vec<DesignFinding>, Error> {
     let (part, columns) = (Part::from(channel), plant.columns(channel));
     let Some(weights) = spec.feedforward(channel) else { return Ok(Vec::new()) };
     let mut findings = weight_forms(part, &weights.error, &weights.control);
     if columns.is_empty() {
-        findings.push(Finding::refusal(part, Cause::ChannelMissing));
+        findings.push(DesignFinding::refusal(part, Cause::ChannelMissing));
     }
     findings.extend(generator(part, &weights.generator, columns.len(), weights.knowledge));
-    if findings.iter().any(Finding::is_refusal) || spec.assembly == Assembly::Joint {
+    if findings.iter().any(DesignFinding::is_refusal) || spec.assembly == Assembly::Joint {
         return Ok(findings);
     }
     let system = plant.delayed_plant()?;
@@ -34,7 +34,7 @@ pub(super) fn check_feedforward(
     findings.extend(against_plant(part, &weights.error, &weights.control, &gain)?);
     let disturbed = Gain::of(&system.select(&[weighed], columns))?;
     if disturbed.largest == 0.0 {
-        findings.push(Finding::warning(part, Cause::ChannelWithoutEffect));
+        findings.push(DesignFinding::warning(part, Cause::ChannelWithoutEffect));
     }
     if weights.knowledge != Knowledge::Exact && weights.basis == Basis::OpenLoop {
         findings.extend(bounded(part, &system, &weights.error)?);
@@ -42,12 +42,12 @@ pub(super) fn check_feedforward(
     Ok(findings)
 }
 
-fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -> Vec<Finding> {
+fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -> Vec<DesignFinding> {
     let rational = weight.rational();
     let mut findings = well_formed(part, "generator", weight);
     let relative_degree = rational.relative_degree();
     let mut refuse = |cause, rate: f64| {
-        findings.push(Finding::refusal(part, cause).with_weight("generator", weight).at(rate))
+        findings.push(DesignFinding::refusal(part, cause).with_weight("generator", weight).at(rate))
     };
     if relative_degree <= 0 {
         refuse(Cause::GeneratorNotProper, f64::INFINITY);
@@ -60,14 +60,14 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
     let order = rational.poles.len();
     if knowledge == Knowledge::Exact && order != inputs {
         findings.push(
-            Finding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
+            DesignFinding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
                 .with_weight("generator", weight),
         );
     }
     if let Knowledge::Measured { noise } = knowledge
         && !(noise > 0.0 && noise.is_finite())
     {
-        findings.push(Finding::refusal(
+        findings.push(DesignFinding::refusal(
             part,
             Cause::Density { what: "the disturbance sensor's noise", value: noise },
         ));
@@ -76,8 +76,9 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
 }
 
 /// With a noisy sensor the uncontrolled error must be bounded: the plant and the error weight are stable.
-fn bounded(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<Finding>, Error> {
-    let refuse = |pole: C64| Finding::refusal(part, Cause::FeedforwardUnbounded { pole }).at(pole.im.abs());
+fn bounded(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<DesignFinding>, Error> {
+    let refuse =
+        |pole: C64| DesignFinding::refusal(part, Cause::FeedforwardUnbounded { pole }).at(pole.im.abs());
     if let Some(&pole) = not_stable(&poles(system)?).first() {
         return Ok(vec![refuse(pole)]);
     }

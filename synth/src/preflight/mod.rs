@@ -12,7 +12,7 @@ use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{StateSpace, Timebase, poles, zeros};
 
 use crate::cause::Cause;
-use crate::finding::{Finding, Part};
+use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
 use crate::{Channel, DesignPlant, Error, FeedbackWeights, Reference, Specification, Weight};
 
@@ -20,7 +20,7 @@ use crate::{Channel, DesignPlant, Error, FeedbackWeights, Reference, Specificati
 ///
 /// # Errors
 /// [`Error`] where the plant itself is not one (wrong indices, a sensor with two inputs).
-pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<Vec<Finding>, Error> {
+pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<Vec<DesignFinding>, Error> {
     let mut findings = check_plant(plant)?;
     findings.extend(check_feedback(plant, &specification.feedback, specification.reference)?);
     for channel in [Channel::Heave, Channel::Pitch] {
@@ -32,24 +32,27 @@ pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<V
     Ok(findings)
 }
 
-fn check_plant(plant: &DesignPlant) -> Result<Vec<Finding>, Error> {
+fn check_plant(plant: &DesignPlant) -> Result<Vec<DesignFinding>, Error> {
     let system = plant.measured_plant()?;
     let (A, n) = (&system.A, system.order());
     let mut findings = Vec::new();
     let direct = system.D[(0, plant.control)];
     if direct != 0.0 {
-        findings.push(Finding::refusal(Part::Plant, Cause::DirectPath { gain: direct }).at(f64::INFINITY));
+        findings
+            .push(DesignFinding::refusal(Part::Plant, Cause::DirectPath { gain: direct }).at(f64::INFINITY));
     }
     if plant.delay_s > 0.0 && plant.pade_order == 0 {
-        findings.push(Finding::warning(Part::Plant, Cause::DelayLeftOut { delay_s: plant.delay_s }));
+        findings.push(DesignFinding::warning(Part::Plant, Cause::DelayLeftOut { delay_s: plant.delay_s }));
     }
     let (B, C) = (system.B.block(0, plant.control, n, 1), system.C.block(0, 0, 1, n));
     for pole in not_stable(&poles(&system)?) {
         if !reaches(A, &B, pole)? {
-            findings.push(Finding::refusal(Part::Plant, Cause::NotStabilisable { pole }).at(pole.im.abs()));
+            findings
+                .push(DesignFinding::refusal(Part::Plant, Cause::NotStabilisable { pole }).at(pole.im.abs()));
         }
         if !reaches(&A.t(), &C.t(), pole)? {
-            findings.push(Finding::refusal(Part::Plant, Cause::NotDetectable { pole }).at(pole.im.abs()));
+            findings
+                .push(DesignFinding::refusal(Part::Plant, Cause::NotDetectable { pole }).at(pole.im.abs()));
         }
     }
     Ok(findings)
@@ -59,15 +62,15 @@ fn check_feedback(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
     reference: Reference,
-) -> Result<Vec<Finding>, Error> {
+) -> Result<Vec<DesignFinding>, Error> {
     let part = Part::Feedback;
     let mut findings = weight_forms(part, &weights.error, &weights.control);
     findings.extend(densities(weights));
     if reference == Reference::WeightOnly && weights.error.rational().poles.is_empty() {
-        let finding = Finding::refusal(part, Cause::ReferenceWithoutStates);
+        let finding = DesignFinding::refusal(part, Cause::ReferenceWithoutStates);
         findings.push(finding.with_weight("error weight", &weights.error));
     }
-    if findings.iter().any(Finding::is_refusal) {
+    if findings.iter().any(DesignFinding::is_refusal) {
         return Ok(findings);
     }
     let system = plant.measured_plant()?;
@@ -81,25 +84,25 @@ fn check_feedback(
 }
 
 /// What can be said of a pair of weights alone.
-fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<Finding> {
+fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<DesignFinding> {
     let mut findings = Vec::new();
     for (role, weight) in [("error weight", error), ("control weight", control)] {
         findings.extend(well_formed(part, role, weight));
     }
     let excess = -error.rational().relative_degree();
     if excess > 0 {
-        let finding = Finding::refusal(part, Cause::ErrorWeightImproper { excess });
+        let finding = DesignFinding::refusal(part, Cause::ErrorWeightImproper { excess });
         findings.push(finding.with_weight("error weight", error).at(f64::INFINITY));
     }
     let excess = control.rational().relative_degree();
     if excess > 0 {
-        let finding = Finding::refusal(part, Cause::ControlWeightVanishes { excess });
+        let finding = DesignFinding::refusal(part, Cause::ControlWeightVanishes { excess });
         findings.push(finding.with_weight("control weight", control).at(f64::INFINITY));
     }
     for rate in axis_roots(&error.rational().poles) {
         if axis_roots(&control.rational().poles).contains(&rate) {
             findings.push(
-                Finding::refusal(part, Cause::WeightsBothInfinite)
+                DesignFinding::refusal(part, Cause::WeightsBothInfinite)
                     .with_weight("control weight", control)
                     .at(rate),
             );
@@ -108,10 +111,10 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<Finding> {
     findings
 }
 
-fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
+fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<DesignFinding> {
     let rational = weight.rational();
     if !rational.is_finite() {
-        return vec![Finding::refusal(part, Cause::WeightVoid).with_weight(role, weight)];
+        return vec![DesignFinding::refusal(part, Cause::WeightVoid).with_weight(role, weight)];
     }
     let roots = || rational.zeros.iter().chain(&rational.poles);
     let lone = roots().any(|root| {
@@ -119,19 +122,20 @@ fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
     });
     let mut findings = Vec::new();
     if lone {
-        findings.push(Finding::refusal(part, Cause::WeightComplex).with_weight(role, weight));
+        findings.push(DesignFinding::refusal(part, Cause::WeightComplex).with_weight(role, weight));
     }
     if let Some(&root) = roots().find(|root| root.re > 0.0) {
-        let finding = Finding::warning(part, Cause::WeightMirrored { root });
+        let finding = DesignFinding::warning(part, Cause::WeightMirrored { root });
         findings.push(finding.with_weight(role, weight).at(root.norm()));
     }
     findings
 }
 
-fn densities(weights: &FeedbackWeights) -> Vec<Finding> {
+fn densities(weights: &FeedbackWeights) -> Vec<DesignFinding> {
     let mut findings = Vec::new();
-    let mut refuse =
-        |what, value: f64| findings.push(Finding::refusal(Part::Feedback, Cause::Density { what, value }));
+    let mut refuse = |what, value: f64| {
+        findings.push(DesignFinding::refusal(Part::Feedback, Cause::Density { what, value }))
+    };
     let noise = weights.measurement_noise;
     if !(noise > 0.0 && noise.is_finite()) {
         refuse("the measurement noise", noise);
@@ -144,25 +148,30 @@ fn densities(weights: &FeedbackWeights) -> Vec<Finding> {
         refuse("a disturbance", disturbance.value);
     }
     if weights.loop_recovery == 0.0 && weights.disturbances.iter().all(|one| one.value == 0.0) {
-        findings.push(Finding::warning(Part::Feedback, Cause::NothingDisturbs));
+        findings.push(DesignFinding::warning(Part::Feedback, Cause::NothingDisturbs));
     }
     findings
 }
 
 /// Poles of the error weight on the axis, and zeros of the control weight there, against the plant's gain.
-fn against_plant(part: Part, error: &Weight, control: &Weight, gain: &Gain) -> Result<Vec<Finding>, Error> {
+fn against_plant(
+    part: Part,
+    error: &Weight,
+    control: &Weight,
+    gain: &Gain,
+) -> Result<Vec<DesignFinding>, Error> {
     let mut findings = Vec::new();
     for rate in axis_roots(&error.rational().poles) {
         let relative_gain = gain.relative(rate)?;
         if relative_gain < ZERO_GAIN {
-            let finding = Finding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
+            let finding = DesignFinding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
             findings.push(finding.with_weight("error weight", error).at(rate));
         }
     }
     for rate in axis_roots(&control.rational().zeros) {
         let seen = gain.relative(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
         if !seen {
-            let finding = Finding::refusal(part, Cause::ControlFreeUnseen);
+            let finding = DesignFinding::refusal(part, Cause::ControlFreeUnseen);
             findings.push(finding.with_weight("control weight", control).at(rate));
         }
     }
@@ -170,7 +179,7 @@ fn against_plant(part: Part, error: &Weight, control: &Weight, gain: &Gain) -> R
 }
 
 /// Where the plant itself acts at the frequency, it is the sensor that is blind.
-fn name_blind_sensor(findings: &mut [Finding], truth: &Gain) -> Result<(), Error> {
+fn name_blind_sensor(findings: &mut [DesignFinding], truth: &Gain) -> Result<(), Error> {
     for finding in findings.iter_mut() {
         let blind = matches!(finding.cause, Cause::PlantZeroAtErrorPole { .. });
         if blind && truth.relative(finding.rate_rad_s.unwrap_or(0.0))? >= ZERO_GAIN {
@@ -185,7 +194,7 @@ fn noise_reaches(
     system: &StateSpace,
     control: usize,
     weights: &FeedbackWeights,
-) -> Result<Vec<Finding>, Error> {
+) -> Result<Vec<DesignFinding>, Error> {
     let all = poles(system)?;
     let size = all.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let mut inputs: Vec<usize> =
@@ -202,20 +211,21 @@ fn noise_reaches(
     let mut findings = Vec::new();
     for &pole in all.iter().filter(|pole| pole.re.abs() <= ON_AXIS * size && pole.im >= 0.0) {
         if !reaches(&system.A, &G, pole)? {
-            findings.push(Finding::refusal(Part::Feedback, Cause::NoiseMissesMode { pole }).at(pole.im));
+            findings
+                .push(DesignFinding::refusal(Part::Feedback, Cause::NoiseMissesMode { pole }).at(pole.im));
         }
     }
     Ok(findings)
 }
 
 /// What delay and right half plane zeros say of the crossover that the weights ask for.
-fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result<Vec<Finding>, Error> {
+fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result<Vec<DesignFinding>, Error> {
     let Some(crossover_rad_s) = gain.crossover(&weights.error, &weights.control) else {
         return Ok(Vec::new());
     };
     let mut findings = Vec::new();
     let mut warn = |cause| {
-        let finding = Finding::warning(Part::Feedback, cause).at(crossover_rad_s);
+        let finding = DesignFinding::warning(Part::Feedback, cause).at(crossover_rad_s);
         findings.push(finding.with_weight("error weight", &weights.error));
     };
     if plant.delay_s * crossover_rad_s > DELAY_PHASE {

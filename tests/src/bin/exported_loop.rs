@@ -4,19 +4,10 @@
 //! own `controller.json`, with the recorded control played back, and, for comparison, recorded under and replayed with a
 //! proportional-integral controller. `exported_loop 3` takes the effect of that number alone, from 1. It fails if an effect is missed.
 
-use counterpoise_diagnose::findings::answer::Verdict;
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
+use counterpoise_tests::Threads;
 use counterpoise_tests::exported_loop::{Diagnosed, Way, record_and_diagnose};
 use counterpoise_tests::sealed::PRACTICE;
-
-/// As many threads as the machine has.
-struct Threads;
-
-impl Pool for Threads {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::run_in_parallel(count, job);
-    }
-}
 
 fn main() {
     let only: Option<usize> = std::env::args().nth(1).and_then(|number| number.parse().ok());
@@ -48,7 +39,7 @@ fn cell(one: &Diagnosed) -> String {
         format!("{component} {effect} ({}){or}", parameters.collect::<Vec<_>>().join(", "))
     });
     let verdict = match answer.verdict {
-        Verdict::Consistent => "consistent".to_owned(),
+        DiagnosisVerdict::Consistent => "consistent".to_owned(),
         _ => format!("{:?}: {}", answer.verdict, found.collect::<Vec<_>>().join("; ")),
     };
     if one.is_right { verdict } else { format!("**missed**: {verdict}") }

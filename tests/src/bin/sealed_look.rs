@@ -5,20 +5,12 @@
 
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Answer;
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
+use counterpoise_tests::Threads;
 use counterpoise_tests::sealed::oracle::compare_fits;
 use counterpoise_tests::sealed::row::{recordings, score};
 use counterpoise_tests::sealed::truth::ALL;
 use counterpoise_tests::sealed::{Case, case, case_of, controller, nominal_of};
-
-struct Threads;
-
-impl Pool for Threads {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        counterpoise_tests::run_in_parallel(count, job);
-    }
-}
 
 fn main() {
     for text in std::env::args().skip(1) {

@@ -5,7 +5,7 @@
 
 use std::sync::Mutex;
 
-use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::{diagnose, simulator_access::Serial};
 use counterpoise_models::reference;
@@ -93,7 +93,7 @@ fn of(shape: &'static str, answer: &Answer, seconds: f64) -> Score {
     let little = answer.learned.as_ref().is_some_and(|l| l.power_left <= POWER_LEFT);
     Score {
         shape,
-        claimed: answer.verdict != Verdict::Consistent || answer.learned.is_some(),
+        claimed: answer.verdict != DiagnosisVerdict::Consistent || answer.learned.is_some(),
         modelled: after <= MODELLED || little,
         before,
         after,

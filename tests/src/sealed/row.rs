@@ -1,6 +1,6 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
-use counterpoise_diagnose::findings::answer::{Answer, Finding, Name, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict, Finding, Name};
 use counterpoise_diagnose::findings::channel_fits::{ChannelFit, Channels};
 use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
@@ -144,7 +144,7 @@ pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
         intervals: errors.len(),
         held_out_before: distance(&answer.fit.held_out_before),
         held_out_after: distance(&answer.fit.held_out_after),
-        damaged: answer.verdict != Verdict::Consistent && damaged(answer),
+        damaged: answer.verdict != DiagnosisVerdict::Consistent && damaged(answer),
         seconds,
         sizes,
         errors,

@@ -60,6 +60,13 @@ pub struct RegimeLoop {
     pub broken: StateSpace,
 }
 
+impl RegimeLoop {
+    /// Returns the time in which the motion grows by a factor of e, s.
+    pub fn growth_time_s(&self) -> f64 {
+        1.0 / self.growth_per_s
+    }
+}
+
 impl Regime {
     /// Returns the key of the regime in results.
     pub fn key(self) -> &'static str {

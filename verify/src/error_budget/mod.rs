@@ -15,11 +15,12 @@ pub mod propagation;
 pub mod sources;
 
 use counterpoise_controller::Controller;
-use counterpoise_models::{Measured, Plant};
+use counterpoise_models::{FeedbackSignal, Plant};
 use counterpoise_simulate::{Simulator, TimeHistory};
 
 use crate::line_of_sight::{SightAngles, experiment};
 use crate::sight_spectrum::{Bands, SightSpectrum};
+use crate::tolerance::LEAST_COMPARED_SIGHT_RAD;
 use crate::{Error, LineOfSight, Procedure, nonlinear};
 use propagation::Propagation;
 use sources::{Switched, switch_off};
@@ -78,7 +79,79 @@ pub struct BudgetRun {
     pub error_rad: [f64; 5],
 }
 
+impl Contribution {
+    /// Returns what the linear loop makes of the source less what it makes alone in the simulation, rad, in the order of
+    /// [`crate::line_of_sight::SightError::values`]; `None` if it has no place in a linear loop.
+    pub fn linear_less_alone_rad(&self) -> Option<[f64; 5]> {
+        let linear = self.linear.as_ref()?;
+        Some(std::array::from_fn(|j| linear.rad[j] - self.alone_rad[j]))
+    }
+}
+
 impl ErrorBudget {
+    /// Returns the share of a source in the mean square of the run with all of them, percent, at a place in the order of
+    /// [`crate::line_of_sight::SightError::values`]; 0 if nothing moves there.
+    pub fn share_percent(&self, one: &Contribution, place: usize) -> f64 {
+        let total_rad2 = self.total_rad[place].powi(2);
+        if total_rad2 > 0.0 { 100.0 * one.share_rad2[place] / total_rad2 } else { 0.0 }
+    }
+
+    /// Returns by how much the RMS of the linear loop exceeds that of the simulation at a place, relative to it; `None` if the simulation has
+    /// none that could be compared.
+    pub fn linear_excess(&self, place: usize) -> Option<f64> {
+        let total_rad = self.total_rad[place];
+        (total_rad >= LEAST_COMPARED_SIGHT_RAD).then(|| self.linear_rad()[place] / total_rad - 1.0)
+    }
+
+    /// Returns the frequency below which a share of the mean square at the hub lies, Hz: an edge of a band. `None` if nothing moves.
+    pub fn frequency_below_hz(&self, share: f64) -> Option<f64> {
+        let total: f64 = self.total.hub_rad2.iter().sum();
+        let mut sum = 0.0;
+        let band = self.total.hub_rad2.iter().position(|square| {
+            sum += square;
+            sum >= share * total
+        });
+        self.edges_hz.get(band.filter(|_| total > 0.0)? + 1).copied()
+    }
+
+    /// Returns the middle of each band, Hz, and the power density in it, rad^2/Hz. The lowest band, which begins at 0 and so has no middle on a
+    /// logarithmic axis, stands at half its width; a density that is not positive is NaN.
+    pub fn densities(&self, bands_rad2: &[f64]) -> Vec<[f64; 2]> {
+        let middle = |low: f64, high: f64| if low > 0.0 { (low * high).sqrt() } else { 0.5 * high };
+        let density = |(edges, square): (&[f64], &f64)| {
+            let density = square / (edges[1] - edges[0]);
+            [middle(edges[0], edges[1]), if density > 0.0 { density } else { f64::NAN }]
+        };
+        self.edges_hz.windows(2).zip(bands_rad2).map(density).collect()
+    }
+
+    /// Returns the upper edge of each band, Hz, and the RMS of all bands up to it, rad.
+    pub fn cumulative_rms(&self, bands_rad2: &[f64]) -> Vec<[f64; 2]> {
+        self.sums(bands_rad2).into_iter().map(|[hz, sum]| [hz, sum.max(0.0).sqrt()]).collect()
+    }
+
+    /// Returns the upper edge of each band, Hz, and what a source has in all bands up to it, as a share of the whole.
+    pub fn cumulative_share(&self, bands_rad2: &[f64], whole_rad2: &[f64]) -> Vec<[f64; 2]> {
+        let whole: f64 = whole_rad2.iter().sum();
+        self.sums(bands_rad2).into_iter().map(|[hz, sum]| [hz, sum / whole]).collect()
+    }
+
+    fn sums(&self, bands: &[f64]) -> Vec<[f64; 2]> {
+        let mut sum = 0.0;
+        let mut next = |(edge, square): (&f64, &f64)| {
+            sum += square;
+            [*edge, sum]
+        };
+        self.edges_hz.iter().skip(1).zip(bands).map(&mut next).collect()
+    }
+
+    /// Returns the sum of the spectra of the linear loop over all sources.
+    pub fn linear_spectrum(&self) -> SightSpectrum {
+        let start = SightSpectrum::at_rest(self.edges_hz.len().saturating_sub(1));
+        let each = self.contributions.iter().filter_map(|one| one.linear.as_ref());
+        each.fold(start, |sum, one| sum.plus(1.0, &one.spectrum))
+    }
+
     /// Returns the root of the sum of all shares, rad: the simulated RMS.
     pub fn sum_rad(&self) -> [f64; 5] {
         std::array::from_fn(|j| {
@@ -115,7 +188,7 @@ pub fn error_budget(
 ) -> Result<Option<ErrorBudget>, Error> {
     let holds_rate = matches!(
         plant.parameters().sensors.measured,
-        Measured::HubRate | Measured::RelativeRate | Measured::MotorRate
+        FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate
     );
     let Some(sight) = procedure.line_of_sight.filter(|_| holds_rate) else {
         return Ok(None);

@@ -6,6 +6,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
+use ndarray::Array2;
 
 use super::{Distribution, Points, Varied, figures_of};
 use crate::measure::Value;
@@ -28,7 +29,8 @@ pub struct Campaign {
     procedure: Procedure,
     variations: Vec<Variation>,
     requirements: Vec<Requirement>,
-    points: Vec<Vec<f64>>,
+    /// Quantiles, sample x variation.
+    points: Array2<f64>,
 }
 
 /// One mechanism of the campaign, and its figures.
@@ -83,7 +85,7 @@ impl Campaign {
 
     /// Returns the number of samples.
     pub fn len(&self) -> usize {
-        self.points.len()
+        self.points.nrows()
     }
 
     /// Returns whether there is no sample: never.
@@ -116,7 +118,7 @@ impl Campaign {
             value: index as f64,
             allowed: "below the number of samples",
         };
-        self.points.get(index).cloned().ok_or(none)
+        if index < self.len() { Ok(self.points.row(index).to_vec()) } else { Err(none) }
     }
 
     /// Returns the factors of a sample.

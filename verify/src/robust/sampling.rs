@@ -1,5 +1,6 @@
 //! Points of a campaign: Latin hypercube, from a seed, by a portable generator.
 
+use ndarray::Array2;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -41,11 +42,11 @@ pub enum Points {
 }
 
 impl Points {
-    /// Returns the points of the open unit cube.
+    /// Returns points of the open unit cube, samples x dimensions.
     ///
     /// # Errors
     /// As [`super::sobol()`].
-    pub fn sample_points(self, samples: usize, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
+    pub fn sample_points(self, samples: usize, dimensions: usize, seed: u64) -> Result<Array2<f64>, Error> {
         match self {
             Points::LatinHypercube => Ok(latin_hypercube(samples, dimensions, seed)),
             Points::Sobol => super::sobol(samples, dimensions, seed),
@@ -84,15 +85,15 @@ impl Distribution {
     }
 }
 
-/// Returns `samples` points of the open unit cube, each coordinate once in each of `samples` equal strata: a pure function of its arguments.
-pub fn latin_hypercube(samples: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
-    let mut points = vec![Vec::with_capacity(dimensions); samples];
-    for dimension in 0..dimensions {
+/// Returns `samples` points of the open unit cube, samples x dimensions, each coordinate once in each of `samples` equal strata: a pure function of its arguments.
+pub fn latin_hypercube(samples: usize, dimensions: usize, seed: u64) -> Array2<f64> {
+    let mut points = Array2::zeros((samples, dimensions));
+    for (dimension, mut column) in points.columns_mut().into_iter().enumerate() {
         let mut source = ChaCha8Rng::seed_from_u64(seed);
         source.set_stream(dimension as u64 + 1);
         let strata = permutation(samples, &mut source);
-        for (point, stratum) in points.iter_mut().zip(strata) {
-            point.push((stratum as f64 + uniform(&mut source)) / samples as f64);
+        for (u, stratum) in column.iter_mut().zip(strata) {
+            *u = (stratum as f64 + uniform(&mut source)) / samples as f64;
         }
     }
     points
@@ -168,13 +169,15 @@ mod tests {
     fn every_stratum_is_met_once_and_a_seed_repeats() {
         let points = latin_hypercube(100, 3, 7);
         for dimension in 0..3 {
-            let mut strata: Vec<usize> = points.iter().map(|p| (p[dimension] * 100.0) as usize).collect();
+            let mut strata: Vec<usize> =
+                points.column(dimension).iter().map(|u| (u * 100.0) as usize).collect();
             strata.sort_unstable();
             assert_eq!(strata, (0..100).collect::<Vec<_>>());
         }
         assert_eq!(points, latin_hypercube(100, 3, 7));
         assert_ne!(points, latin_hypercube(100, 3, 8));
-        let correlation: f64 = points.iter().map(|p| (p[0] - 0.5) * (p[1] - 0.5)).sum::<f64>() * 12.0 / 100.0;
+        let correlation: f64 =
+            points.rows().into_iter().map(|p| (p[0] - 0.5) * (p[1] - 0.5)).sum::<f64>() * 12.0 / 100.0;
         assert!(correlation.abs() < 0.3, "{correlation}");
     }
 

@@ -9,7 +9,7 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::{ArrangedLoop, Closed, SampledPlant, arrange, surge};
-use crate::measure::{Measured, Value, history_figures, infinite_figures, loop_figures};
+use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
 use crate::{Arrangement, Error, Figure, Model, Procedure, Unmeasured, nonlinear};
 
@@ -111,7 +111,7 @@ fn simulated(
     controller: &Controller,
     procedure: &Procedure,
     experiment: Experiment,
-) -> Result<Vec<Measured>, Error> {
+) -> Result<Vec<MeasuredFigure>, Error> {
     match nonlinear::history(simulator, controller, procedure, experiment) {
         Ok(history) => {
             let mut figures = history_figures(&history, procedure.settle_s);
@@ -145,7 +145,7 @@ impl<'a> Linear<'a> {
         Closed::new(&self.sampled, arrange(self.controller, arrangement)?.as_ref(), moment)
     }
 
-    fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<Measured>, Error> {
+    fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<MeasuredFigure>, Error> {
         match need {
             Need::Margins => {
                 let closed = self.closed(Arrangement::Compensated)?;

@@ -1,5 +1,6 @@
 //! Sobol's sequence: points that fill the cube more evenly than chance, whatever their number.
 
+use ndarray::Array2;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -31,12 +32,12 @@ const DIRECTIONS: [(u32, u32, &[u32]); 17] = [
 pub const MOST_DIMENSIONS: usize = DIRECTIONS.len() + 1;
 const BITS: u32 = 32;
 
-/// Returns the first `samples` points of the open unit cube, each coordinate shifted by its own random bits (a digital shift,
+/// Returns the first `samples` points of the open unit cube, samples x dimensions, each coordinate shifted by its own random bits (a digital shift,
 /// which keeps every stratum): a pure function of its arguments. Point k does not depend on how many there are.
 ///
 /// # Errors
 /// [`Error::Range`] for no dimension, or more than [`MOST_DIMENSIONS`].
-pub fn sobol(samples: usize, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
+pub fn sobol(samples: usize, dimensions: usize, seed: u64) -> Result<Array2<f64>, Error> {
     if dimensions == 0 || dimensions > MOST_DIMENSIONS {
         let value = dimensions as f64;
         return Err(Error::Range { what: "parameters of a Sobol campaign", value, allowed: "1 to 18" });
@@ -44,9 +45,10 @@ pub fn sobol(samples: usize, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64
     let numbers: Vec<[u32; BITS as usize]> = (0..dimensions).map(direction_numbers).collect();
     let shifts: Vec<u32> = (0..dimensions).map(|dimension| shift(dimension, seed)).collect();
     let mut at = vec![0u32; dimensions];
-    let mut points = Vec::with_capacity(samples);
-    for k in 0..samples {
-        points.push(at.iter().zip(&shifts).map(|(x, s)| (f64::from(x ^ s) + 0.5) / 2f64.powi(32)).collect());
+    let mut points = Array2::zeros((samples, dimensions));
+    for (k, mut point) in points.rows_mut().into_iter().enumerate() {
+        let shifted = at.iter().zip(&shifts).map(|(x, s)| (f64::from(x ^ s) + 0.5) / 2f64.powi(32));
+        point.iter_mut().zip(shifted).for_each(|(u, shifted)| *u = shifted);
         let bit = (k as u64).trailing_ones().min(BITS - 1) as usize;
         at.iter_mut().zip(&numbers).for_each(|(x, v)| *x ^= v[bit]);
     }
@@ -81,18 +83,19 @@ fn direction_numbers(dimension: usize) -> [u32; BITS as usize] {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use ndarray::{ArrayView1, s};
 
     #[test]
     fn every_coordinate_is_stratified_and_a_seed_repeats() {
         let points = sobol(256, MOST_DIMENSIONS, 3).unwrap();
         for d in 0..MOST_DIMENSIONS {
-            let mut strata: Vec<usize> = points.iter().map(|p| (p[d] * 256.0) as usize).collect();
+            let mut strata: Vec<usize> = points.column(d).iter().map(|u| (u * 256.0) as usize).collect();
             strata.sort_unstable();
             assert_eq!(strata, (0..256).collect::<Vec<_>>(), "dimension {d}");
         }
         assert_eq!(points, sobol(256, MOST_DIMENSIONS, 3).unwrap());
         assert_ne!(points, sobol(256, MOST_DIMENSIONS, 4).unwrap());
-        assert_eq!(points[..100], sobol(100, MOST_DIMENSIONS, 3).unwrap());
+        assert_eq!(points.slice(s![..100, ..]), sobol(100, MOST_DIMENSIONS, 3).unwrap());
         assert!(sobol(1, MOST_DIMENSIONS + 1, 1).is_err());
     }
 
@@ -100,10 +103,10 @@ mod tests {
     fn a_smooth_integral_is_closer_than_by_chance() {
         // the mean of the product of 1 + (u - 1/2) / (d + 1) is 1
         let points = sobol(4096, 10, 1).unwrap();
-        let value = |p: &Vec<f64>| {
+        let value = |p: ArrayView1<'_, f64>| {
             p.iter().enumerate().map(|(d, u)| 1.0 + (u - 0.5) / (d + 1) as f64).product::<f64>()
         };
-        let mean = points.iter().map(value).sum::<f64>() / 4096.0;
+        let mean = points.rows().into_iter().map(value).sum::<f64>() / 4096.0;
         // by chance the standard error is 5e-3
         assert!((mean - 1.0).abs() < 5e-4, "{mean}");
     }
@@ -112,7 +115,7 @@ mod tests {
     fn the_first_two_dimensions_fill_every_elementary_box() {
         let points = sobol(64, 2, 9).unwrap();
         let mut boxes: Vec<usize> =
-            points.iter().map(|p| 8 * (p[0] * 8.0) as usize + (p[1] * 8.0) as usize).collect();
+            points.rows().into_iter().map(|p| 8 * (p[0] * 8.0) as usize + (p[1] * 8.0) as usize).collect();
         boxes.sort_unstable();
         boxes.dedup();
         assert_eq!(boxes.len(), 64);

@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{Core, Mesh, Plant};
-use counterpoise_models::{Lumped, Measured};
+use counterpoise_models::{FeedbackSignal, Lumped};
 
 use super::places::{Dry, Place};
 use crate::linear::plant::Resolver;
@@ -77,19 +77,19 @@ fn measured(plant: &Plant, angle: usize) -> Vec<f64> {
         row
     };
     match plant.parameters().sensors.measured {
-        Measured::HubRate | Measured::RelativeRate => wide(plant.hub_rate_row()),
-        Measured::MotorRate => {
+        FeedbackSignal::HubRate | FeedbackSignal::RelativeRate => wide(plant.hub_rate_row()),
+        FeedbackSignal::MotorRate => {
             let ratio = plant.parameters().gearbox.ratio;
             wide(plant.motor_rate_row().into_iter().map(|entry| entry / ratio).collect())
         }
-        Measured::HubPosition => one_at(n + 3, angle),
-        Measured::MotorPosition => {
+        FeedbackSignal::HubPosition => one_at(n + 3, angle),
+        FeedbackSignal::MotorPosition => {
             let mut row = one_at(n + 3, angle);
             row[state::WINDUP] = 1.0;
             row
         }
-        Measured::Torque => wide(plant.transmitted_torque_row()),
-        Measured::Current => wide(plant.current_row()[..n].to_vec()),
+        FeedbackSignal::Torque => wide(plant.transmitted_torque_row()),
+        FeedbackSignal::Current => wide(plant.current_row()[..n].to_vec()),
     }
 }
 

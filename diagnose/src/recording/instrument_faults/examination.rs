@@ -5,12 +5,12 @@
 //! Faults that a gyroscope itself may have (gain, bias, lag, delay) are left to the library of physics, because this sensor is
 //! inside the control loop.
 
-use counterpoise_models::{Measured, Parameters};
+use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use crate::recording::instrument_faults::column::Column;
-use crate::recording::instrument_faults::factors::{Found, Mistake};
+use crate::recording::instrument_faults::factors::{FoundMistake, Mistake};
 use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
 use crate::recording::instrument_faults::regression::{delay_series, regress};
 use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
@@ -42,7 +42,7 @@ pub fn find_instrument_faults(
     let written = recordings.iter().map(columns).collect();
     let mut out = ExaminedRecordings { recordings: recordings.to_vec(), faults: Vec::new(), written };
     out.singles(base, control);
-    if base.sensors.measured != Measured::HubRate {
+    if base.sensors.measured != FeedbackSignal::HubRate {
         // what the columns must satisfy together is stated for a gyroscope on the hub
         out.control_offsets(base, control);
         return out;
@@ -160,7 +160,7 @@ impl ExaminedRecordings {
         }
     }
 
-    fn mistake(&mut self, found: &Found) {
+    fn mistake(&mut self, found: &FoundMistake) {
         let cured = factors::correct_mistake(&self.recordings, found);
         let (column, kind) = match found.mistake {
             Mistake::Scale { column, gain, doubt } => (column, FaultKind::Scale { gain, doubt }),

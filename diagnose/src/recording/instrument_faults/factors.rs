@@ -24,7 +24,7 @@ pub(super) enum Mistake {
 
 /// A mistake with the recordings that have it, and the columns that could have made it instead.
 #[derive(Debug, Clone)]
-pub(super) struct Found {
+pub(super) struct FoundMistake {
     pub mistake: Mistake,
     pub recordings: Vec<usize>,
     pub or: Vec<Column>,
@@ -47,17 +47,21 @@ fn table_of(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Tabl
 
 /// Returns the mistake that explains what is wrong; `None` if nothing is wrong, if it may be a gyroscope's own gain, or if no
 /// single mistake explains it.
-pub(super) fn find_mistake(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Option<Found> {
+pub(super) fn find_mistake(
+    base: &Parameters,
+    control: &Loop,
+    recordings: &[Recording],
+) -> Option<FoundMistake> {
     let table = table_of(base, control, recordings);
     let bad: Vec<usize> = (0..table.len()).filter(|r| !holds(&table[*r])).collect();
     if bad.is_empty() || own_gain(&table) {
         return None;
     }
-    let whole = |found: &Found| {
+    let whole = |found: &FoundMistake| {
         let cured: Vec<Recording> = correct_mistake(recordings, found);
         found.recordings.iter().map(|r| broken(&list_identities(base, control, &cured[*r]))).sum::<f64>()
     };
-    let heard = |found: &Found| {
+    let heard = |found: &FoundMistake| {
         let after = correct_mistake(recordings, found);
         let exact = |r: &usize| list_identities(base, control, &after[*r]).iter().all(|i| is_exact(i, base));
         !needs_exactness(found) || found.recordings.iter().all(exact)
@@ -65,14 +69,16 @@ pub(super) fn find_mistake(base: &Parameters, control: &Loop, recordings: &[Reco
     let scales = Column::ALL.into_iter().filter_map(|column| scaled(&table, column, &bad)).filter(heard);
     let exchanges = pairs(&recordings[bad[0]]).into_iter().filter_map(|(one, other)| {
         let all = (0..recordings.len()).collect();
-        let found = Found { mistake: Mistake::Exchange { one, other }, recordings: all, or: Vec::new() };
+        let found =
+            FoundMistake { mistake: Mistake::Exchange { one, other }, recordings: all, or: Vec::new() };
         let after = table_of(base, control, &correct_mistake(recordings, &found));
         let better = |r: &usize| is_better(&table[*r], &after[*r]);
         let everywhere = (0..after.len()).all(|r| better(&r) || (!bad.contains(&r) && holds(&after[r])));
         let recordings = (0..after.len()).filter(|r| everywhere || better(r)).collect();
-        bad.iter().all(better).then_some(Found { recordings, ..found })
+        bad.iter().all(better).then_some(FoundMistake { recordings, ..found })
     });
-    let mut all: Vec<(f64, Found)> = scales.chain(exchanges).map(|found| (whole(&found), found)).collect();
+    let mut all: Vec<(f64, FoundMistake)> =
+        scales.chain(exchanges).map(|found| (whole(&found), found)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (least, best) = all.first()?.clone();
     let alike = all[1..]
@@ -82,7 +88,7 @@ pub(super) fn find_mistake(base: &Parameters, control: &Loop, recordings: &[Reco
         Mistake::Scale { column, .. } => Some(column),
         Mistake::Exchange { .. } => None,
     });
-    Some(Found { or: or.collect(), ..best })
+    Some(FoundMistake { or: or.collect(), ..best })
 }
 
 /// Returns whether an exchange makes the identities of a recording hold that did not, or makes them computable at all.
@@ -93,7 +99,7 @@ fn is_better(before: &[Identity], after: &[Identity]) -> bool {
 }
 
 /// Returns the recordings without the mistake.
-pub(super) fn correct_mistake(recordings: &[Recording], found: &Found) -> Vec<Recording> {
+pub(super) fn correct_mistake(recordings: &[Recording], found: &FoundMistake) -> Vec<Recording> {
     let mut out = recordings.to_vec();
     for &r in &found.recordings {
         match found.mistake {
@@ -132,7 +138,7 @@ fn agrees(ratio: &Ratio, expected: f64) -> bool {
 
 /// Returns whether the controller's identity must hold to the converter's noise for a mistake to be believed: a factor near one on
 /// what the controller reads or writes looks like a late column.
-fn needs_exactness(found: &Found) -> bool {
+fn needs_exactness(found: &FoundMistake) -> bool {
     let heard = [Column::Demand, Column::Control, Column::HubRate];
     matches!(found.mistake, Mistake::Scale { column, gain, .. } if heard.contains(&column) && !is_known(gain))
 }
@@ -175,7 +181,7 @@ fn own_gain(table: &[Vec<Identity>]) -> bool {
 }
 
 /// Returns the factor of one column that explains every recording in which something is wrong.
-fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Found> {
+fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<FoundMistake> {
     let origin = FactorOrigin::Written(column);
     let mut gains = Vec::new();
     for &r in bad {
@@ -191,7 +197,7 @@ fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Foun
     let good = |r: &usize| !bad.contains(r);
     let sound = (0..table.len()).filter(good).any(|r| !explains(&table[r], origin, gain));
     let recordings = if sound { bad.to_vec() } else { (0..table.len()).collect() };
-    Some(Found { mistake: Mistake::Scale { column, gain, doubt }, recordings, or: Vec::new() })
+    Some(FoundMistake { mistake: Mistake::Scale { column, gain, doubt }, recordings, or: Vec::new() })
 }
 
 /// Returns whether the kinematics of a recording hold at all, with whatever factors: an elastic drive between two sensors, or a motion that

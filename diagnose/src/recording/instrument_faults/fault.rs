@@ -139,6 +139,16 @@ const UNITS: [(f64, UnitMistake); 6] = [
     (1.0 / 9.80665, UnitMistake::StandardGravity),
 ];
 
+impl FaultKind {
+    /// Returns the step of a coarse converter over that of the project's; `None` for another fault.
+    pub fn step_ratio(&self) -> Option<f64> {
+        match self {
+            FaultKind::Coarse { step, expected } => Some(step / expected),
+            _ => None,
+        }
+    }
+}
+
 impl UnitMistake {
     /// Returns the mistake whose factor a gain has, whatever its sign; `None` if it is no unit's.
     pub fn of_gain(gain: f64) -> Option<Self> {

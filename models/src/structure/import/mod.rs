@@ -22,7 +22,7 @@ use crate::Error;
 use crate::tolerance::{ASYMMETRY_OF_IMPORT, LARGE_STRUCTURE};
 use counterpoise_linalg::{
     Sparse,
-    sparse::{Entry, Watch},
+    sparse::{Entry, ProgressObserver},
 };
 use std::collections::BTreeMap;
 
@@ -83,7 +83,7 @@ impl Imported {
         &self,
         map: &NodeMap,
         wanted: &Condensation,
-        watch: &mut Watch,
+        watch: &mut ProgressObserver,
     ) -> Result<FeModel, Error> {
         let whole = self.sparse(map)?;
         match self.is_large() || wanted.shapes == Shapes::Balanced {

@@ -4,7 +4,7 @@ use super::{Frame, List, NOTHING, Reader};
 use crate::diagnostic::{Problem, did_you_mean, is_control};
 use crate::file::field::{Fallback, Field, Need, TableField};
 use crate::file::source::Remark;
-use crate::file::tree::{self, Entry, Found, Node, Value};
+use crate::file::tree::{self, Entry, Lookup, Node, Value};
 use crate::file::visit::{Count, Presence, Visit};
 
 const NOT_WHOLE: &str = "must be a whole number, without decimal point";
@@ -244,8 +244,8 @@ impl<'a> Visit for Reader<'a> {
 
     fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
         let path = self.path(key);
-        let (Some(node), Found::There) =
-            self.frames.last().map_or((None, Found::Around), |f| tree::find(f.entries, key))
+        let (Some(node), Lookup::Exact) =
+            self.frames.last().map_or((None, Lookup::Enclosing), |f| tree::find(f.entries, key))
         else {
             self.complain_of_default(key, allowed, hint);
             return;
@@ -283,7 +283,7 @@ impl<'a> Visit for Reader<'a> {
     }
 
     fn has(&self, key: &str) -> bool {
-        self.frames.last().is_some_and(|frame| tree::find(frame.entries, key).1 == Found::There)
+        self.frames.last().is_some_and(|frame| tree::find(frame.entries, key).1 == Lookup::Exact)
     }
 
     fn assume(&mut self, field: &Field, value: f64) {

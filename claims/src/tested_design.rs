@@ -18,7 +18,7 @@ use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::Project;
 
 /// A design that is put to the test.
-pub struct Bench<'a> {
+pub struct TestedDesign<'a> {
     /// The project.
     pub project: &'a Project,
     /// Files beside it.
@@ -93,7 +93,7 @@ pub fn plot_over_factor(
     drawing(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
 }
 
-impl<'a> Bench<'a> {
+impl<'a> TestedDesign<'a> {
     /// Designs and verifies the project.
     ///
     /// # Errors

@@ -1,0 +1,28 @@
+//! The numbers that decide what the window shows or starts, each with its reason.
+
+/// Smallest modulus that is shown: below it lies rounding, and 0 has no logarithm.
+pub(crate) const SMALLEST_MODULUS: f64 = 1e-30;
+
+/// Smallest value of a logarithmic axis: below it lies rounding.
+pub(crate) const SMALLEST_VALUE: f64 = 1e-16;
+
+/// Share above which a requirement counts as held by all mechanisms: rounding of a share of thousands.
+pub(crate) const HELD_BY_ALL_SHARE: f64 = 0.999;
+
+/// Smallest move of the slider that starts a trial, kg m: less is rounding of the slider.
+pub(crate) const SMALLEST_TRIAL_KG_M: f64 = 0.05;
+
+/// Largest out-of-balance that can be tried, kg m.
+pub(crate) const LARGEST_TRIAL_KG_M: f64 = 400.0;
+
+/// Relative difference of limits that is rounding.
+pub(crate) const SAME_LIMITS: f64 = 1e-6;
+
+/// Largest distance of a simplified curve from its points, in pixels: less than the eye can see.
+pub(crate) const TOLERANCE_PX: f64 = 0.3;
+
+/// Largest exponent of ten that a number can have.
+pub(crate) const LARGEST_EXPONENT: f64 = 300.0;
+
+/// Distance of a logarithmic tick from a whole power of ten, in decades, that is rounding.
+pub(crate) const WHOLE_DECADE: f64 = 1e-6;
