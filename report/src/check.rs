@@ -172,8 +172,8 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     if !nothing.is_empty() {
         lines.push("  0, as in an ideal machine:".to_owned());
         let section = |a: &&Assumption| section_of(&a.key).to_owned();
-        let alike = nothing.chunk_by(|a, b| section(a) == section(b));
-        lines.extend(alike.map(|alike| {
+        let alike: Vec<&[&Assumption]> = nothing.chunk_by(|a, b| section(a) == section(b)).collect();
+        lines.extend(capped(&alike, MOST_LISTED, |alike| {
             let keys: Vec<&str> = alike.iter().map(|a| key_of(&a.key)).collect();
             format!("    {}: {}", section(&alike[0]), keys.join(", "))
         }));
