@@ -48,30 +48,32 @@ impl CarefulResponse {
 
     /// Returns whether the response at a frequency is computed here.
     pub(crate) fn covers(&self, rate: f64) -> bool {
+        self.interval_around(rate).is_some()
+    }
+
+    fn interval_around(&self, rate: f64) -> Option<&[f64; 2]> {
         let next = self.intervals.partition_point(|interval| interval[1] < rate);
-        self.intervals.get(next).is_some_and(|interval| interval[0] <= rate)
+        self.intervals.get(next).filter(|interval| interval[0] <= rate)
     }
 
     /// Returns the response at a frequency, rad/s; `None` if it is not computed here, or at a pole. Between two points with gains above 60 dB it is
     /// interpolated, straight in logarithms.
     pub(crate) fn at(&self, rate: f64) -> Option<C64> {
-        if !self.covers(rate) {
-            return None;
-        }
-        self.large_at(rate).or_else(|| self.computed_at(rate))
-    }
-
-    /// Returns the response at a frequency between two known ones at which the gain is large; `None` elsewhere.
-    fn large_at(&self, rate: f64) -> Option<C64> {
+        let [low, high] = *self.interval_around(rate)?;
         let next = self.known.partition_point(|point| point.rate < rate);
-        let (a, b) = (self.known.get(next.checked_sub(1)?)?, self.known.get(next)?);
-        let is_large = |point: &Point| point.value.norm() > 1.0 / LEAST_GAIN;
-        let is_one_stretch = self.intervals.iter().any(|[low, high]| *low <= a.rate && b.rate <= *high);
-        if !(is_one_stretch && is_large(a) && is_large(b)) {
-            return None;
+        let above = self.known.get(next).filter(|point| point.rate <= high);
+        if let Some(known) = above.filter(|point| point.rate == rate) {
+            return Some(known.value);
         }
-        let share = (rate / a.rate).ln() / (b.rate / a.rate).ln();
-        Some(a.value * (b.value / a.value).powf(share))
+        let below = next.checked_sub(1).map(|last| &self.known[last]).filter(|point| point.rate >= low);
+        let is_large = |point: &Point| point.value.norm() > 1.0 / LEAST_GAIN;
+        match (below, above) {
+            (Some(a), Some(b)) if is_large(a) && is_large(b) => {
+                let share = (rate / a.rate).ln() / (b.rate / a.rate).ln();
+                Some(a.value * (b.value / a.value).powf(share))
+            }
+            _ => self.computed_at(rate),
+        }
     }
 
     fn computed_at(&self, rate: f64) -> Option<C64> {

@@ -110,12 +110,11 @@ enum Origin {
     Elsewhere,
 }
 
-/// Returns the sections with the values that come from one place; those without any are left out. The file's format and the machine's name
-/// stand in the heading.
+/// Returns the sections with the values that come from one place; those without any are left out. The machine's name stands in the
+/// heading.
 fn stated_part(sections: &[SectionStatement], origin: Origin) -> Vec<SectionStatement> {
     let is_here = |value: &ValueStatement| value.written.is_some() == (origin == Origin::File);
-    let is_in_heading =
-        |section: &SectionStatement, key: &str| matches!((section.path.as_str(), key), ("plant", "name"));
+    let is_in_heading = |section: &SectionStatement, key: &str| section.path == "plant" && key == "name";
     let part = |section: &SectionStatement| {
         let mut part = section.clone();
         part.values.retain(|value| is_here(value) && !is_in_heading(section, &value.key));
@@ -136,14 +135,12 @@ fn value(value: &ValueStatement) -> String {
         "" => text.to_owned(),
         unit => format!("{text} {unit}"),
     };
-    let rounded = value.value.parse::<f64>().map_or_else(|_| value.value.clone(), short);
-    let is_number = value.value.parse::<f64>().is_ok();
+    let number = value.value.parse::<f64>().ok();
+    let rounded = with_unit(&number.map_or_else(|| value.value.clone(), short));
     let shown = match &value.written {
-        Some(written) if is_number && written.parse::<f64>().is_ok() => with_unit(written),
-        Some(written) if is_number && *written != with_unit(&rounded) => {
-            format!("{written} ({})", with_unit(&rounded))
-        }
-        _ => with_unit(&rounded),
+        Some(written) if number.is_some() && written.parse::<f64>().is_ok() => with_unit(written),
+        Some(written) if number.is_some() && *written != rounded => format!("{written} ({rounded})"),
+        _ => rounded,
     };
     format!("{} {shown}", value.key.replace('_', " "))
 }

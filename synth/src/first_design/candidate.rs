@@ -110,13 +110,14 @@ impl PlantGain {
     /// Those of the plant.
     pub fn of(circumstances: &Circumstances, modes: Vec<f64>) -> Result<Self, Error> {
         let plant = circumstances.plant.weighted_plant();
-        let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
+        let measured = plant.measured_plant()?;
+        let seen = measured.select(&[0], &[plant.control]);
         let response = Response::of(&seen)?;
         let gain = |rate: f64| response.at(rate).map_or(f64::INFINITY, |value| value.norm_max());
         // Two decades apart far below everything: a gain that falls with frequency towards zero has a zero there.
         let lowest = BLIND_BELOW * circumstances.sampling.highest_rad_s();
         let is_blind_at_zero = gain(BLIND_SPAN * lowest) < BLIND_FALL * gain(lowest);
-        Ok(Self { response, is_blind_at_zero, modes, load: load_gain(circumstances, &seen)? })
+        Ok(Self { response, is_blind_at_zero, modes, load: load_gain(circumstances, &measured)? })
     }
 
     /// The modulus around a frequency, as a geometric mean.
@@ -172,20 +173,22 @@ pub(super) fn weights(
     })
 }
 
-/// Returns what the load does at the slowest lightly damped zero from the control to the reading; `None` if there is no such zero, or the load is
+/// Returns what the load does at the slowest lightly damped zero from the control to the reading, given the
+/// [measured plant](crate::DesignPlant::measured_plant); `None` if there is no such zero, or the load is
 /// what is read.
-fn load_gain(circumstances: &Circumstances, seen: &StateSpace) -> Result<Option<LoadGain>, Error> {
+fn load_gain(circumstances: &Circumstances, measured: &StateSpace) -> Result<Option<LoadGain>, Error> {
     let plant = circumstances.plant.weighted_plant();
     let Some(output) = circumstances.load_output.filter(|output| *output != plant.rate) else {
         return Ok(None);
     };
     let is_light = |zero: &C64| zero.im > 0.0 && zero.re.abs() < LIGHTLY_DAMPED * zero.norm();
-    let rates = zeros(seen)?.into_iter().filter(is_light).map(|zero| zero.norm());
+    let rates =
+        zeros(&measured.select(&[0], &[plant.control]))?.into_iter().filter(is_light).map(|zero| zero.norm());
     let slowest = rates.fold(f64::INFINITY, f64::min);
     if slowest > circumstances.sampling.highest_rad_s() {
         return Ok(None);
     }
-    let motion = plant.measured_plant()?.select(&[1 + output], &[plant.control]);
+    let motion = measured.select(&[1 + output], &[plant.control]);
     let gain = Response::of(&motion)?.at(slowest).map_or(0.0, |value| value.norm_max());
     Ok((gain > 0.0 && gain.is_finite()).then_some(LoadGain { output, gain }))
 }

@@ -1,6 +1,7 @@
 //! The highest bandwidth that everything allows, and what each limit alone would have allowed.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use counterpoise_lti::StateSpace;
@@ -49,6 +50,12 @@ pub(super) struct FurtherShapes {
     have_more_phase: bool,
     /// Those that damp the load.
     damp_the_load: bool,
+}
+
+/// Each of some shapes at each of some aims.
+fn at_aims(aims_rad_s: &[f64], shapes: Range<usize>) -> Vec<Candidate> {
+    let at = |&aim_rad_s: &f64| shapes.clone().map(move |shape| Candidate { aim_rad_s, shape });
+    aims_rad_s.iter().flat_map(at).collect()
 }
 
 /// Quotient of an aim and the next lower one.
@@ -161,38 +168,46 @@ impl<'a> Scan<'a> {
     /// answer.
     fn attenuate_modes(&mut self, highest_rad_s: f64) -> Result<(), Error> {
         self.further_shapes.have_more_phase = true;
-        let mut aim = highest_rad_s;
-        while aim > self.reached() {
-            self.look_ahead(
-                [aim, aim / step_of_aims()]
-                    .into_iter()
-                    .flat_map(|aim_rad_s| DEAR.map(move |shape| Candidate { aim_rad_s, shape })),
-            );
-            for shape in MORE_PHASE..DAMPED_LOAD {
-                self.improve(aim, shape)?;
-            }
-            aim /= step_of_aims();
-        }
+        let two_aims = |aim_rad_s: f64| at_aims(&[aim_rad_s, aim_rad_s / step_of_aims()], DEAR);
+        self.descend(highest_rad_s, 0.0, MORE_PHASE..DAMPED_LOAD, two_aims)?;
         // Without an answer among them they are no part of the search for what limits it.
-        self.further_shapes.have_more_phase =
-            self.best.as_ref().is_some_and(|best| (MORE_PHASE..DAMPED_LOAD).contains(&best.shape));
+        self.further_shapes.have_more_phase = self.has_answer_among(MORE_PHASE..DAMPED_LOAD);
         Ok(())
     }
 
     /// Tries the shapes that damp the load, from the highest aim down to the answer.
     fn damp_load(&mut self, highest_rad_s: f64) -> Result<(), Error> {
         self.further_shapes.damp_the_load = true;
-        let (mut aim, lowest) = (highest_rad_s, highest_rad_s * 10f64.powi(-DECADES));
-        while aim > self.reached().max(lowest) {
-            let shapes = DAMPED_LOAD..SHAPES.len();
-            self.look_ahead(shapes.clone().map(|shape| Candidate { aim_rad_s: aim, shape }));
-            for shape in shapes {
+        let (shapes, lowest) = (DAMPED_LOAD..SHAPES.len(), highest_rad_s * 10f64.powi(-DECADES));
+        self.descend(highest_rad_s, lowest, shapes.clone(), |aim_rad_s| {
+            at_aims(&[aim_rad_s], shapes.clone())
+        })?;
+        self.further_shapes.damp_the_load = self.has_answer_among(shapes);
+        Ok(())
+    }
+
+    /// Improves the answer by further shapes, from the highest aim down to the answer or the lowest aim. What `upcoming` gives for an aim is judged side by
+    /// side before.
+    fn descend(
+        &mut self,
+        highest_rad_s: f64,
+        lowest_rad_s: f64,
+        shapes: Range<usize>,
+        upcoming: impl Fn(f64) -> Vec<Candidate>,
+    ) -> Result<(), Error> {
+        let mut aim = highest_rad_s;
+        while aim > self.reached().max(lowest_rad_s) {
+            self.look_ahead(upcoming(aim).into_iter());
+            for shape in shapes.clone() {
                 self.improve(aim, shape)?;
             }
             aim /= step_of_aims();
         }
-        self.further_shapes.damp_the_load = self.best.as_ref().is_some_and(|best| best.shape >= DAMPED_LOAD);
         Ok(())
+    }
+
+    fn has_answer_among(&self, shapes: Range<usize>) -> bool {
+        self.best.as_ref().is_some_and(|best| shapes.contains(&best.shape))
     }
 
     /// Takes the feedback of an aim and a further shape, or one of an aim closely above, if it keeps everything and has a higher bandwidth than
