@@ -174,8 +174,8 @@ pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
 
 /// Returns the margins of one of many loops that are compared: crossings and the sensitivity's peak as [`margins`] closes in on them, on a
 /// grid that starts from zeros without the correction in 32 digits, so the answers differ by rounding. A loop with double zeros, as the
-/// bilinear map makes them at half the sampling rate, takes a hundredth of the time. Whether the closed loop is stable is left to the
-/// caller.
+/// bilinear map makes them at half the sampling rate, takes a hundredth of the time. Of crossings of the negative axis with a margin of more
+/// than 26 dB, two that are close together may be missed. Whether the closed loop is stable is left to the caller.
 ///
 /// # Errors
 /// [`Error::NotSiso`].

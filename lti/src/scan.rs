@@ -1,14 +1,16 @@
 //! A loop's response on a grid that is as fine as the loop asks for, with its extremes refined on it.
 
+use std::ops::Range;
+
 use crate::asymptotes::Asymptotes;
 use crate::careful_response::CarefulResponse;
 use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CAREFUL_ROUNDING, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, LEAST_GAIN, NEAR_CRITICAL,
-    NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION,
-    SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, ZOOMS,
+    AT_ORIGIN, CANDIDATE_GAINS, CAREFUL_ROUNDING, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, EVERY_GAIN,
+    LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY,
+    SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -24,6 +26,8 @@ pub(crate) struct Scan {
     /// Points far below and far above the grid, if the gain tends to a limit there that is on the other side of one from the gain at that end of
     /// the grid.
     pub limits: Limits,
+    /// Gains at which neighbours are close where the phase is near -180 degrees.
+    close_gains: Range<f64>,
     /// Whether the gain grows beyond all bounds towards rest: the roots have more poles than zeros at the origin.
     grows_towards_rest: bool,
     pub points: Vec<Point>,
@@ -40,7 +44,7 @@ impl Scan {
     /// Resolves the loop's response.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let zeros = zeros(g)?;
-        let mut scan = Self::on_starting_grid(g, &zeros)?;
+        let mut scan = Self::on_starting_grid(g, &zeros, EVERY_GAIN)?;
         scan.careful = CarefulResponse::of(g, &scan.response, &scan.points);
         if scan.careful.is_some() {
             let rates: Vec<f64> = scan.points.iter().map(|point| point.rate).collect();
@@ -49,13 +53,14 @@ impl Scan {
         scan.completed(g, &zeros)
     }
 
-    /// Resolves the loop's response on a grid that starts from zeros without the correction in 32 digits.
+    /// Resolves the loop's response on a grid that starts from zeros without the correction in 32 digits, and is close along the negative axis
+    /// only about a gain of one.
     pub fn of_candidate(g: &StateSpace) -> Result<Self, Error> {
         let zeros = uncorrected_zeros(g)?;
-        Self::on_starting_grid(g, &zeros)?.completed(g, &zeros)
+        Self::on_starting_grid(g, &zeros, CANDIDATE_GAINS)?.completed(g, &zeros)
     }
 
-    fn on_starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
+    fn on_starting_grid(g: &StateSpace, zeros: &[C64], close_gains: Range<f64>) -> Result<Self, Error> {
         let response = Response::of(g)?;
         let mut scan = Self {
             response,
@@ -63,6 +68,7 @@ impl Scan {
             careful: None,
             delay_s: 0.0,
             limits: Limits::default(),
+            close_gains,
             grows_towards_rest: false,
             points: Vec::new(),
         };
@@ -99,7 +105,7 @@ impl Scan {
         let (reached, last) = (rates.last().copied(), self.points.last().map(|point| point.rate));
         self.points = self.evaluate(&rates);
         self.refine();
-        if reached < last || self.points.windows(2).any(|w| unresolved(w[0], w[1])) {
+        if reached < last || self.points.windows(2).any(|w| self.is_unresolved(w[0], w[1])) {
             return Err(Error::NotConverged {
                 what: "the response of a loop with delay",
                 iterations: self.points.len(),
@@ -167,7 +173,7 @@ impl Scan {
     /// Adds points until neighbours agree. A pair of neighbours is looked at once, when it becomes one.
     fn refine(&mut self) {
         let most = if self.delay_s > 0.0 { DELAYED_POINTS } else { SCAN_POINTS };
-        let mut open: Vec<bool> = self.points.windows(2).map(|w| unresolved(w[0], w[1])).collect();
+        let mut open: Vec<bool> = self.points.windows(2).map(|w| self.is_unresolved(w[0], w[1])).collect();
         for _ in 0..SCAN_ROUNDS {
             let pairs = self.points.windows(2).zip(&open);
             let finer: Vec<f64> = pairs.filter(|(_, open)| **open).map(|(w, _)| middle(w)).collect();
@@ -177,6 +183,26 @@ impl Scan {
             let more = self.evaluate(&finer);
             open = self.insert(&more, &open);
         }
+    }
+
+    /// Returns whether something may hide between two neighbours.
+    fn is_unresolved(&self, a: Point, b: Point) -> bool {
+        if b.rate - a.rate <= SCAN_RESOLUTION * b.rate {
+            return false;
+        }
+        // Away from the left half plane and from a gain of one neither logarithm nor angle can be small.
+        let is_near = |value: C64, size: f64| {
+            (size > 0.5 && size < 2.0 && size.ln().abs() < NEAR_CRITICAL)
+                || (value.re < 0.0
+                    && value.im.abs() < -value.re
+                    && self.close_gains.contains(&size)
+                    && (-value).arg().abs() < NEAR_CRITICAL)
+        };
+        let (size_a, size_b) = (a.value.norm(), b.value.norm());
+        let step = if is_near(a.value, size_a) || is_near(b.value, size_b) { NEAR_STEP } else { SCAN_STEP };
+        let to_critical = (a.value + 1.0).norm().min((b.value + 1.0).norm());
+        let change = (b.value - a.value).norm();
+        change > step * size_a.min(size_b) || change > SCAN_STEP * to_critical
     }
 
     /// Inserts points, in rising order, into the open gaps between neighbours; returns which gaps are open then.
@@ -190,7 +216,7 @@ impl Scan {
             match more.next_if(|inner| open[k] && inner.rate < next.rate) {
                 Some(&inner) => {
                     self.points.push(inner);
-                    still_open.extend([unresolved(point, inner), unresolved(inner, next)]);
+                    still_open.extend([self.is_unresolved(point, inner), self.is_unresolved(inner, next)]);
                 }
                 None => still_open.push(open[k]),
             }
@@ -277,24 +303,6 @@ pub(crate) fn divide_interval(low: f64, high: f64) -> Vec<f64> {
 
 fn middle(w: &[Point]) -> f64 {
     if w[1].rate > 2.0 * w[0].rate { (w[0].rate * w[1].rate).sqrt() } else { 0.5 * (w[0].rate + w[1].rate) }
-}
-
-/// Returns whether something may hide between two neighbours.
-fn unresolved(a: Point, b: Point) -> bool {
-    if b.rate - a.rate <= SCAN_RESOLUTION * b.rate {
-        return false;
-    }
-    // Away from the left half plane and from a gain of one neither logarithm nor angle can be small.
-    let near = |value: C64| {
-        let size = value.norm();
-        (size > 0.5 && size < 2.0 && size.ln().abs() < NEAR_CRITICAL)
-            || (value.re < 0.0 && value.im.abs() < -value.re && (-value).arg().abs() < NEAR_CRITICAL)
-    };
-    let step = if near(a.value) || near(b.value) { NEAR_STEP } else { SCAN_STEP };
-    let size = a.value.norm().min(b.value.norm());
-    let to_critical = (a.value + 1.0).norm().min((b.value + 1.0).norm());
-    let change = (b.value - a.value).norm();
-    change > step * size || change > SCAN_STEP * to_critical
 }
 
 /// Returns a logarithmic grid over all roots, and close points about each lightly damped one.

@@ -214,6 +214,13 @@ pub const NEAR_STEP: f64 = 0.03;
 /// |ln gain| or phase distance in rad that counts as near.
 pub const NEAR_CRITICAL: f64 = 0.15;
 
+/// Gains at which the phase counts as near: all of them, so that no crossing of the negative axis is missed.
+pub const EVERY_GAIN: std::ops::Range<f64> = 0.0..f64::INFINITY;
+
+/// ... and in one of many loops that are compared: beyond these a crossing is a gain margin of more than 26 dB, and no nearer to the critical
+/// point than 0.95.
+pub const CANDIDATE_GAINS: std::ops::Range<f64> = 0.05..20.0;
+
 /// The response near rest is known if rounding changes it by less than this share; beside a pole at zero frequency it grows towards rest.
 pub const KNOWN_AT_REST: f64 = 1e-7;
 

@@ -170,6 +170,12 @@ impl Multiplier {
         })
     }
 
+    /// Returns the least eigenvalue of the condition at a rate over the largest modulus of one; below 0 it does not hold.
+    pub fn least_share(&self, H: &[Vec<Taylor>], over: Interval) -> f64 {
+        let middle = self.form(H, over).map(|entry| entry.value);
+        smallest(middle, self.joints) / largest(middle, self.joints).max(f64::MIN_POSITIVE)
+    }
+
     /// Returns whether the condition holds at every rate of a range: the range is halved until it does in each interval. The tangent
     /// is a Hermitian matrix whose least eigenvalue is a concave function of the rate, so that its ends decide.
     pub fn proves(&self, H: &Loop<'_>, [low, high]: [f64; 2]) -> Proof {

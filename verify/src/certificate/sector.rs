@@ -130,6 +130,15 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
     Ok(Some(scaled.prove(teeth)?))
 }
 
+/// The best multiplier at some rates, and the one of them at which its condition holds least or is missed most.
+struct BestAtRates {
+    best: Best,
+    worst_rad_s: f64,
+}
+
+/// A grid is searched at every point of this number first.
+const COARSER: usize = 4;
+
 /// The loop with the torques and rates of the joints in units in which its diagonal reaches 1.
 struct Scaled<'a> {
     pulled: &'a UncertainLoop,
@@ -202,30 +211,45 @@ impl<'a> Scaled<'a> {
         Ok(found)
     }
 
-    /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate.
+    /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate. What none can
+    /// hold at every fourth point of the grid, none can at all of them.
     fn searched(&self, most: Criterion, range: [f64; 2]) -> (Option<(Multiplier, Proof)>, f64) {
         let mut rates = grid_between(range);
+        let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
+        match self.best(most, &few) {
+            Some(found) if found.best.is_hopeless => return (None, found.worst_rad_s),
+            Some(_) => {}
+            None => return (None, failed),
+        }
         for _ in 0..MULTIPLIER_ROUNDS {
-            let point = |rate: &f64| self.at(Interval { middle_rad_s: *rate, half_rad_s: 0.0 });
-            let Some(all) = rates.iter().map(point).collect::<Option<Vec<_>>>() else { break };
-            let Some(Best { multiplier, is_hopeless }) = search(&self.known, most, &all, &rates) else {
+            let Some(BestAtRates { best, worst_rad_s }) = self.best(most, &rates) else { break };
+            if best.is_hopeless {
+                failed = worst_rad_s;
                 break;
-            };
-            match multiplier.proves(&|over| self.at(over), range) {
+            }
+            match best.multiplier.proves(&|over| self.at(over), range) {
                 Proof::FailsAt(rate) => {
                     failed = rate;
-                    if is_hopeless {
-                        break;
-                    }
                     rates.push(rate);
                 }
                 // Another multiplier for one more rate holds as narrowly.
                 Proof::Narrow(rate) => return (None, rate),
-                holds => return (Some((multiplier, holds)), failed),
+                holds => return (Some((best.multiplier, holds)), failed),
             }
         }
         (None, failed)
+    }
+
+    /// The best multiplier at some rates; `None` at a pole or if the solver gives up.
+    fn best(&self, most: Criterion, rates: &[f64]) -> Option<BestAtRates> {
+        let at = |rate: &f64| Interval { middle_rad_s: *rate, half_rad_s: 0.0 };
+        let all = rates.iter().map(|rate| self.at(at(rate))).collect::<Option<Vec<_>>>()?;
+        let best = search(&self.known, most, &all, rates)?;
+        let share = |(H, rate): (&Vec<Vec<Taylor>>, &f64)| best.multiplier.least_share(H, at(rate));
+        let shares = all.iter().zip(rates).map(share);
+        let worst = shares.zip(rates).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(BestAtRates { worst_rad_s: *worst.1, best })
     }
 
     /// The bound of what passes through aliases: 4 sum over j != k of b_k^2 r_j^2 at its largest over the frequencies below half the
