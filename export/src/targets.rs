@@ -1,5 +1,7 @@
 //! What smaller numbers cost: the controller in double, single and fixed point, side by side in the simulated loop.
 
+use std::sync::OnceLock;
+
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
@@ -84,7 +86,7 @@ pub fn compare_targets(
     procedure: &Procedure,
     allowed_v: f64,
 ) -> Result<Targets, counterpoise_verify::Error> {
-    let runs = TargetRuns::record(verified, plant, procedure)?;
+    let runs = TargetRuns::record(verified, plant, procedure, &one_by_one)?;
     Ok(Targets::of(&runs, runs.single()?, runs.fixed_point_form(allowed_v)?))
 }
 
@@ -114,8 +116,16 @@ pub fn fixed_form(
     procedure: &Procedure,
     allowed_v: f64,
 ) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
-    let TargetRuns { controller, known, samples, .. } = TargetRuns::record(verified, plant, procedure)?;
+    let TargetRuns { controller, known, samples, .. } =
+        TargetRuns::record(verified, plant, procedure, &one_by_one)?;
     Ok(plan_fixed_point(controller, &known, allowed_v, samples))
+}
+
+/// Does a number of jobs that know nothing of each other, on as many processors as there are, and returns when all are done.
+pub type Jobs<'a> = dyn Fn(usize, &(dyn Fn(usize) + Sync)) + Sync + 'a;
+
+fn one_by_one(count: usize, job: &(dyn Fn(usize) + Sync)) {
+    (0..count).for_each(job);
 }
 
 /// The runs of a controller in double, beside which other numbers are put. Each kind of numbers can be tried by itself.
@@ -123,6 +133,7 @@ pub struct TargetRuns<'a> {
     plant: &'a Plant,
     procedure: &'a Procedure,
     controller: &'a Controller,
+    jobs: &'a Jobs<'a>,
     runs: Vec<Run>,
     known: Ranges,
     /// Samples of the longest run.
@@ -137,7 +148,7 @@ struct Run {
 }
 
 impl<'a> TargetRuns<'a> {
-    /// Runs every experiment with the whole controller in double.
+    /// Runs every experiment with the whole controller in double, the experiments as jobs.
     ///
     /// # Errors
     /// Those of the simulator.
@@ -145,16 +156,15 @@ impl<'a> TargetRuns<'a> {
         verified: &'a VerifiedController,
         plant: &'a Plant,
         procedure: &'a Procedure,
+        jobs: &'a Jobs<'a>,
     ) -> Result<Self, counterpoise_verify::Error> {
-        let (controller, mut simulator) = (verified.controller(), Simulator::new(plant)?);
-        let mut runs = Vec::new();
-        for experiment in experiments(procedure) {
-            runs.push(run(&mut simulator, Box::new(controller.runner()), procedure, experiment)?);
-        }
+        let controller = verified.controller();
+        let acting = || Box::new(controller.runner()) as Box<dyn SampledController>;
+        let runs = run_all(plant, procedure, &experiments(procedure), &acting, jobs)?;
         let readings: Vec<_> = runs.iter().map(|run| run.seen.readings.clone()).collect();
         let samples = readings.iter().map(Vec::len).max().unwrap_or(0);
         let known = Ranges::from_readings(controller, &readings, RANGE_MARGIN);
-        Ok(Self { plant, procedure, controller, runs, known, samples })
+        Ok(Self { plant, procedure, controller, jobs, runs, known, samples })
     }
 
     /// Returns the figures in double.
@@ -204,15 +214,14 @@ impl<'a> TargetRuns<'a> {
     fn figures(
         &self,
         deviations: Deviations,
-        acting: &dyn Fn() -> Box<dyn Adjustable>,
+        acting: &(dyn Fn() -> Box<dyn Adjustable> + Sync),
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
-        let mut simulator = Simulator::new(self.plant)?;
-        let (mut experiments, mut closed_loops) = (Vec::new(), Vec::new());
-        for known in &self.runs {
-            let found = run(&mut simulator, acting(), self.procedure, known.experiment)?;
-            experiments.push(found.compared(rms(&known.errors_rad_s)));
-            closed_loops.push(found.seen);
-        }
+        let experiments: Vec<_> = self.runs.iter().map(|run| run.experiment).collect();
+        let sampled = || acting() as Box<dyn SampledController>;
+        let found = run_all(self.plant, self.procedure, &experiments, &sampled, self.jobs)?;
+        let in_double = self.runs.iter().map(|run| rms(&run.errors_rad_s));
+        let experiments = found.iter().zip(in_double).map(|(run, known)| run.compared(known)).collect();
+        let closed_loops = found.into_iter().map(|run| run.seen).collect();
         Ok(with_runs(deviations, experiments, closed_loops))
     }
 }
@@ -224,6 +233,21 @@ fn experiments(procedure: &Procedure) -> Vec<Experiment> {
         Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
     };
     nonlinear::experiments(procedure).into_iter().filter(whole).collect()
+}
+
+/// Runs experiments with a controller, each as a job.
+fn run_all(
+    plant: &Plant,
+    procedure: &Procedure,
+    experiments: &[Experiment],
+    acting: &(dyn Fn() -> Box<dyn SampledController> + Sync),
+    jobs: &Jobs<'_>,
+) -> Result<Vec<Run>, counterpoise_verify::Error> {
+    let found: Vec<OnceLock<_>> = experiments.iter().map(|_| OnceLock::new()).collect();
+    let run = |k: usize| run(&mut Simulator::new(plant)?, acting(), procedure, experiments[k]);
+    jobs(experiments.len(), &|k| drop(found[k].set(run(k))));
+    // Jobs that were asked to stop leave some out.
+    found.into_iter().enumerate().map(|(k, one)| one.into_inner().unwrap_or_else(|| run(k))).collect()
 }
 
 fn run(

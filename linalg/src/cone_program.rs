@@ -49,6 +49,8 @@ pub enum Unsolved {
 pub struct ConeSolution {
     /// The variables.
     pub x: Vec<f64>,
+    /// Price of each row, in the order in which they were added: by how much the least cost falls for each unit by which its bound rises.
+    pub prices: Vec<f64>,
     /// Value of the dual program: no point that keeps every row costs less, up to the accuracy of the method.
     pub dual: f64,
 }
@@ -67,6 +69,11 @@ impl ConeProgram {
     /// Returns the number of variables.
     pub fn variables(&self) -> usize {
         self.cost.len()
+    }
+
+    /// Returns the number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows.len()
     }
 
     /// Adds a group of rows whose slacks are in one cone.
@@ -100,7 +107,8 @@ impl ConeProgram {
         solver.solve();
         match solver.solution.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
-                Ok(ConeSolution { x: solver.solution.x.clone(), dual: solver.solution.obj_val_dual })
+                let found = &solver.solution;
+                Ok(ConeSolution { x: found.x.clone(), prices: found.z.clone(), dual: found.obj_val_dual })
             }
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
                 Err(Unsolved::Infeasible)
@@ -132,6 +140,7 @@ mod tests {
         let rows = vec![vec![0.0, 0.0, -1.0], vec![1.0, 0.0, 0.0], vec![0.0, 1.0, 0.0]];
         linear.push(rows, vec![0.0, 3.0, 4.0], Cone::SecondOrder);
         let found = linear.solve().unwrap();
+        assert!((found.prices[0] - 1.0).abs() < 1e-6, "a disc larger by d is nearer by d: {found:?}");
         assert!((found.x[2] - 4.0).abs() < 1e-6 && (found.dual - 4.0).abs() < 1e-6, "{found:?}");
     }
 

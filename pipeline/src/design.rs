@@ -206,7 +206,8 @@ impl VerifiedDesign {
 
     /// Runs the controller in every kind of numbers.
     fn studied_targets(&self, pool: &dyn Pool) -> Result<StudiedTargets, PipelineError> {
-        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure)?;
+        let jobs = |count: usize, job: &(dyn Fn(usize) + Sync)| pool.run(count, job);
+        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure, &jobs)?;
         let allowed_v = half_step_v(&self.modelled.plant);
         let (single, fixed, forms) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         let (in_single, in_fixed) = (|| runs.single(), || runs.fixed_point_form(allowed_v));

@@ -170,12 +170,6 @@ impl Multiplier {
         })
     }
 
-    /// Returns the least eigenvalue of the condition at a rate over the largest modulus of one; below 0 it does not hold.
-    pub fn least_share(&self, H: &[Vec<Taylor>], over: Interval) -> f64 {
-        let middle = self.form(H, over).map(|entry| entry.value);
-        smallest(middle, self.joints) / largest(middle, self.joints).max(f64::MIN_POSITIVE)
-    }
-
     /// Returns whether the condition holds at every rate of a range: the range is halved until it does in each interval. The tangent
     /// is a Hermitian matrix whose least eigenvalue is a concave function of the rate, so that its ends decide.
     pub fn proves(&self, H: &Loop<'_>, [low, high]: [f64; 2]) -> Proof {
@@ -317,6 +311,8 @@ pub fn adds_terms(known: &[Knowledge], most: Criterion) -> bool {
 pub struct Best {
     /// The multiplier.
     pub multiplier: Multiplier,
+    /// The rate at which the condition costs most, rad/s: without it another multiplier would hold by more at the others.
+    pub costliest_rad_s: f64,
     /// Whether the dual program shows that no multiplier of the same terms holds at all of these rates by more than the accuracy of the
     /// program; a multiplier of 0 holds by nothing.
     pub is_hopeless: bool,
@@ -347,18 +343,22 @@ pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rate
     for joint in 0..joints {
         program.bound_kernels(joint, &kinds);
     }
+    let before = program.0.rows();
     for ((at, rate), size) in H.iter().zip(rates).zip(&sizes) {
         let over = Interval { middle_rad_s: *rate, half_rad_s: 0.0 };
         let forms: Vec<[C64; 3]> =
             each.iter().map(|alone| alone.form(at, over).map(|entry| entry.value)).collect();
         program.positive(&forms, size * size / most_size, joints);
     }
+    let rows_at_each = (program.0.rows() - before) / rates.len();
     let solved = program.0.solve().ok()?;
+    let prices = solved.prices.iter().skip(before).step_by(rows_at_each);
+    let costliest = prices.zip(rates).max_by(|a, b| a.0.total_cmp(b.0))?;
     let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
     let terms = terms.map(|(of, weight)| Term { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
     // no multiplier has a larger least eigenvalue than the dual value with its sign changed
-    Some(Best { multiplier, is_hopeless: -solved.dual < HOPELESS_EIGENVALUE })
+    Some(Best { multiplier, costliest_rad_s: *costliest.1, is_hopeless: -solved.dual < HOPELESS_EIGENVALUE })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.

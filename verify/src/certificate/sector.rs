@@ -130,12 +130,6 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
     Ok(Some(scaled.prove(teeth)?))
 }
 
-/// The best multiplier at some rates, and the one of them at which its condition holds least or is missed most.
-struct BestAtRates {
-    best: Best,
-    worst_rad_s: f64,
-}
-
 /// A grid is searched at every point of this number first.
 const COARSER: usize = 4;
 
@@ -218,14 +212,14 @@ impl<'a> Scaled<'a> {
         let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
         match self.best(most, &few) {
-            Some(found) if found.best.is_hopeless => return (None, found.worst_rad_s),
+            Some(found) if found.is_hopeless => return (None, found.costliest_rad_s),
             Some(_) => {}
             None => return (None, failed),
         }
         for _ in 0..MULTIPLIER_ROUNDS {
-            let Some(BestAtRates { best, worst_rad_s }) = self.best(most, &rates) else { break };
+            let Some(best) = self.best(most, &rates) else { break };
             if best.is_hopeless {
-                failed = worst_rad_s;
+                failed = best.costliest_rad_s;
                 break;
             }
             match best.multiplier.proves(&|over| self.at(over), range) {
@@ -242,14 +236,10 @@ impl<'a> Scaled<'a> {
     }
 
     /// The best multiplier at some rates; `None` at a pole or if the solver gives up.
-    fn best(&self, most: Criterion, rates: &[f64]) -> Option<BestAtRates> {
-        let at = |rate: &f64| Interval { middle_rad_s: *rate, half_rad_s: 0.0 };
-        let all = rates.iter().map(|rate| self.at(at(rate))).collect::<Option<Vec<_>>>()?;
-        let best = search(&self.known, most, &all, rates)?;
-        let share = |(H, rate): (&Vec<Vec<Taylor>>, &f64)| best.multiplier.least_share(H, at(rate));
-        let shares = all.iter().zip(rates).map(share);
-        let worst = shares.zip(rates).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(BestAtRates { worst_rad_s: *worst.1, best })
+    fn best(&self, most: Criterion, rates: &[f64]) -> Option<Best> {
+        let point = |rate: &f64| self.at(Interval { middle_rad_s: *rate, half_rad_s: 0.0 });
+        let all = rates.iter().map(point).collect::<Option<Vec<_>>>()?;
+        search(&self.known, most, &all, rates)
     }
 
     /// The bound of what passes through aliases: 4 sum over j != k of b_k^2 r_j^2 at its largest over the frequencies below half the
