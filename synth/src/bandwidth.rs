@@ -19,6 +19,8 @@ pub enum LimitKind {
     Control,
     /// What the linear plant leaves out and the loop must hold all the same: dry friction at rest, gravity's gradient.
     AtRest,
+    /// Values of the machine that are known within tolerances.
+    Tolerances,
     /// What was asked for.
     Asked,
 }
@@ -33,6 +35,7 @@ impl fmt::Display for LimitKind {
             LimitKind::Quantisation => "quantisation",
             LimitKind::Control => "control limit",
             LimitKind::AtRest => "friction at rest, gravity",
+            LimitKind::Tolerances => "tolerances of the file",
             LimitKind::Asked => "what is asked for",
         })
     }

@@ -94,6 +94,7 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
     let given = Circumstances {
         plant: machine(),
         others: Vec::new(),
+        within_tolerances: Vec::new(),
         load_output: None,
         sampling: sampling.clone(),
         noise_rms: 1e-6,

@@ -49,6 +49,7 @@ impl Machine {
         Circumstances {
             plant,
             others: Vec::new(),
+            within_tolerances: Vec::new(),
             load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },
             noise_rms: self.noise / self.period_s.sqrt(),
@@ -79,7 +80,7 @@ impl Machine {
             LimitKind::Noise => other.noise /= 8.0,
             LimitKind::Quantisation => other.reading_step /= 8.0,
             LimitKind::Control => other.demand_step /= 8.0,
-            LimitKind::AtRest | LimitKind::Asked => {}
+            LimitKind::AtRest | LimitKind::Tolerances | LimitKind::Asked => {}
         }
         other
     }

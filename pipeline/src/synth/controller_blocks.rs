@@ -72,7 +72,7 @@ pub(crate) fn with_controller_blocks(
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
-    let plant = attach_sensors(plant, &modelled.parameters.sensors, hub_angle_rad)?;
+    let plant = attach_sensors(plant, &modelled.parameters, hub_angle_rad)?;
     Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
 }
 

@@ -1,8 +1,9 @@
 //! The plant as the design sees it, and how the controller is sampled.
 
+use counterpoise_lti::delay::pade;
 use counterpoise_lti::{StateSpace, series};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::{Parameters, Sensors};
+use counterpoise_models::{Parameters, Sensor, Sensors};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{DesignPlant, RateLoop, Sampling};
 
@@ -18,18 +19,22 @@ pub fn design_plant(
     reduced: &Reduced,
 ) -> Result<DesignPlant, PipelineError> {
     let sensors = design_sensors(asked, &modelled.parameters.sensors);
+    let delays = SensorDelays {
+        period_s: modelled.parameters.interface.sample_period_s,
+        pade_order: asked.pade_order,
+    };
     let plant = DesignPlant {
         system: reduced.system.clone(),
         control: LinearPlant::CONTROL,
         heave: vec![LinearPlant::HEAVE],
         pitch: vec![LinearPlant::PITCH_RATE],
         rate: modelled.linear.measured,
-        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(heave_sensor(
+        hub_sensor: Some(delays.reading_of(&sensors.hub_gyro)?),
+        heave_sensor: Some(delays.heave_sensor(
             &sensors,
             sensors.share_of_heave(modelled.linear.equilibrium.point.hub_angle_rad),
         )?),
-        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
+        pitch_sensor: Some(delays.reading_of(&sensors.platform_gyro)?),
         delay_s: asked.delay_samples * modelled.parameters.interface.sample_period_s,
         pade_order: asked.pade_order,
         rate_loop: None,
@@ -61,25 +66,50 @@ fn rate_loop(
     Ok(Some(RateLoop { plant, period_s }))
 }
 
-/// Returns the accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the projection
-/// of two.
-fn heave_sensor(sensors: &Sensors, share: f64) -> Result<StateSpace, PipelineError> {
-    let mut sensor = sensors.platform_accelerometer.dynamics()?;
-    (sensor.C, sensor.D) = (sensor.C.scale(share), sensor.D.scale(share));
-    Ok(sensor)
+/// How a design takes the delays of readings: in whole samples of the controller, as a Padé approximation.
+#[derive(Clone, Copy)]
+struct SensorDelays {
+    period_s: f64,
+    /// Order of the approximation; 0 leaves the delays out.
+    pade_order: usize,
+}
+
+impl SensorDelays {
+    /// Returns a sensor's dynamics and its delay.
+    fn reading_of(self, sensor: &Sensor) -> Result<StateSpace, PipelineError> {
+        let dynamics = sensor.dynamics()?;
+        let samples = sensor.delay_samples(self.period_s);
+        if samples == 0 || self.pade_order == 0 {
+            return Ok(dynamics);
+        }
+        Ok(series(&dynamics, &pade(samples as f64 * self.period_s, self.pade_order)?)?)
+    }
+
+    /// Returns the accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the
+    /// projection of two.
+    fn heave_sensor(self, sensors: &Sensors, share: f64) -> Result<StateSpace, PipelineError> {
+        let mut sensor = self.reading_of(&sensors.platform_accelerometer)?;
+        (sensor.C, sensor.D) = (sensor.C.scale(share), sensor.D.scale(share));
+        Ok(sensor)
+    }
 }
 
 /// Returns the design plant with its sensors as they are: what a projection makes of them is part of the
 /// controller.
 pub(crate) fn attach_sensors(
     plant: &DesignPlant,
-    sensors: &Sensors,
+    parameters: &Parameters,
     hub_angle_rad: f64,
 ) -> Result<DesignPlant, PipelineError> {
+    let sensors = &parameters.sensors;
+    let delays =
+        SensorDelays { period_s: parameters.interface.sample_period_s, pade_order: plant.pade_order };
     Ok(DesignPlant {
-        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(heave_sensor(sensors, sensors.accelerometer_share_of_heave(hub_angle_rad))?),
-        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
+        hub_sensor: Some(delays.reading_of(&sensors.hub_gyro)?),
+        heave_sensor: Some(
+            delays.heave_sensor(sensors, sensors.accelerometer_share_of_heave(hub_angle_rad))?,
+        ),
+        pitch_sensor: Some(delays.reading_of(&sensors.platform_gyro)?),
         ..plant.clone()
     })
 }

@@ -130,7 +130,7 @@ impl Project {
     /// Returns the robustness campaign: the variations of the section `sweep`, and one for each tolerance whose parameter that
     /// section does not vary. `None` if there is neither.
     pub fn campaign(&self) -> Option<Sweep> {
-        let variations: Vec<Variation> = self.tolerances.iter().filter_map(variation_within).collect();
+        let variations = self.variations_within_tolerances();
         let mut campaign = match (&self.sweep, variations.is_empty()) {
             (Some(sweep), _) => sweep.clone(),
             (None, false) => blank(),
@@ -142,6 +142,11 @@ impl Project {
             }
         }
         Some(campaign)
+    }
+
+    /// Returns the variation that each tolerance of a parameter means.
+    pub fn variations_within_tolerances(&self) -> Vec<Variation> {
+        self.tolerances.iter().filter_map(variation_within).collect()
     }
 }
 

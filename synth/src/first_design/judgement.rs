@@ -52,6 +52,9 @@ pub struct LoopJudgement {
     pub shifted_sensitivity: f64,
     /// Largest sensitivity with the plants beside the plant; infinite if the loop with one of them is not stable.
     pub sensitivity_of_others: f64,
+    /// Largest sensitivity with values at the ends of their tolerances, 0 without any; infinite if the loop is not stable at
+    /// one of them.
+    pub sensitivity_within_tolerances: f64,
     /// RMS control that the noise of the readings costs, V.
     pub noise_v: f64,
     /// RMS control that their quantisation costs, V.
@@ -77,6 +80,7 @@ pub(super) struct Judge<'a> {
     held: StateSpace,
     neighbours: Vec<Neighbour>,
     others: Vec<StateSpace>,
+    within_tolerances: Vec<StateSpace>,
 }
 
 impl<'a> Judge<'a> {
@@ -100,7 +104,8 @@ impl<'a> Judge<'a> {
             modes_rad_s: modes.iter().map(|mode| mode.norm()).collect(),
         });
         let neighbours = neighbours.collect();
-        Ok(Self { circumstances, sampling: sampling.clone(), held, neighbours, others })
+        let within_tolerances = all(&circumstances.within_tolerances)?;
+        Ok(Self { circumstances, sampling: sampling.clone(), held, neighbours, others, within_tolerances })
     }
 
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
@@ -135,6 +140,7 @@ impl<'a> Judge<'a> {
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
             shifted_sensitivity: nominal.ms.value,
             sensitivity_of_others: nominal.ms.value,
+            sensitivity_within_tolerances: 0.0,
             noise_v: gain * noise_rms,
             quantisation_v: gain * reading_step / 12f64.sqrt(),
             step_v: demand_step.abs() * step_gain,
@@ -144,6 +150,7 @@ impl<'a> Judge<'a> {
             return Ok(Some(found));
         }
         found.sensitivity_of_others = self.sensitivity_of_others(&K, found.max_sensitivity)?;
+        found.sensitivity_within_tolerances = self.sensitivity_within_tolerances(&K, &found)?;
         found.shifted_sensitivity = self.shifted_sensitivity(&K, &found)?;
         Ok(Some(found))
     }
@@ -198,19 +205,36 @@ impl<'a> Judge<'a> {
         Ok(worst)
     }
 
+    /// The largest sensitivity over the plants at the ends of tolerances; beyond what is borne, that of the first plant that exceeds it.
+    fn sensitivity_within_tolerances(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+        let mut worst = 0.0_f64;
+        let peak = nominal.sensitivity_peak_rad_s;
+        for plant in &self.within_tolerances {
+            if worst > NEIGHBOUR_MS {
+                break;
+            }
+            let rates = about(nominal.bandwidth_rad_s).chain(about(peak)).filter(|rate| *rate > 0.0);
+            let seen = largest_sensitivity(plant, K, rates)?;
+            if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
+                return Ok(seen);
+            }
+            worst = worst.max(match is_held(plant, K)? {
+                true => candidate_sensitivity(&series(plant, &K.negate())?)?.value,
+                false => f64::INFINITY,
+            });
+        }
+        Ok(worst)
+    }
+
     /// The largest sensitivity over the plant and those with what the linear plant leaves out; infinite if the loop with one of them is not
     /// stable, while one that only drifts is held.
     fn sensitivity_of_others(&self, K: &StateSpace, nominal: f64) -> Result<f64, Error> {
         let mut worst = nominal;
         for plant in &self.others {
-            let broken = series(plant, &K.negate())?;
-            let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
-            let found = poles(&closed(&broken, &one)?)?;
-            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
-            if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
+            if !is_held(plant, K)? {
                 return Ok(f64::INFINITY);
             }
-            worst = worst.max(candidate_sensitivity(&broken)?.value);
+            worst = worst.max(candidate_sensitivity(&series(plant, &K.negate())?)?.value);
         }
         Ok(worst)
     }
@@ -247,6 +271,11 @@ impl LoopJudgement {
     /// Whether the loop holds the machine with what the linear plant leaves out.
     pub(super) fn holds_others(&self) -> bool {
         self.sensitivity_of_others <= NEIGHBOUR_MS
+    }
+
+    /// Whether the loop bears values at the ends of their tolerances.
+    pub(super) fn bears_tolerances(&self) -> bool {
+        self.sensitivity_within_tolerances <= NEIGHBOUR_MS
     }
 
     /// Whether noise leaves the control's range to its work.
@@ -290,6 +319,15 @@ fn stable_loop(plant: &StateSpace, K: &StateSpace) -> Result<Option<StateSpace>,
         return Ok(None);
     }
     Ok(Some(loop_gain))
+}
+
+/// Whether a controller holds a plant: its closed loop is stable but for what only drifts.
+fn is_held(plant: &StateSpace, K: &StateSpace) -> Result<bool, Error> {
+    let broken = series(plant, &K.negate())?;
+    let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
+    let found = poles(&closed(&broken, &one)?)?;
+    let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
+    Ok(found.iter().all(|pole| pole.norm() < 1.0 || drifts(pole)))
 }
 
 /// The largest sensitivity at some frequencies; those above half the sample rate and on a pole are left out.

@@ -46,6 +46,8 @@ pub struct Circumstances {
     /// Plants that the loop must hold too: the same machine with what the linear plant leaves out (gravity's gradient, dry friction
     /// at rest).
     pub others: Vec<DesignPlant>,
+    /// The same machine with values at the ends of their tolerances, which the loop must hold with the margin that shifted modes keep.
+    pub within_tolerances: Vec<DesignPlant>,
     /// The output of the plant (of its inner loop, if it has one) that is the load's motion, where a sensor measures something else; `None` if
     /// nothing but the measured signal is known.
     pub load_output: Option<usize>,

@@ -390,6 +390,7 @@ impl<'a> Scan<'a> {
             LimitKind::Quantisation => found.bears_quantisation(limit_v),
             LimitKind::Control => found.bears_step(limit_v - given.holding_v.abs()),
             LimitKind::AtRest => found.holds_others(),
+            LimitKind::Tolerances => found.bears_tolerances(),
             LimitKind::Asked => found.bandwidth_rad_s <= given.asked_rad_s.unwrap_or(f64::INFINITY),
         }
     }
@@ -448,14 +449,16 @@ impl<'a> Scan<'a> {
         let limit = |kind| Limit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
         let mut limits: Vec<Limit> = KINDS.into_iter().chain(asked).map(limit).collect();
         // Of a machine without friction whose weight does not matter there is nothing to say.
-        limits.retain(|limit| limit.kind != LimitKind::AtRest || limit.bandwidth_rad_s.is_finite());
+        // Nor of one whose file has no tolerances.
+        let may_be_silent = |kind| matches!(kind, LimitKind::AtRest | LimitKind::Tolerances);
+        limits.retain(|limit| !may_be_silent(limit.kind) || limit.bandwidth_rad_s.is_finite());
         limits.sort_by(|a, b| a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s));
         limits
     }
 }
 
 /// The limits of every loop.
-const KINDS: [LimitKind; 7] = [
+const KINDS: [LimitKind; 8] = [
     LimitKind::SampleRate,
     LimitKind::Margins,
     LimitKind::Resonance,
@@ -463,6 +466,7 @@ const KINDS: [LimitKind; 7] = [
     LimitKind::Quantisation,
     LimitKind::Control,
     LimitKind::AtRest,
+    LimitKind::Tolerances,
 ];
 
 fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
