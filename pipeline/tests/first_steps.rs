@@ -1,9 +1,11 @@
-//! What a first design makes of a step of the demand that nobody stated.
+//! What a first design makes of a step of the demand that nobody stated, of a sensor's delay and of tolerances.
 
+use counterpoise_controller::Controller;
 use counterpoise_pipeline::first_design::Chosen;
-use counterpoise_pipeline::with_chosen_weights;
+use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_synth::{LimitKind, Unknown};
+use counterpoise_verify::{Figure, LoopFigure, Procedure, frequency_figures};
 
 /// A stage on a linear motor: 40 kg, 1020 N, a scale of 1 nm.
 const STAGE: &str = "format = 2
@@ -52,4 +54,78 @@ fn a_step_that_nobody_stated_limits_no_loop_and_one_that_is_stated_does() {
     let specification = |project: &Project| project.synth.as_ref().unwrap().specification.clone();
     assert_eq!(specification(&again), specification(&open.project));
     assert_eq!(again.verify, open.project.verify);
+}
+
+/// An inertia under a torque drive, with a gyroscope.
+const TURRET: &str = "format = 2
+plant.inertia = INERTIA
+plant.motor = { inertia = 1e-4, torque_constant = TORQUE }
+plant.drive = { kind = \"torque\", limit = 5.0 }
+plant.sensors.hub_gyro = { noise = 1e-3, natural_frequency = 600, delay = DELAY }
+plant.interface.sample_period = 1e-3
+";
+
+fn turret(inertia: &str, torque: &str, delay: &str) -> String {
+    TURRET.replace("INERTIA", inertia).replace("TORQUE", torque).replace("DELAY", delay)
+}
+
+/// The margins of the controller that a file is given, on its sampled plant with every delay as it is.
+fn verified_margins(text: &str) -> [f64; 3] {
+    let project = chosen(text).project;
+    let made = model(&project).unwrap();
+    let reduced = reduce(&project, &made).unwrap();
+    let designed = synthesise(&project, &made, &reduced).unwrap();
+    let controller = &designed.sampled.controller;
+    let found = frequency_figures(&made.plant, controller, &Procedure::default()).unwrap();
+    assert!(found.is_stable);
+    [LoopFigure::GainMargin, LoopFigure::PhaseMargin, LoopFigure::MaxSensitivity]
+        .map(|figure| found.value(Figure::Loop(figure)).unwrap())
+}
+
+#[test]
+fn a_loop_is_judged_with_the_delay_of_its_sensor() {
+    let mut last = f64::INFINITY;
+    for delay in ["\"1 ms\"", "\"3 ms\"", "\"10 ms\"", "\"30 ms\""] {
+        let text = turret("0.02", "0.5", delay);
+        let first = chosen(&text).first;
+        let reached = first.bandwidth.bandwidth_rad_s;
+        assert!(reached < 0.9 * last, "{delay}: {reached} rad/s after {last}");
+        last = reached;
+        let [gain, phase, sensitivity] = verified_margins(&text);
+        let judged = first.judgement;
+        assert!((judged.gain_margin_db - gain).abs() < 0.1, "{delay}: {judged:?} {gain}");
+        assert!((judged.phase_margin_deg - phase).abs() < 0.5, "{delay}: {judged:?} {phase}");
+        assert!(
+            (judged.max_sensitivity / sensitivity - 1.0).abs() < 0.01,
+            "{delay}: {judged:?} {sensitivity}"
+        );
+    }
+    assert!(last > 0.4 / 0.03, "a loop whose delay is 30 ms reaches {last} rad/s");
+}
+
+#[test]
+fn a_first_design_holds_for_the_tolerances_of_its_file() {
+    let exact = chosen(&turret("0.02", "0.5", "\"1 ms\""));
+    let within = turret("{ value = 0.02, tolerance = 0.6 }", "{ value = 0.5, tolerance = 0.5 }", "\"1 ms\"");
+    let held = chosen(&within);
+    assert_eq!(held.first.bandwidth.limited_by, [LimitKind::Tolerances]);
+    assert!(!exact.first.bandwidth.limits.iter().any(|limit| limit.kind == LimitKind::Tolerances));
+    let synthesis = |project: &Project| {
+        let made = model(project).unwrap();
+        let reduced = reduce(project, &made).unwrap();
+        synthesise(project, &made, &reduced).unwrap().sampled.controller
+    };
+    let worst = |controller: &Controller| {
+        let ends = [0.4, 1.6].into_iter().flat_map(|inertia| [0.5, 1.5].map(|torque| (inertia, torque)));
+        let sensitivity = |(inertia, torque): (f64, f64)| {
+            let text = turret(&format!("{}", 0.02 * inertia), &format!("{}", 0.5 * torque), "\"1 ms\"");
+            let plant = model(&read(&text).1).unwrap().plant;
+            let found = frequency_figures(&plant, controller, &Procedure::default()).unwrap();
+            let peak = found.value(Figure::Loop(LoopFigure::MaxSensitivity)).unwrap();
+            if found.is_stable { peak } else { f64::INFINITY }
+        };
+        ends.map(sensitivity).fold(0.0, f64::max)
+    };
+    assert!(worst(&synthesis(&held.project)) < 2.01, "{}", worst(&synthesis(&held.project)));
+    assert!(worst(&synthesis(&exact.project)) > 2.5, "the same machine without tolerances");
 }

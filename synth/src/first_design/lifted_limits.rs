@@ -181,17 +181,13 @@ impl<'a> Given<'a> {
     }
 }
 
+/// The circumstances with the plants changed; those within tolerances stay, for their limit is one of its own.
 fn with_plants(
     given: &Circumstances,
     change: impl Fn(&DesignPlant) -> Result<DesignPlant, Error>,
 ) -> Result<Circumstances, Error> {
-    let all = |plants: &[DesignPlant]| plants.iter().map(&change).collect::<Result<_, _>>();
-    Ok(Circumstances {
-        plant: change(&given.plant)?,
-        others: all(&given.others)?,
-        within_tolerances: all(&given.within_tolerances)?,
-        ..given.clone()
-    })
+    let others = given.others.iter().map(&change).collect::<Result<_, _>>()?;
+    Ok(Circumstances { plant: change(&given.plant)?, others, ..given.clone() })
 }
 
 /// The plant without the delay and the lag of its sensor; the lag of a cascade's difference quotient belongs to the sampling and stays.
