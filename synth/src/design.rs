@@ -119,7 +119,14 @@ fn with_feedback(plant: &DesignPlant, feedback: &Feedback) -> Result<DesignPlant
     let C = seen.C.block(1, 0, outputs, n).hstack(&Mat::zeros(outputs, k));
     let D = seen.D.block(1, 0, outputs, seen.inputs());
     let system = StateSpace::new(A, B, C, D, Timebase::Continuous)?;
-    Ok(DesignPlant { system, hub_sensor: None, delay_s: 0.0, pade_order: 0, ..plant.clone() })
+    Ok(DesignPlant {
+        system,
+        hub_sensor: None,
+        late_reading: None,
+        delay_s: 0.0,
+        pade_order: 0,
+        ..plant.clone()
+    })
 }
 
 impl Design {

@@ -121,7 +121,7 @@ pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
 pub use parallel_run::ParallelRun;
-pub use plant::{DesignPlant, RateLoop};
+pub use plant::{DesignPlant, LateReading, RateLoop};
 pub use preflight::preflight;
 pub use ramp::control_of_ramp;
 pub use rational::Rational;

@@ -3,6 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 
+use crate::tolerance::ROUNDED_SAMPLE;
 use crate::{Channel, Error};
 
 /// What a design starts from
@@ -29,6 +30,9 @@ pub struct DesignPlant {
     pub rate: usize,
     /// Measured rate over true rate, one input and one output; `None` if the sensor is perfect.
     pub hub_sensor: Option<StateSpace>,
+    /// What a sampled loop takes in place of that sensor if its readings are late: an approximation of a delay is not exact where a resonance
+    /// turns the phase fast. `None` if they are not late.
+    pub late_reading: Option<LateReading>,
     /// Measured heave over true heave.
     pub heave_sensor: Option<StateSpace>,
     /// Measured pitch over true pitch.
@@ -39,6 +43,22 @@ pub struct DesignPlant {
     pub pade_order: usize,
     /// The inner loop of a cascade, if `rate` is a position and the loop is to be one.
     pub rate_loop: Option<Box<RateLoop>>,
+}
+
+/// A sensor whose readings are late by whole samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LateReading {
+    /// Measured over true quantity, without the delay.
+    pub dynamics: StateSpace,
+    /// The delay, s.
+    pub delay_s: f64,
+}
+
+impl LateReading {
+    /// Returns the delay in samples of a period, rounded up.
+    pub fn samples(&self, period_s: f64) -> usize {
+        (self.delay_s / period_s - ROUNDED_SAMPLE).ceil().max(0.0) as usize
+    }
 }
 
 /// The inner loop of a cascade: the rate whose integral the sensor measures.
@@ -60,6 +80,7 @@ impl DesignPlant {
             pitch: Vec::new(),
             rate,
             hub_sensor: None,
+            late_reading: None,
             heave_sensor: None,
             pitch_sensor: None,
             delay_s: 0.0,

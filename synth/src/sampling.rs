@@ -142,15 +142,19 @@ pub fn sampled_loop(
     Ok(series(&seen, &linear.select(&[0], &[hub]).negate())?)
 }
 
-/// Returns the plant with its sensor and delay under a zero-order hold: from the held control to the reading.
+/// Returns the plant with its sensor and delay under a zero-order hold: from the held control to the reading. A reading that is late is so by
+/// whole samples.
 ///
 /// # Errors
 /// [`Error`] of the plant and of the conversion.
 pub fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
-    let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
+    let late = plant.late_reading.as_ref();
+    let hub_sensor = late.map(|reading| reading.dynamics.clone()).or_else(|| plant.hub_sensor.clone());
+    let late_samples = late.map_or(0, |reading| reading.samples(sampling.period_s));
+    let undelayed = DesignPlant { pade_order: 0, hub_sensor, ..plant.clone() };
     let seen = undelayed.measured_plant()?.select(&[0], &[plant.control]);
     let held = c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?;
-    match sampling.delay_samples {
+    match sampling.delay_samples + late_samples {
         0 => Ok(held),
         count => Ok(series(&delay_samples(count, sampling.period_s)?, &held)?),
     }

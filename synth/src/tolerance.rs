@@ -206,3 +206,6 @@ pub const BLIND_FALL: f64 = 0.1;
 
 /// Crossovers up to which the damping of a pole counts: faster poles do not shape the loop's response.
 pub const REGION_REACH: f64 = 2.0;
+
+/// A delay of so little more than whole samples is one of whole samples: the quotient of two decimal numbers is rounded.
+pub const ROUNDED_SAMPLE: f64 = 1e-6;

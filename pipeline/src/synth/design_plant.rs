@@ -5,7 +5,7 @@ use counterpoise_lti::{StateSpace, series};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{Parameters, Sensor, Sensors};
 use counterpoise_synth::cascade::difference_lag;
-use counterpoise_synth::{DesignPlant, RateLoop, Sampling};
+use counterpoise_synth::{DesignPlant, LateReading, RateLoop, Sampling};
 
 use crate::model::{CONVERTER_RANGE_V, cannot_carry};
 use crate::{Modelled, PipelineError, Reduced};
@@ -30,6 +30,7 @@ pub fn design_plant(
         pitch: vec![LinearPlant::PITCH_RATE],
         rate: modelled.linear.measured,
         hub_sensor: Some(delays.reading_of(&sensors.hub_gyro)?),
+        late_reading: delays.late_reading(&sensors.hub_gyro)?,
         heave_sensor: Some(delays.heave_sensor(
             &sensors,
             sensors.share_of_heave(modelled.linear.equilibrium.point.hub_angle_rad),
@@ -61,6 +62,7 @@ fn rate_loop(
         system: linear.system.clone(),
         rate: linear.measured,
         hub_sensor: Some(hub_sensor),
+        late_reading: None,
         ..plant.clone()
     };
     Ok(Some(RateLoop { plant, period_s }))
@@ -85,6 +87,13 @@ impl SensorDelays {
         Ok(series(&dynamics, &pade(samples as f64 * self.period_s, self.pade_order)?)?)
     }
 
+    /// Returns what a sampled loop takes for a sensor whose readings are late.
+    fn late_reading(self, sensor: &Sensor) -> Result<Option<LateReading>, PipelineError> {
+        let samples = sensor.delay_samples(self.period_s);
+        let dynamics = sensor.dynamics()?;
+        Ok((samples > 0).then_some(LateReading { dynamics, delay_s: samples as f64 * self.period_s }))
+    }
+
     /// Returns the accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the
     /// projection of two.
     fn heave_sensor(self, sensors: &Sensors, share: f64) -> Result<StateSpace, PipelineError> {
@@ -106,6 +115,7 @@ pub(crate) fn attach_sensors(
         SensorDelays { period_s: parameters.interface.sample_period_s, pade_order: plant.pade_order };
     Ok(DesignPlant {
         hub_sensor: Some(delays.reading_of(&sensors.hub_gyro)?),
+        late_reading: delays.late_reading(&sensors.hub_gyro)?,
         heave_sensor: Some(
             delays.heave_sensor(sensors, sensors.accelerometer_share_of_heave(hub_angle_rad))?,
         ),

@@ -261,7 +261,7 @@ fn feedforwards(findings: &mut Findings<'_>, project: &Project) {
 fn named_sensors(plant: &Parameters) -> [(&'static str, Option<&Sensor>); 6] {
     let sensors = &plant.sensors;
     [
-        ("hub_gyro", Some(&sensors.hub_gyro)),
+        (loop_sensor::section_of(sensors), Some(&sensors.hub_gyro)),
         ("platform_gyro", Some(&sensors.platform_gyro)),
         ("platform_accelerometer", Some(&sensors.platform_accelerometer)),
         ("motor_tachometer", sensors.motor_tachometer.as_ref()),
@@ -277,7 +277,11 @@ fn own_periods(findings: &mut Findings<'_>, plant: &Parameters) {
         let own_s = sensor.map_or(0.0, |sensor| sensor.own_period_s);
         let samples = own_s / period;
         let is_whole = (samples - samples.round()).abs() < ROUNDED_PERIOD * samples.max(1.0);
-        if own_s == 0.0 || period <= 0.0 || is_whole && (0.5..=MOST_SENSOR_DELAY_SAMPLES).contains(&samples) {
+        if own_s == 0.0
+            || period.is_nan()
+            || period <= 0.0
+            || is_whole && (0.5..=MOST_SENSOR_DELAY_SAMPLES).contains(&samples)
+        {
             continue;
         }
         let allowed = format!(
@@ -310,8 +314,6 @@ fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
         return;
     }
     for (name, sensor) in named_sensors(plant) {
-        let name =
-            if name == "hub_gyro" { loop_sensor::section_of_analogue(plant.sensors.measured) } else { name };
         let Some(sensor) = sensor.filter(|sensor| sensor.is_fitted() && sensor.resolution == 0.0) else {
             continue;
         };

@@ -2,7 +2,7 @@
 //!
 //! Without any, the loop has an ideal rate gyroscope.
 
-use counterpoise_models::{Axis, FeedbackSignal, Parameters, Sensor};
+use counterpoise_models::{Axis, FeedbackSignal, Parameters, Sensor, Sensors};
 use std::f64::consts::TAU;
 
 use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
@@ -13,7 +13,7 @@ use crate::file::visit::{Choice, Presence, Visit, choose};
 pub(super) const UNKNOWN: Sensor = Sensor { scale_v_unit: IDEAL_SCALE, ..Sensor::IDEAL };
 
 /// Returns the section of the loop's sensor where its readings go through a converter.
-pub(super) fn section_of_analogue(measured: FeedbackSignal) -> &'static str {
+fn section_of_analogue(measured: FeedbackSignal) -> &'static str {
     match measured {
         FeedbackSignal::HubRate => "hub_gyro",
         FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => "tachometer",
@@ -21,6 +21,14 @@ pub(super) fn section_of_analogue(measured: FeedbackSignal) -> &'static str {
         FeedbackSignal::Torque => "torque",
         FeedbackSignal::Current => "current",
     }
+}
+
+/// Returns the section of the loop's sensor.
+pub(super) fn section_of(sensors: &Sensors) -> &'static str {
+    if sensors.measured.is_position() && sensors.hub_gyro.resolution > 0.0 {
+        return "encoder";
+    }
+    section_of_analogue(sensors.measured)
 }
 
 /// Where a sensor sits.

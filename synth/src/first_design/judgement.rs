@@ -89,7 +89,7 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// Those of the discretisation.
     pub fn new(circumstances: &'a Circumstances, neighbours: &[DesignPlant]) -> Result<Self, Error> {
-        let sampling = &coarser(&circumstances.sampling);
+        let sampling = &coarser(&circumstances.sampling, &circumstances.plant);
         let all = |plants: &[DesignPlant]| -> Result<Vec<StateSpace>, Error> {
             plants.iter().map(|p| sampled_plant(p, sampling)).collect()
         };
@@ -242,8 +242,9 @@ impl<'a> Judge<'a> {
 
 /// Returns the sampling with a longer period if its delay has more samples than [`MOST_DELAY_SAMPLES`]; the delay is not
 /// shortened, so the loop that is judged is never better than the real one.
-fn coarser(sampling: &Sampling) -> Sampling {
-    let factor = sampling.delay_samples.div_ceil(MOST_DELAY_SAMPLES).max(1);
+fn coarser(sampling: &Sampling, plant: &DesignPlant) -> Sampling {
+    let late_samples = plant.late_reading.as_ref().map_or(0, |reading| reading.samples(sampling.period_s));
+    let factor = (sampling.delay_samples + late_samples).div_ceil(MOST_DELAY_SAMPLES).max(1);
     Sampling {
         period_s: factor as f64 * sampling.period_s,
         delay_samples: sampling.delay_samples.div_ceil(factor),
@@ -301,8 +302,12 @@ impl LoopJudgement {
 
 /// The controller from demand and reading to the control, sampled as the exported one will be.
 fn sampled_controller(controller: &StateSpace, sampling: &Sampling) -> Result<StateSpace, Error> {
-    let tustin = Discretisation::Tustin { prewarp_rad_s: None };
-    Ok(c2d(&controller.select(&[0], &[0, 1]), sampling.period_s, tustin)?)
+    // poles and zeros are matched path by path; the bilinear map stands in for that on both paths at once
+    let method = match sampling.method.conversion() {
+        Discretisation::Matched => Discretisation::Tustin { prewarp_rad_s: None },
+        method => method,
+    };
+    Ok(c2d(&controller.select(&[0], &[0, 1]), sampling.period_s, method)?)
 }
 
 fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<CandidateMargins>, Error> {

@@ -192,7 +192,7 @@ fn with_plants(
 
 /// The plant without the delay and the lag of its sensor; the lag of a cascade's difference quotient belongs to the sampling and stays.
 fn without_lags(plant: &DesignPlant) -> DesignPlant {
-    let mut quick = DesignPlant { delay_s: 0.0, hub_sensor: None, ..plant.clone() };
+    let mut quick = DesignPlant { delay_s: 0.0, hub_sensor: None, late_reading: None, ..plant.clone() };
     if let Some(inner) = &mut quick.rate_loop {
         inner.plant.delay_s = 0.0;
     }

@@ -234,7 +234,8 @@ impl<'a> Scan<'a> {
     pub fn highest_aim(&self) -> f64 {
         let sampling = &self.circumstances.sampling;
         let samples_s = sampling.delay_samples as f64 * sampling.period_s;
-        let delay_s = self.circumstances.plant.delay_s.max(samples_s) + 0.5 * sampling.period_s;
+        let late_s = self.circumstances.plant.late_reading.as_ref().map_or(0.0, |reading| reading.delay_s);
+        let delay_s = self.circumstances.plant.delay_s.max(samples_s) + late_s + 0.5 * sampling.period_s;
         (REACH * CEILING * sampling.rate_rad_s()).min(DELAY_REACH / delay_s)
     }
 
@@ -470,12 +471,18 @@ const KINDS: [LimitKind; 8] = [
 ];
 
 fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
-    let sensor_lags = given.plant.hub_sensor.as_ref().is_some_and(|sensor| sensor.order() > 0);
+    let sensor_lags = given.plant.hub_sensor.as_ref().is_some_and(|sensor| sensor.order() > 0)
+        || given.plant.late_reading.is_some();
     let all = [
         (Unknown::Structure, modes.is_empty()),
         (Unknown::Noise, given.noise_rms == 0.0 && given.reading_step == 0.0),
         (Unknown::Sensor, !sensor_lags),
-        (Unknown::Delay, given.plant.delay_s == 0.0 && given.sampling.delay_samples == 0),
+        (
+            Unknown::Delay,
+            given.plant.delay_s == 0.0
+                && given.sampling.delay_samples == 0
+                && given.plant.late_reading.is_none(),
+        ),
         (Unknown::Demand, given.demand_step == 0.0),
     ];
     all.into_iter().filter(|(_, is_unknown)| *is_unknown).map(|(fact, _)| fact).collect()
