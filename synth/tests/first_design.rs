@@ -19,6 +19,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         plant,
         load_output: None,
         others: Vec::new(),
+        within_tolerances: Vec::new(),
         sampling,
         noise_rms: 0.0,
         reading_step: 0.0,
