@@ -4,11 +4,13 @@
 //! [`counterpoise_synth::first_design_on`], from what the project knows of the machine. The chosen weights are ordinary
 //! weights: written into the project file, they can be edited from there.
 
+mod tolerance_corners;
+
 use std::f64::consts::{SQRT_2, TAU};
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
-use counterpoise_lti::{StateSpace, frequency_response};
+use counterpoise_lti::StateSpace;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, LinearPlant};
 use counterpoise_project::Project;
@@ -19,7 +21,6 @@ use counterpoise_synth::{
     ParallelRun, RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
-use counterpoise_verify::robust::{Distribution, Varied};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
 use serde::Serialize;
 
@@ -168,7 +169,7 @@ fn circumstances(
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
         others: plants_beside(project, modelled, &plant)?,
-        within_tolerances: plants_within_tolerances(project, asked, reduced)?,
+        within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         load_output: Some(load_output(&plant)),
         sampling: sampling(asked, modelled)?,
         noise_rms: reading.noise_rms,
@@ -207,64 +208,6 @@ fn plants_beside(
     }
     Ok(beside)
 }
-
-/// A parameter and the factor on it.
-#[derive(Clone, Copy)]
-struct ScaledParameter {
-    parameter: Varied,
-    factor: f64,
-}
-
-/// Returns the plants with each value at either end of its tolerance, and the two with all values at the ends that together give the
-/// highest and the lowest gain at the highest bandwidth that the clock allows. A plant that cannot be built is left out.
-fn plants_within_tolerances(
-    project: &Project,
-    asked: &Synthesis,
-    reduced: &Reduced,
-) -> Result<Vec<DesignPlant>, PipelineError> {
-    let rate_rad_s = CLOCK_SHARE_OF_BANDWIDTH * TAU / project.plant.interface.sample_period_s;
-    let gain = |plant: &DesignPlant| -> Result<f64, PipelineError> {
-        let measured = plant.system.select(&[plant.rate], &[plant.control]);
-        Ok(frequency_response(&measured, &[rate_rad_s])?.first().map_or(0.0, |value| value[(0, 0)].norm()))
-    };
-    let (mut all, mut highest, mut lowest) = (Vec::new(), Vec::new(), Vec::new());
-    for variation in project.variations_within_tolerances() {
-        let Distribution::Uniform { low, high } = variation.distribution else { continue };
-        let at = |factor| ScaledParameter { parameter: variation.parameter, factor };
-        let [below, above] = [low, high].map(|factor| scaled_plant(project, asked, reduced, &[at(factor)]));
-        let (Some(below), Some(above)) = (below, above) else { continue };
-        if below == above {
-            continue;
-        }
-        let rises = gain(&above)? > gain(&below)?;
-        highest.push(at(if rises { high } else { low }));
-        lowest.push(at(if rises { low } else { high }));
-        all.extend([below, above]);
-    }
-    if highest.len() > 1 {
-        all.extend([highest, lowest].iter().filter_map(|ends| scaled_plant(project, asked, reduced, ends)));
-    }
-    Ok(all)
-}
-
-/// The plant of the design with some parameters scaled; `None` if there is none.
-fn scaled_plant(
-    project: &Project,
-    asked: &Synthesis,
-    reduced: &Reduced,
-    scaled: &[ScaledParameter],
-) -> Option<DesignPlant> {
-    let mut changed = project.clone();
-    for ScaledParameter { parameter, factor } in scaled {
-        parameter.scale(&mut changed.plant, *factor).ok()?;
-    }
-    let made = model(&changed).ok()?;
-    let plant = design_plant(asked, &made, reduced).ok()?;
-    with_angles(&changed, &made, &plant).ok()
-}
-
-/// Share of the sample rate at which the gains of plants within tolerances are compared: the highest bandwidth of a first design.
-const CLOCK_SHARE_OF_BANDWIDTH: f64 = 0.05;
 
 /// Returns the plant with the hub's angles among its states: gravity's gradient, the spring and their
 /// instability act.
