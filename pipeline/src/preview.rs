@@ -77,14 +77,14 @@ impl DesignPreview {
 
     /// Returns the overshoot of the response to a step of the demand, percent of the demand; 0 without overshoot.
     pub fn overshoot_percent(&self) -> f64 {
-        let demand = self.step.demand_rad_s.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let top = self.step.hub_rate_rad_s.iter().copied().fold(0.0, f64::max);
+        let demand = self.step.demand_rad_s().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let top = self.step.hub_rate_rad_s().iter().copied().fold(0.0, f64::max);
         (100.0 * (top / demand - 1.0)).max(0.0)
     }
 
     /// Returns the largest change of the control in the response to a step of the demand, V.
     pub fn step_control_v(&self) -> f64 {
-        let control_v = &self.step.control_v;
+        let control_v = self.step.control_v();
         let first = control_v.first().copied().unwrap_or_default();
         control_v.iter().map(|v| (v - first).abs()).fold(0.0, f64::max)
     }
@@ -93,7 +93,7 @@ impl DesignPreview {
     /// is left out because it contains the transient of the start.
     pub fn residual_hub_rate_rad_s(&self, source: Source) -> f64 {
         let history = self.motion(source, Arrangement::Compensated);
-        let hub = history.map_or(&[][..], |h| &h.hub_rate_rad_s[..]);
+        let hub = history.map_or(&[][..], History::hub_rate_rad_s);
         hub.iter().skip(hub.len() / 2).map(|v| v.abs()).fold(0.0, f64::max)
     }
 

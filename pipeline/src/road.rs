@@ -1,6 +1,6 @@
 //! The motion of the platform of a verification: prepared from a recording, or realised from numbers.
 
-use counterpoise_recordings::clock::to_uniform_clock;
+use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
@@ -28,9 +28,14 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
     if !source.surge.is_empty() {
         columns.push(table.quantity(&source.surge, "surge", "m/s^2")?);
     }
-    let clocked = to_uniform_clock(&table.name, time.view(), None, columns)?;
+    let clocked = to_uniform_clock(
+        &table.name,
+        time.view(),
+        None,
+        stack_columns(columns.iter().map(|values| values.view())),
+    )?;
     let shape = |signal: usize, scale: f64| {
-        shaped(source, table, clocked.period_s, &clocked.signals[signal].to_vec(), scale)
+        shaped(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
     };
     Ok(Road {
         name: table.name.clone(),

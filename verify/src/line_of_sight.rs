@@ -63,16 +63,16 @@ impl SightAngles {
     /// Returns the angles of a history from a time on; `None` if it has fewer than two samples.
     pub fn of(history: &History, settle_s: f64) -> Option<Self> {
         let first = history.index_at(settle_s);
-        let period_s = match history.time_s.get(..2) {
+        let period_s = match history.time_s().get(..2) {
             Some([a, b]) => b - a,
             _ => return None,
         };
         let of = |rates: &[f64]| {
             let errors =
-                rates.iter().zip(&history.demand_rad_s).skip(first).map(|(rate, demand)| rate - demand);
+                rates.iter().zip(history.demand_rad_s()).skip(first).map(|(rate, demand)| rate - demand);
             subtract_mean(&integrate(errors, period_s))
         };
-        Some(Self { period_s, hub_rad: of(&history.hub_rate_rad_s), tip_rad: of(&history.tip_rate_rad_s) })
+        Some(Self { period_s, hub_rad: of(history.hub_rate_rad_s()), tip_rad: of(history.tip_rate_rad_s()) })
     }
 
     /// Returns the first samples, about their mean.
@@ -213,26 +213,17 @@ pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<Me
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Model;
+    use crate::{HistoryColumn, Model};
     use std::f64::consts::TAU;
 
     fn history(rate: impl Fn(f64) -> f64) -> History {
         let time_s: Vec<f64> = (0..20_001).map(|k| 1e-3 * f64::from(k)).collect();
         let rates: Vec<f64> = time_s.iter().map(|t| rate(*t)).collect();
-        History {
-            model: Model::Nonlinear,
-            experiment: Experiment::Disturbance(Source::Both, Arrangement::Compensated),
-            demand_rad_s: vec![0.0; rates.len()],
-            heave_m_s2: Vec::new(),
-            pitch_rate_rad_s: Vec::new(),
-            tip_rate_rad_s: rates.iter().map(|rate| 2.0 * rate).collect(),
-            hub_rate_rad_s: rates,
-            control_v: Vec::new(),
-            current_a: Vec::new(),
-            travel_rad: Vec::new(),
-            contact: Vec::new(),
-            time_s,
-        }
+        let experiment = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
+        History::zeros(Model::Nonlinear, experiment, rates.len())
+            .with(HistoryColumn::Time, time_s)
+            .with(HistoryColumn::TipRate, rates.iter().map(|rate| 2.0 * rate))
+            .with(HistoryColumn::HubRate, rates)
     }
 
     #[test]

@@ -8,7 +8,7 @@ use counterpoise_simulate::{
     TimeHistory, state_at_rest,
 };
 
-use crate::history::{Experiment, History, integrate};
+use crate::history::{Experiment, History, HistoryColumn, integrate};
 use crate::linear::arrange;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
@@ -238,18 +238,15 @@ fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
         tip = travel_rad.iter().zip(bent).map(|(hub, bent)| hub + bent).collect();
         hub.clone_from(&travel_rad);
     }
-    History {
-        model: Model::Nonlinear,
-        experiment,
-        time_s,
-        demand_rad_s: demand,
-        heave_m_s2: truth.heave_m_s2,
-        pitch_rate_rad_s: truth.platform_rate_rad_s,
-        hub_rate_rad_s: hub,
-        tip_rate_rad_s: tip,
-        control_v: run.readings.control_v,
-        current_a: truth.current_a,
-        travel_rad,
-        contact: truth.contact.iter().map(|flank| f64::from(flank.abs())).collect(),
-    }
+    History::zeros(Model::Nonlinear, experiment, time_s.len())
+        .with(HistoryColumn::Time, time_s)
+        .with(HistoryColumn::Demand, demand)
+        .with(HistoryColumn::Heave, truth.heave_m_s2)
+        .with(HistoryColumn::PitchRate, truth.platform_rate_rad_s)
+        .with(HistoryColumn::HubRate, hub)
+        .with(HistoryColumn::TipRate, tip)
+        .with(HistoryColumn::Control, run.readings.control_v)
+        .with(HistoryColumn::Current, truth.current_a)
+        .with(HistoryColumn::Travel, travel_rad)
+        .with(HistoryColumn::Contact, truth.contact.iter().map(|flank| f64::from(flank.abs())))
 }

@@ -290,7 +290,9 @@ fn same_run(controller: &Controller, experiment: Experiment, histories: &[Histor
     };
     let same = Experiment::Disturbance(source, other);
     let known = histories.iter().find(|h| h.model == Model::Nonlinear && h.experiment == same)?;
-    Some(History { experiment, ..known.clone() })
+    let mut history = known.clone();
+    history.experiment = experiment;
+    Some(history)
 }
 
 /// Returns the plant linearised where the procedure has it stand. In a loop of rate its angles are left out, so that gravity's

@@ -166,11 +166,11 @@ fn the_simulator_without_friction_and_backlash_is_the_linear_loop() {
     ] {
         let linear = found.history(Model::Linear, experiment).unwrap();
         let nonlinear = found.history(Model::Nonlinear, experiment).unwrap();
-        let samples = linear.hub_rate_rad_s.len().min(nonlinear.hub_rate_rad_s.len());
+        let samples = linear.len().min(nonlinear.len());
         let error: f64 = (0..samples)
-            .map(|k| (linear.hub_rate_rad_s[k] - nonlinear.hub_rate_rad_s[k]).abs())
+            .map(|k| (linear.hub_rate_rad_s()[k] - nonlinear.hub_rate_rad_s()[k]).abs())
             .fold(0.0, f64::max);
-        let size = linear.hub_rate_rad_s.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let size = linear.hub_rate_rad_s().iter().fold(0.0f64, |a, b| a.max(b.abs()));
         // what is left: converters, and the cosine of the hub's angle in the out-of-balance
         assert!(error < 0.03 * size, "{experiment:?}: {error} of {size}");
     }

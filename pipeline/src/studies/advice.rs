@@ -254,12 +254,10 @@ impl WeightTrials<'_> {
             factor: change.factor,
             value: values[0],
             systems: controllers_of(plant, &controller, procedure)?,
-            history: history.map(|found| {
-                HistoryResult::new(
-                    &found,
-                    controller.sample_period_s(),
-                    plant.parameters().controlled_quantity(),
-                )
+            history: history.map(|history| HistoryResult {
+                controlled: plant.parameters().controlled_quantity(),
+                sample_time_s: controller.sample_period_s(),
+                history,
             }),
         };
         Ok(Some((values, tried)))

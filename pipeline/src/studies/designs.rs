@@ -400,10 +400,10 @@ impl RowBuilder<'_> {
                 Experiment::Step => history,
                 _ => history.from_time(self.procedure.settle_s),
             };
-            let pairs = history.hub_rate_rad_s.iter().zip(&history.demand_rad_s);
+            let pairs = history.hub_rate_rad_s().iter().zip(history.demand_rad_s());
             let error: Vec<f64> = pairs.map(|(y, r)| y - r).collect();
-            let mean = history.control_v.iter().sum::<f64>() / history.control_v.len().max(1) as f64;
-            let control: Vec<f64> = history.control_v.iter().map(|u| u - mean).collect();
+            let mean = history.control_v().iter().sum::<f64>() / history.control_v().len().max(1) as f64;
+            let control: Vec<f64> = history.control_v().iter().map(|u| u - mean).collect();
             Ok([rms(&error), rms(&control)])
         };
         let under = |source: Source| Experiment::Disturbance(source, Arrangement::Compensated);
