@@ -82,6 +82,12 @@ impl DesignPreview {
         (100.0 * (top / demand - 1.0)).max(0.0)
     }
 
+    /// Returns the control of a response about the value that holds the weight of the mechanism, V.
+    pub fn control_about_holding_v(&self, response: &History) -> Vec<f64> {
+        let holding_v = self.modelled.linear.equilibrium.control_v;
+        response.control_v().iter().map(|control_v| control_v - holding_v).collect()
+    }
+
     /// Returns the largest change of the control in the response to a step of the demand, V.
     pub fn step_control_v(&self) -> f64 {
         let control_v = self.step.control_v();

@@ -335,15 +335,11 @@ pub struct ChannelResult {
     pub rms_error: f64,
     /// What noise and quantisation leave of a perfect model, RMS.
     pub floor: f64,
+    /// RMS error over the noise floor; not part of the JSON, whose reader divides.
+    #[serde(skip)]
+    pub residual_over_floor: f64,
     /// Variance accounted for, percent.
     pub vaf: f64,
-}
-
-impl ChannelResult {
-    /// Returns the RMS error over the noise floor.
-    pub fn error_over_floor(&self) -> f64 {
-        self.rms_error / self.floor
-    }
 }
 
 /// Fit of one recording.
@@ -595,7 +591,12 @@ impl ReplayedRecording {
 
 fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
     let channel = |fit: &ChannelFit| {
-        let result = ChannelResult { rms_error: fit.rms_error, floor: fit.floor, vaf: fit.vaf };
+        let result = ChannelResult {
+            rms_error: fit.rms_error,
+            floor: fit.floor,
+            residual_over_floor: fit.residual_over_floor(),
+            vaf: fit.vaf,
+        };
         (fit.channel.name(), result)
     };
     fits.iter().map(channel).collect()

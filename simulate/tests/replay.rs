@@ -64,7 +64,7 @@ fn replayed(machine: &str, experiment: &str, control: &Loop) -> Replay {
 
 fn assert_fits(replay: &Replay, channels: &[Channel], what: &str) {
     for fit in replay.channels.iter().filter(|fit| channels.contains(&fit.channel)) {
-        let ratio = fit.rms_error / fit.floor;
+        let ratio = fit.residual_over_floor();
         assert!(ratio <= FIT, "{what}: {} at {ratio:.2} floors", fit.channel.name());
     }
 }
@@ -109,7 +109,7 @@ fn selected(parameters: &Parameters, machine: &str, experiment: &str) -> Selecte
 }
 
 fn worst(replay: &Replay) -> f64 {
-    replay.channels.iter().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    replay.channels.iter().map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
 const UNSEEN: [&str; 3] = ["unseen/triangle", "unseen/steps", "unseen/road"];

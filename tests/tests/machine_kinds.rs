@@ -393,7 +393,7 @@ fn every_kind_replays_what_it_recorded_under_its_own_controller() {
             wrong.push(format!("{}: {:?}", machine.name, replay.err()));
             continue;
         };
-        let ratio = |fit: &ChannelFit| (fit.rms_error / fit.floor, fit.channel);
+        let ratio = |fit: &ChannelFit| (fit.residual_over_floor(), fit.channel);
         let worst: (f64, Channel) =
             replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
         println!("{}: {} floors in {}", machine.name, worst.0, worst.1.name());

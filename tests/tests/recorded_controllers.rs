@@ -94,7 +94,7 @@ fn record_with(plant: &Plant, controller: &mut dyn SampledController, seed: u64)
 /// The largest ratio of residual to noise floor of a closed-loop replay, with its channel.
 fn worst(plant: &Plant, recording: &Recording, control: &Loop) -> (f64, Channel) {
     let replay = Replayer::new(plant.parameters(), recording).unwrap().replay_plant(plant, control).unwrap();
-    let ratio = |fit: &counterpoise_simulate::replay::ChannelFit| (fit.rms_error / fit.floor, fit.channel);
+    let ratio = |fit: &counterpoise_simulate::replay::ChannelFit| (fit.residual_over_floor(), fit.channel);
     replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
 }
 
@@ -109,7 +109,7 @@ fn every_exported_controller_replays_its_own_recordings() {
         assert!(
             fit.rms_error < 2.0 * fit.floor,
             "{name}: control off by {} floors",
-            fit.rms_error / fit.floor
+            fit.residual_over_floor()
         );
         let control = Loop::from(exported);
         let (ratio, channel) = worst(&plant, &recording, &control);
@@ -262,7 +262,7 @@ fn a_machine_that_floats_in_its_gap_is_replayed_in_windows_and_freely_as_closely
         // what the estimator has gathered before the first sample does not show in the control at once
         let is_whole = recording.len() == 8000;
         for fit in selected.replay.channels.iter().filter(|fit| is_whole || fit.channel != Channel::Control) {
-            let ratio = fit.rms_error / fit.floor;
+            let ratio = fit.residual_over_floor();
             assert!(ratio < REPLAYED, "{ratio} floors in {}", fit.channel.name());
         }
     }

@@ -171,6 +171,14 @@ impl Verification {
         }
     }
 
+    /// Returns what the loop may reach at most in the step, for a largest overshoot in percent: the demand at its end, raised by that; 0
+    /// if no step was run on the plant.
+    pub fn highest_allowed_rad_s(&self, model: Model, overshoot_percent: f64) -> f64 {
+        let step = self.history(model, Experiment::Step);
+        let demand = step.and_then(|step| step.demand_rad_s().last().copied()).unwrap_or_default();
+        demand * (1.0 + 0.01 * overshoot_percent)
+    }
+
     fn saw_a_road(&self) -> bool {
         let on_road = |figure| matches!(figure, Figure::Disturbance(_, Source::Road, ..));
         self.figures.iter().any(|measured| on_road(measured.figure))

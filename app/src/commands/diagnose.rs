@@ -96,7 +96,9 @@ fn print_confirmation(replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
-            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.error_over_floor()))
+            .map(|(name, c)| {
+                format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor)
+            })
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }
@@ -120,7 +122,7 @@ fn print_held_out(recordings: &[HeldOutText]) {
             "after / floor"
         );
         for (name, c) in &recording.channels {
-            let ratio = c.residual_over_floor();
+            let ratio = c.after_over_floor;
             say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
         }
         recording.remarks.iter().for_each(|remark| say!("    {remark}"));

@@ -152,7 +152,7 @@ fn print(result: &ReplayResult) {
         recording.remarks.iter().for_each(|remark| say!("  {remark}"));
         say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
         for (name, c) in &recording.channels {
-            let ratio = c.error_over_floor();
+            let ratio = c.residual_over_floor;
             say!("  {name:<16} {:12.4e} {:12.4e} {ratio:8.2} {:10.4}", c.rms_error, c.floor, c.vaf);
         }
     }

@@ -175,7 +175,7 @@ pub struct ControlMismatch {
 pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<ControlMismatch> {
     let Loop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;
-    let ratio = fit.rms_error / fit.floor;
+    let ratio = fit.residual_over_floor();
     (ratio > FOREIGN_CONTROL_MULTIPLE).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
 }
 

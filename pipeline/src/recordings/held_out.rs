@@ -39,6 +39,13 @@ pub struct HeldOutFit {
     pub after: f64,
 }
 
+impl HeldOutFit {
+    /// Returns the RMS of the residual over the noise floor, of the model as it was and of the improved one.
+    pub fn residuals_over_floor(&self) -> [f64; 2] {
+        [self.before / self.floor, self.after / self.floor]
+    }
+}
+
 /// How much better the improved model predicts a held-out recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOutComparison {
@@ -75,8 +82,8 @@ impl HeldOutRecording {
     pub fn comparison(&self) -> HeldOutComparison {
         let channels = self.judged_channels();
         let worst =
-            |of: fn(&HeldOutFit) -> f64| channels.values().map(|c| of(c) / c.floor).fold(0.0, f64::max);
-        let [before, after] = [worst(|c| c.before), worst(|c| c.after)];
+            |model: usize| channels.values().map(|c| c.residuals_over_floor()[model]).fold(0.0, f64::max);
+        let [before, after] = [worst(0), worst(1)];
         let removed: Vec<f64> = channels
             .values()
             .filter(|c| c.before > RESIDUAL_ABOVE_FLOOR * c.floor)

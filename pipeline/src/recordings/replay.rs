@@ -173,7 +173,7 @@ fn from_fitted_start(
 fn worst(replay: &Replay) -> f64 {
     let driven = |channel: Channel| matches!(channel, Channel::PlatformRate | Channel::PlatformAccel);
     let compared = replay.channels.iter().filter(|fit| !driven(fit.channel));
-    compared.map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    compared.map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
 /// Returns what is wrong with a recording itself.

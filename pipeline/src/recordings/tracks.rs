@@ -5,7 +5,7 @@ use std::path::Path;
 use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_recordings::clock::stack_columns;
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, replay};
+use counterpoise_simulate::replay::{ChannelFit, Loop, Replay, replay};
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
 /// One channel of one recording, measured and simulated.
@@ -115,6 +115,37 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
         })
     };
     COMPARED.into_iter().filter_map(track).collect()
+}
+
+/// What a model makes of a channel of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedChannel {
+    /// The simulated samples.
+    pub signal: Vec<f64>,
+    /// The residual, simulated less measured.
+    pub residual: Vec<f64>,
+    /// RMS of the residual over the noise floor of the project's model; `None` if that does not simulate the channel.
+    pub residual_over_floor: Option<f64>,
+}
+
+/// Returns what the project's model and an improved one make of a channel of a recording; `None` of a model that was not replayed, or that
+/// does not simulate the channel.
+pub fn simulate_channel(
+    recording: &Recording,
+    channel: Channel,
+    models: [Option<&Replay>; 2],
+) -> [Option<SimulatedChannel>; 2] {
+    let fit = |replay: &Replay| replay.channels.iter().copied().find(|fit| fit.channel == channel);
+    let floor = models[0].and_then(fit).map(|fit| fit.floor);
+    models.map(|replay| {
+        let (replay, measured) = (replay?, recording.samples(channel)?);
+        let own = fit(replay)?;
+        let signal = replay.simulated.channel(channel).to_vec();
+        let residual =
+            signal.iter().zip(measured).map(|(simulated, measured)| simulated - measured).collect();
+        let residual_over_floor = floor.map(|floor| ChannelFit { floor, ..own }.residual_over_floor());
+        Some(SimulatedChannel { signal, residual, residual_over_floor })
+    })
 }
 
 /// Returns the name of a recording without its folder and ending, with the part of it that is meant.

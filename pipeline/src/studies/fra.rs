@@ -20,7 +20,7 @@ use ndarray::Array2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::fra_points::{MapPoints, MeasuredPoint};
+use super::fra_points::{MapPoint, MapPoints, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
@@ -283,9 +283,9 @@ impl Analyser {
         let points = map(pool, measured.len(), |k| {
             let one = &measured[(k % frequencies, k / frequencies)];
             let point = self.point_of(&one.response, one.amplitude)?;
-            Ok(MeasuredPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
+            Ok(MapPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
         });
-        let points: Vec<MeasuredPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
+        let points: Vec<MapPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
@@ -322,7 +322,7 @@ impl Analyser {
         for hz in frequencies_hz {
             let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
-            points.push(MeasuredPoint { settled: excited(&found, recording.sample_period_s), ..point });
+            points.push(MapPoint { settled: excited(&found, recording.sample_period_s), ..point });
         }
         Ok(Map {
             name: self.name.clone(),
@@ -335,21 +335,23 @@ impl Analyser {
         })
     }
 
-    fn point_of(&self, response: &Response, amplitude: f64) -> Result<MeasuredPoint, PipelineError> {
+    fn point_of(&self, response: &Response, amplitude: f64) -> Result<MapPoint, PipelineError> {
         let rate = response.frequency_rad_s;
         let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
         let describing = self.described(&linear, rate, amplitude)?;
-        Ok(MeasuredPoint {
+        Ok(MapPoint {
             amplitude,
             frequency_hz: rate / TAU,
-            response: response.value,
-            mean: response.output.mean,
+            response: pair(response.value),
+            gain_db: gain_db(response.value),
+            phase_deg: phase_deg(response.value),
+            mean_rad_s: response.output.mean,
             distortion: response.distortion(),
             cycles: response.cycles,
             last_change: None,
             settled: true,
-            linear: linear.response,
-            describing: describing.map(|found| found.response),
+            linear: pair(linear.response),
+            describing: describing.map(|found| pair(found.response)),
         })
     }
 

@@ -234,6 +234,15 @@ pub struct RequirementSpread {
     pub values: Vec<f64>,
 }
 
+impl RequirementSpread {
+    /// Returns each finite value with the percentage of mechanisms below it; half of the mechanism that has the value counts as below.
+    pub fn distribution(&self) -> Vec<[f64; 2]> {
+        let count = self.values.len().max(1) as f64;
+        let finite = self.values.iter().enumerate().filter(|(_, value)| value.is_finite());
+        finite.map(|(k, value)| [*value, 100.0 * (k as f64 + 0.5) / count]).collect()
+    }
+}
+
 /// The parameter that moves a figure most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrongestParameter {

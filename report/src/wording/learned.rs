@@ -44,23 +44,15 @@ pub struct LearnedFunctionText {
     pub values: Vec<f64>,
     /// Half width of its 95 % band.
     pub half_width: Vec<f64>,
+    /// Ends of that band at each point; not part of the JSON.
+    #[serde(skip)]
+    pub band: Vec<[f64; 2]>,
     /// Share of the recorded samples nearest to each point.
     pub coverage: Vec<f64>,
     /// What the curve says.
     pub reading: String,
     /// Over which range it is known.
     pub range: String,
-}
-
-impl LearnedFunctionText {
-    /// Returns the ends of the 95 % band at each point; the value itself if the band is not known.
-    pub fn band(&self) -> Vec<[f64; 2]> {
-        let ends = |(k, value): (usize, &f64)| {
-            let half = self.half_width.get(k).copied().unwrap_or(0.0);
-            [value - half, value + half]
-        };
-        self.values.iter().enumerate().map(ends).collect()
-    }
 }
 
 /// Describes a model without a name.
@@ -98,6 +90,7 @@ fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> Lear
         points: element.points.clone(),
         values: element.values.clone(),
         half_width: element.half_width.clone(),
+        band: element.band(),
         coverage: element.coverage.clone(),
         reading: describe_reading(element, reading),
         range: range(element),
@@ -231,8 +224,7 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> 
 
 /// Describes a curve that no simple form explains.
 fn without_form(element: &LearnedElement, subject: &str) -> String {
-    let fold = |start: f64, pick: fn(f64, f64) -> f64| element.values.iter().copied().fold(start, pick);
-    let (low, high) = (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max));
+    let [low, high] = element.value_range();
     let unit = if element.quantity.is_factor() { " times its value" } else { " N m" };
     let over = variable(element.variable);
     format!(

@@ -131,6 +131,13 @@ pub struct ChannelFit {
     pub vaf: f64,
 }
 
+impl ChannelFit {
+    /// Returns the RMS of the residual over the noise floor.
+    pub fn residual_over_floor(&self) -> f64 {
+        self.rms_error / self.floor
+    }
+}
+
 /// Replays a recording.
 ///
 /// # Errors

@@ -162,7 +162,7 @@ impl Replayer<'_> {
 /// Returns the largest residual over its noise floor in the channels that show whether a machine hunts.
 fn excess(replay: &Replay) -> f64 {
     let telling = replay.channels.iter().filter(|fit| TELLING.contains(&fit.channel));
-    telling.map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    telling.map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
 /// Returns the recording with noise on its demand: it drives the loop as another noise of the gyroscope does.

@@ -70,9 +70,9 @@ pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
 
 /// Returns the control about the value that holds the weight of the mechanism.
 pub fn control_chart(view: &View, design: &DesignPreview) -> Chart {
-    let holding = design.modelled.linear.equilibrium.control_v;
-    let about = |h: &History| {
-        h.time_s().iter().zip(h.control_v()).map(|(t, v)| [*t, v - holding]).collect::<Vec<_>>()
+    let about = |response: &History| -> Vec<[f64; 2]> {
+        let control_v = design.control_about_holding_v(response);
+        response.time_s().iter().zip(control_v).map(|(t, v)| [*t, v]).collect()
     };
     let of = |source| design.motion(source, Arrangement::Compensated).map_or(Vec::new(), about);
     let c = &view.theme.curves;

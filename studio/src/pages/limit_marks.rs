@@ -1,8 +1,7 @@
 //! The limit of the selected requirement, drawn into the charts from which its figure is read.
 
 use counterpoise_verify::{
-    Experiment, Figure, History, HistoryColumn, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure,
-    Verification,
+    Figure, HistoryColumn, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure, Verification,
 };
 
 use crate::charts::chart::Chart;
@@ -16,13 +15,7 @@ pub fn selected_requirement<'a>(view: &View, found: &'a Verification) -> Option<
 }
 
 /// Marks the limit of the selected requirement in a chart over time if it limits the column that this chart shows.
-pub fn mark_history_limit(
-    view: &View,
-    found: &Verification,
-    experiment: Experiment,
-    column: HistoryColumn,
-    chart: &mut Chart,
-) {
+pub fn mark_history_limit(view: &View, found: &Verification, column: HistoryColumn, chart: &mut Chart) {
     let Some(requirement) = selected_requirement(view, found) else { return };
     let limit = requirement.limit.value();
     let mut both = |value: f64| chart.levels.extend([value, -value]);
@@ -35,12 +28,8 @@ pub fn mark_history_limit(
         | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistoryColumn::Control)
         | (Figure::Step(_, StepFigure::ControlPeak), HistoryColumn::Control) => both(limit),
         (Figure::Step(model, StepFigure::Overshoot), HistoryColumn::HubRate) => {
-            let demand = found.history(model, experiment).and_then(final_demand).unwrap_or_default();
-            chart.levels.push(
-                view.units.display_unit(found.controlled_quantity().unit()).factor
-                    * demand
-                    * (1.0 + 0.01 * limit),
-            );
+            let factor = view.units.display_unit(found.controlled_quantity().unit()).factor;
+            chart.levels.push(factor * found.highest_allowed_rad_s(model, limit));
         }
         (
             Figure::Step(_, StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::SettlingTime),
@@ -50,11 +39,6 @@ pub fn mark_history_limit(
         }
         _ => {}
     }
-}
-
-/// Returns the demand at the end of a step, rad/s.
-fn final_demand(history: &History) -> Option<f64> {
-    history.demand_rad_s().last().copied()
 }
 
 /// Marks the limit of a disturbance rejection in its chart.

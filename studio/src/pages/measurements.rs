@@ -203,10 +203,7 @@ fn strongest_in_words(strongest: &StrongestParameter) -> String {
 /// Returns the share of the mechanisms below each value.
 fn distribution_chart(view: &View, row: &RequirementSpread) -> Chart {
     let unit = view.units.display_unit(row.requirement.figure.unit(row.controlled));
-    let count = row.values.len().max(1) as f64;
-    let finite = row.values.iter().enumerate().filter(|(_, v)| v.is_finite());
-    let points: Vec<[f64; 2]> =
-        finite.map(|(k, v)| [unit.factor * v, 100.0 * (k as f64 + 0.5) / count]).collect();
+    let points = row.distribution().into_iter().map(|[value, share]| [unit.factor * value, share]).collect();
     let label = format!("{}, {}", row.requirement.figure.name(row.controlled), unit.name);
     let mut chart = Chart::new("Share of mechanisms below a value", label.trim_end_matches(", "), "share, %");
     chart.add_mark(unit.factor * row.requirement.limit.value(), "limit");

@@ -54,7 +54,7 @@ pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     let columns =
         [HistoryColumn::HubRate, HistoryColumn::Control, HistoryColumn::Current, HistoryColumn::TipRate];
     for (chart, column) in charts.iter_mut().zip(columns) {
-        limit_marks::mark_history_limit(view, found, experiment, column, chart);
+        limit_marks::mark_history_limit(view, found, column, chart);
     }
     let area = widgets::take_remaining_area(ui);
     for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(&charts) {
