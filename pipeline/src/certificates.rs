@@ -6,6 +6,7 @@ use counterpoise_verify::Verification;
 use crate::Synthesised;
 use crate::tolerance::SAME_COST;
 use crate::tolerance::SOLVED_RESIDUAL;
+use crate::wording::design_findings::describe_part;
 
 /// A number that certifies the design, with whether it is as it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +59,7 @@ fn of_cost(name: &str, cost: Cost) -> Option<Certificate> {
 }
 
 fn of_sampled(part: &Certified) -> Vec<Certificate> {
-    let name = format!("{} in sampled time", part.part);
+    let name = format!("{} in sampled time", describe_part(part.part));
     let mut all = vec![of_equation(&format!("{name}, regulator equation"), &part.regulator)];
     all.extend(part.filter.as_ref().map(|filter| of_equation(&format!("{name}, filter equation"), filter)));
     all.extend(of_cost(&name, part.cost));

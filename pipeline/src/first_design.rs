@@ -26,6 +26,7 @@ use crate::exchange::SystemResult;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
+use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
 use crate::{Modelled, PipelineError, Reduced, model, reduce};
 
 /// A project whose weights were chosen.
@@ -379,7 +380,7 @@ impl From<&FirstDesign> for FirstDesignResult {
             let over_reached = bandwidth_rad_s.map(|rate| rate / found.bandwidth_rad_s);
             let lifted_rad_s = limit.lifted_rad_s;
             LimitRow {
-                limit: limit.kind.to_string(),
+                limit: describe_limit(limit.kind).to_owned(),
                 bandwidth_rad_s,
                 over_reached,
                 lifted_rad_s,
@@ -390,7 +391,12 @@ impl From<&FirstDesign> for FirstDesignResult {
         Self {
             bandwidth_rad_s: found.bandwidth_rad_s,
             asked_rad_s: found.asked_rad_s,
-            limited_by: found.limited_by.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and "),
+            limited_by: found
+                .limited_by
+                .iter()
+                .map(|kind| describe_limit(*kind))
+                .collect::<Vec<_>>()
+                .join(" and "),
             limits: found.limits.iter().zip(&first.shown_by).map(row).collect(),
             required: RequiredMarginsResult {
                 gain_margin_db: first.required.gain_db,
@@ -398,7 +404,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 max_sensitivity: first.required.max_sensitivity,
             },
             sample_period_s: first.sample_period_s,
-            unknown: found.unknown.iter().map(ToString::to_string).collect(),
+            unknown: found.unknown.iter().map(|fact| describe_unknown(*fact).to_owned()).collect(),
             gain_margin_db: judged.gain_margin_db,
             phase_margin_deg: judged.phase_margin_deg,
             max_sensitivity: judged.max_sensitivity,
@@ -408,7 +414,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 .iter()
                 .map(|system| SystemResult::new("loop", system, &["control_v"], &["returned_control_v"]))
                 .collect(),
-            left_out: first.left_out.iter().map(ToString::to_string).collect(),
+            left_out: first.left_out.iter().map(describe_design_finding).collect(),
         }
     }
 }

@@ -27,6 +27,7 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
+use crate::wording::design_findings::{describe_design_finding, describe_part};
 pub use certificate::CertificateResult;
 pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
@@ -477,7 +478,7 @@ impl From<&Synthesised> for SynthResult {
                 .max_by(f64::total_cmp),
             costs: costs(made),
             demanded_rate: made.demanded_rate.as_ref().map(describe_demanded_rate),
-            warnings: made.warnings.iter().map(ToString::to_string).collect(),
+            warnings: made.warnings.iter().map(describe_design_finding).collect(),
         }
     }
 }
@@ -627,7 +628,7 @@ fn costs(made: &Synthesised) -> Vec<CostResult> {
     let continuous = std::iter::once(("feedback", design.feedback.cost)).chain(feedforwards).chain(joint);
     let continuous = continuous.map(|(name, cost)| (name.to_owned(), cost));
     let sampled = made.sampled.certified.iter();
-    let sampled = sampled.map(|part| (format!("{} in sampled time", part.part), part.cost));
+    let sampled = sampled.map(|part| (format!("{} in sampled time", describe_part(part.part)), part.cost));
     let result = |(part, cost): (String, counterpoise_synth::Cost)| CostResult {
         part,
         predicted: cost.predicted,

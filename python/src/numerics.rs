@@ -8,6 +8,7 @@ use counterpoise_linalg::{
 };
 use counterpoise_lti as lti;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, linfnorm_bounds, margins};
+use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_reduce::{Method, Order, balred};
 use counterpoise_synth::{Generalised, h2syn, hinfsyn};
 use ndarray::{Array2, ShapeBuilder};
@@ -70,6 +71,11 @@ fn array<'py>(py: Python<'py>, matrix: &Mat) -> PyResult<Owned<'py>> {
     let shape = (matrix.nrows(), matrix.ncols()).f();
     let owned = Array2::from_shape_vec(shape, matrix.as_slice().to_vec()).map_err(numerical)?;
     Ok(PyArray2::from_owned_array(py, owned))
+}
+
+/// Returns the exception of a synthesis, with every reason of a refusal.
+fn no_controller(why: counterpoise_synth::Error) -> PyErr {
+    numerical(describe_synthesis_error(&why))
 }
 
 fn complex<'py>(py: Python<'py>, values: &[C64]) -> Complex<'py> {
@@ -245,7 +251,7 @@ fn h2_synthesis<'py>(
     controls: usize,
 ) -> PyResult<([Owned<'py>; 4], f64)> {
     let plant = generalised(&given, measurements, controls)?;
-    let found = py.detach(|| h2syn(&plant)).map_err(numerical)?;
+    let found = py.detach(|| h2syn(&plant)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm))
 }
 
@@ -260,6 +266,6 @@ fn hinf_synthesis<'py>(
     tolerance: f64,
 ) -> PyResult<([Owned<'py>; 4], f64, f64)> {
     let plant = generalised(&given, measurements, controls)?;
-    let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(numerical)?;
+    let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm, found.unreachable))
 }

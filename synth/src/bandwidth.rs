@@ -1,7 +1,5 @@
 //! What limits the bandwidth of a loop.
 
-use std::fmt;
-
 /// What limits a bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
@@ -21,21 +19,6 @@ pub enum LimitKind {
     AtRest,
     /// What was asked for.
     Asked,
-}
-
-impl fmt::Display for LimitKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            LimitKind::SampleRate => "sample rate",
-            LimitKind::Margins => "margins (delay and lags)",
-            LimitKind::Resonance => "resonance",
-            LimitKind::Noise => "noise",
-            LimitKind::Quantisation => "quantisation",
-            LimitKind::Control => "control limit",
-            LimitKind::AtRest => "friction at rest, gravity",
-            LimitKind::Asked => "what is asked for",
-        })
-    }
 }
 
 /// A limit of the bandwidth.
@@ -77,16 +60,4 @@ pub struct Bandwidth {
     pub unknown: Vec<Unknown>,
     /// What was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
-}
-
-impl fmt::Display for Unknown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Unknown::Structure => "a flexible mode of structure or transmission",
-            Unknown::Noise => "noise or resolution of the measured signal",
-            Unknown::Sensor => "the lag of the sensor",
-            Unknown::Delay => "the delay of the loop",
-            Unknown::Demand => "the largest step of the demand",
-        })
-    }
 }

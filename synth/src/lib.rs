@@ -88,7 +88,6 @@ pub mod scheduled_controller;
 pub mod search;
 pub mod specification;
 mod stage;
-mod suggestion;
 pub mod table;
 pub mod tolerance;
 pub mod total_cost;

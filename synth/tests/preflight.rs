@@ -15,7 +15,7 @@ fn pair(re: f64, im: f64) -> Vec<C64> {
     vec![C64::new(re, im), C64::new(re, -im)]
 }
 
-/// The refusals of a changed specification; each must name a suggestion, and the design must give the same.
+/// The refusals of a changed specification; the design must give the same.
 fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec<DesignFinding> {
     let mut specification = weights();
     change(&mut specification);
@@ -25,9 +25,6 @@ fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec
     assert!(!refused.is_empty(), "{findings:?}");
     let reasons = design(plant, &specification).unwrap_err();
     assert_eq!(format!("{:?}", reasons.findings()), format!("{findings:?}"));
-    for finding in &refused {
-        assert!(!finding.suggestion().is_empty() && finding.to_string().contains(finding.suggestion()));
-    }
     refused
 }
 
@@ -258,17 +255,11 @@ fn warnings_do_not_stand_in_the_way() {
 }
 
 #[test]
-fn findings_read_like_an_engineer_s() {
+fn a_finding_names_the_weight_and_the_frequency() {
     let refused =
         refusals(&washed_out(), |s| s.feedback.error = Weight::Integral { gain: 200.0, time_s: 1.0 });
-    let text = refused[0].to_string();
-    assert!(
-        text.starts_with(
-            "feedback, error weight 200 / (1 s), at zero frequency: the error weight is infinite"
-        ),
-        "{text}"
-    );
-    assert!(text.contains("use K / (a s + 1)"), "{text}");
+    assert_eq!(refused[0].weight.as_deref(), Some("error weight 200 / (1 s)"));
+    assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Feedback, Some(0.0)));
 }
 
 /// A slide of 25 kg on a ball screw of 90 N/um and 10 mm lead, its position read at the motor (1.06 kg cm^2): states are the motor's rate,

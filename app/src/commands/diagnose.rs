@@ -96,9 +96,7 @@ fn print_confirmation(replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
-            .map(|(name, c)| {
-                format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor)
-            })
+            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }

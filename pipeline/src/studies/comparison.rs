@@ -19,6 +19,7 @@ use crate::exchange::{SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::tolerance::DRIFTING_POLE;
+use crate::wording::design_findings::{describe_design_findings, describe_part};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
@@ -243,7 +244,7 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
     }
     let found = total_cost(&made.design)?;
     let row = |source: &SourceCost| PartCostRow {
-        part: source.part.to_string(),
+        part: describe_part(source.part).to_owned(),
         cost: source.cost,
         slope: source.slope,
         best_gain: source.best_gain,
@@ -319,12 +320,8 @@ fn with_feedback(
     design.specification.reference = Reference::Error;
     Ok(match attempt(discretise(&design, &made.sampling))? {
         Ok(sampled) => Ok(measured_loop(made, &sampled)?),
-        Err(refusal) => Err(words(&refusal.findings)),
+        Err(refusal) => Err(describe_design_findings(&refusal.findings)),
     })
-}
-
-fn words(findings: &[counterpoise_synth::DesignFinding]) -> String {
-    findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// Returns the feedback as built; with alternatives, each of them with the error weight and with that without integral
@@ -405,7 +402,7 @@ fn method_row(
         problem: None,
     };
     Ok(match answer {
-        Err(refusal) => MethodRow { why: Some(words(&refusal.findings)), ..blank },
+        Err(refusal) => MethodRow { why: Some(describe_design_findings(&refusal.findings)), ..blank },
         Ok(found) => {
             let row = MethodRow { order: found.controller.order(), norm: found.norm, ..blank };
             match with_feedback(made, &found.controller)? {

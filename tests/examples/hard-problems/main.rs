@@ -13,6 +13,7 @@ use counterpoise_linalg::{
     sparse::{Entry, Sparse},
 };
 use counterpoise_lti::{Descriptor, Discretisation, StateSpace, Timebase};
+use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at, minimal};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
@@ -293,7 +294,9 @@ fn hinfinity(problem: &Value) -> Answer {
     let count = |key| problem[key].as_u64().unwrap_or(0) as usize;
     let plant = text(Generalised::new(system(problem)?, count("controls"), count("measurements")))?;
     let found = match hinfsyn(&plant, number(problem, "tolerance", 1e-6)) {
-        Err(why @ SynthesisError::Refused(_)) => return Ok(json!({ "refused": why.to_string() })),
+        Err(why @ SynthesisError::Refused(_)) => {
+            return Ok(json!({ "refused": describe_synthesis_error(&why) }));
+        }
         other => text(other)?,
     };
     let HInfinity { controller: K, bound, achieved_norm, unreachable, trials, .. } = found;
