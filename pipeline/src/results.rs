@@ -8,6 +8,7 @@ mod two_axes;
 
 use std::collections::BTreeMap;
 
+use crate::wording::figures::describe_unmeasured;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
@@ -501,7 +502,9 @@ impl VerifyResult {
             let (verdict, value, limit, why) = match verdict {
                 Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
                 Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
-                Verdict::NotApplicable { why } => ("not applicable", None, None, Some(why.to_string())),
+                Verdict::NotApplicable { why } => {
+                    ("not applicable", None, None, Some(describe_unmeasured(why)))
+                }
             };
             VerdictResult {
                 figure: requirement.figure.key_in(controlled),

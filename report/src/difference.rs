@@ -1,6 +1,7 @@
 //! Two verifications side by side, as a section.
 
 use counterpoise_pipeline::Consequence;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::Change;
 
@@ -97,7 +98,11 @@ fn row(change: &Change) -> Vec<Cell> {
     let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
     let (tone, word) = classify_change(change);
     let unit = change.unit();
-    let name = if unit.is_empty() { change.name() } else { format!("{} [{unit}]", change.name()) };
+    let name = if unit.is_empty() {
+        describe_figure(change.figure, change.controlled)
+    } else {
+        format!("{} [{unit}]", describe_figure(change.figure, change.controlled))
+    };
     let requirement = if word.is_empty() { Cell::text("") } else { Cell::Verdict(tone, word.to_owned()) };
     vec![
         Cell::text(name),

@@ -1,6 +1,7 @@
 //! The evidence of a verification as sections with figures and tables.
 
 use counterpoise_models::ControlledQuantity;
+use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
@@ -336,10 +337,10 @@ pub fn figure_section(found: &Verification) -> Section {
     for measured in &found.figures {
         let value = match &measured.value {
             Value::Is(number) => Cell::number(*number),
-            Value::Absent { why } => Cell::text(why.to_string()),
+            Value::Absent { why } => Cell::text(describe_unmeasured(why)),
         };
         let (name, key) = (
-            Cell::text(measured.figure.name(found.controlled_quantity())),
+            Cell::text(describe_figure(measured.figure, found.controlled_quantity())),
             Cell::text(measured.figure.key_in(found.controlled_quantity())),
         );
         table.rows.push(vec![

@@ -22,11 +22,6 @@ pub struct Change {
 }
 
 impl Change {
-    /// Returns the figure in words.
-    pub fn name(&self) -> String {
-        self.figure.name(self.controlled)
-    }
-
     /// Returns the figure's unit.
     pub fn unit(&self) -> &'static str {
         self.figure.unit(self.controlled)

@@ -9,6 +9,7 @@ use counterpoise_pipeline::recordings::read::{control_for, recording_controller}
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
 use counterpoise_pipeline::results::RecordingResult;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{Consequence, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
@@ -144,7 +145,11 @@ fn print_consequence(found: &Consequence) {
     say!("the project's design on the improved model:");
     for change in found.changes.iter().filter(|change| change.has_changed_verdict()) {
         let (_, word) = difference::classify_change(change);
-        say!("  {word}: {} ({})", change.name(), difference::describe_size(change));
+        say!(
+            "  {word}: {} ({})",
+            describe_figure(change.figure, change.controlled),
+            difference::describe_size(change)
+        );
     }
     let line = |name: &str, v: &Verification| {
         let (hold, fail, _) = v.counts();

@@ -5,6 +5,7 @@ use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
 use counterpoise_pipeline::studies::search::{Judged, Searched, TradeOffPoint, search, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
 };
@@ -319,7 +320,7 @@ fn verified_point(point: &Judged) -> VerifiedPoint {
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, limit, .. } => Some(format!(
             "{}: {} against {}",
-            requirement.figure.name(found.controlled_quantity()),
+            describe_figure(requirement.figure, found.controlled_quantity()),
             output::format_figure(*value),
             limit.value()
         )),

@@ -10,6 +10,7 @@ use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, TwoAxesResu
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{self as pipeline, DesignedAxis, ProjectIdentity, TwoAxisStudy, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_section};
@@ -346,7 +347,7 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
         say!(
             "  {:15} {}: {} -> {} {} ({})",
             difference::classify_change(change).1,
-            change.name(),
+            describe_figure(change.figure, change.controlled),
             text(change.before),
             text(change.after),
             change.unit(),

@@ -3,6 +3,7 @@
 mod feedback_alone;
 pub mod target_proofs;
 
+use crate::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_controller::realise::count_coefficients;
 use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
@@ -259,13 +260,16 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
     let verification = verified.verification();
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
         let controlled = verification.controlled_quantity();
-        let (figure, unit) = (requirement.figure.name(controlled), requirement.figure.unit(controlled));
+        let (figure, unit) =
+            (describe_figure(requirement.figure, controlled), requirement.figure.unit(controlled));
         let basis = verification.acceptance(&requirement.figure).basis;
         let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({limit}; {basis})");
         match verdict {
             Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
             Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),
-            Verdict::NotApplicable { why } => format!("{figure}: not applicable, {why}"),
+            Verdict::NotApplicable { why } => {
+                format!("{figure}: not applicable, {}", describe_unmeasured(why))
+            }
         }
     });
     Provenance {

@@ -20,7 +20,7 @@ use ndarray::Array2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::fra_points::{MapPoint, MapPoints, gain_db, pair, phase_deg};
+use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
@@ -283,9 +283,9 @@ impl Analyser {
         let points = map(pool, measured.len(), |k| {
             let one = &measured[(k % frequencies, k / frequencies)];
             let point = self.point_of(&one.response, one.amplitude)?;
-            Ok(MapPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
+            Ok(ResponseMapPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
         });
-        let points: Vec<MapPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
+        let points: Vec<ResponseMapPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
@@ -322,7 +322,7 @@ impl Analyser {
         for hz in frequencies_hz {
             let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
-            points.push(MapPoint { settled: excited(&found, recording.sample_period_s), ..point });
+            points.push(ResponseMapPoint { settled: excited(&found, recording.sample_period_s), ..point });
         }
         Ok(Map {
             name: self.name.clone(),
@@ -335,11 +335,11 @@ impl Analyser {
         })
     }
 
-    fn point_of(&self, response: &Response, amplitude: f64) -> Result<MapPoint, PipelineError> {
+    fn point_of(&self, response: &Response, amplitude: f64) -> Result<ResponseMapPoint, PipelineError> {
         let rate = response.frequency_rad_s;
         let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
         let describing = self.described(&linear, rate, amplitude)?;
-        Ok(MapPoint {
+        Ok(ResponseMapPoint {
             amplitude,
             frequency_hz: rate / TAU,
             response: pair(response.value),

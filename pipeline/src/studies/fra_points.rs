@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 
 /// The numbers of a map. Arrays of two dimensions are frequency x amplitude; a map of a recording has one amplitude at each
-/// frequency, so its arrays have one column. Their JSON is a list of [`MapPoint`]s, amplitude by amplitude, frequency rising.
+/// frequency, so its arrays have one column. Their JSON is a list of [`ResponseMapPoint`]s, amplitude by amplitude, frequency rising.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapPoints {
     /// Frequencies, Hz, moved so that whole cycles fill whole samples.
@@ -15,7 +15,7 @@ pub struct MapPoints {
     pub cycles: Array1<usize>,
     /// The linear model without dry friction at each frequency.
     pub linear: Array1<C64>,
-    /// The linear model with dry friction as its describing function, frequency x amplitude; see [`MapPoint::describing`].
+    /// The linear model with dry friction as its describing function, frequency x amplitude; see [`ResponseMapPoint::describing`].
     pub describing: Array2<Option<C64>>,
     /// Amplitudes of the excitation, in the input's unit, frequency x amplitude.
     pub amplitude: Array2<f64>,
@@ -33,7 +33,7 @@ pub struct MapPoints {
 
 /// One point of the map, with the numbers that its JSON has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MapPoint {
+pub struct ResponseMapPoint {
     /// Amplitude of the excitation, in the input's unit.
     pub amplitude: f64,
     /// Frequency, Hz, moved so that whole cycles fill whole samples.
@@ -63,7 +63,7 @@ pub struct MapPoint {
 
 impl MapPoints {
     /// Arranges what was found amplitude by amplitude, `frequencies` points each.
-    pub(crate) fn of(found: &[MapPoint], frequencies: usize) -> Self {
+    pub(crate) fn of(found: &[ResponseMapPoint], frequencies: usize) -> Self {
         let amplitudes = found.len().checked_div(frequencies).unwrap_or(0);
         // frequency, cycles and linear model are the same at every amplitude
         let first = &found[..frequencies.min(found.len())];
@@ -101,10 +101,10 @@ impl MapPoints {
     }
 
     /// Returns the point of a frequency and an amplitude, by their numbers.
-    pub fn at(&self, frequency: usize, amplitude: usize) -> MapPoint {
+    pub fn at(&self, frequency: usize, amplitude: usize) -> ResponseMapPoint {
         let place = (frequency, amplitude);
         let response = self.response[place];
-        MapPoint {
+        ResponseMapPoint {
             amplitude: self.amplitude[place],
             frequency_hz: self.frequency_hz[frequency],
             response: pair(response),
@@ -121,12 +121,12 @@ impl MapPoints {
     }
 
     /// Returns the points of an amplitude, frequency rising.
-    pub fn of_amplitude(&self, amplitude: usize) -> impl Iterator<Item = MapPoint> + '_ {
+    pub fn of_amplitude(&self, amplitude: usize) -> impl Iterator<Item = ResponseMapPoint> + '_ {
         (0..self.response.nrows()).map(move |frequency| self.at(frequency, amplitude))
     }
 
     /// Returns all points: amplitude by amplitude, frequency rising.
-    pub fn iter(&self) -> impl Iterator<Item = MapPoint> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = ResponseMapPoint> + '_ {
         (0..self.amplitudes()).flat_map(|amplitude| self.of_amplitude(amplitude))
     }
 
