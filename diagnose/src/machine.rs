@@ -5,7 +5,7 @@
 //! presupposes such a part (a gap between teeth, a bending mode, a back-EMF) is no candidate.
 
 use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmission};
-use counterpoise_models::{Axis, FeedbackSignal, Parameters};
+use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::library::{Component, Effect, EffectName, Kind};
@@ -40,12 +40,12 @@ impl SteadyDrive {
 
 /// Returns the cosine that gravity sees at a hub angle: 1 on a linear axis, whose weight is constant.
 pub(crate) fn cosine(p: &Parameters, angle_rad: f64) -> f64 {
-    if p.axis == Axis::Linear { 1.0 } else { angle_rad.cos() }
+    if p.axis == AxisKind::Linear { 1.0 } else { angle_rad.cos() }
 }
 
 /// Returns the sine that gravity sees at a hub angle: 0 on a linear axis.
 pub(crate) fn sine(p: &Parameters, angle_rad: f64) -> f64 {
-    if p.axis == Axis::Linear { 0.0 } else { angle_rad.sin() }
+    if p.axis == AxisKind::Linear { 0.0 } else { angle_rad.sin() }
 }
 
 /// Which of the sensors are present that a machine can do without.
@@ -127,7 +127,7 @@ fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
     let Some(lumped) = &p.lumped else { return false };
     let of_beam = effect.effect == EffectName::FlexibleMode || effect.parameters[0].name == "beam_inertia";
     match effect.effect {
-        EffectName::VerticalOffset => p.axis == Axis::Rotary,
+        EffectName::VerticalOffset => p.axis == AxisKind::Rotary,
         EffectName::Equilibrator => p.loads.equilibrator.is_some(),
         EffectName::EndStops => p.loads.end_stops.is_some(),
         EffectName::Recoil => p.loads.recoil.is_some(),

@@ -17,7 +17,7 @@ use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Axis, FeedbackSignal, Friction, FrictionLaw, LearnedElement,
+    AccelerometerAxis, AmplifierDynamics, AxisKind, FeedbackSignal, Friction, FrictionLaw, LearnedElement,
     LearnedPlace, LearnedQuantity, Linkage, MapPoint, MotorHeat, OperatingPoint, Parameters, Plant,
     RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
@@ -476,7 +476,7 @@ fn kinds_of_machine() {
             (p.gearbox.hysteresis_nm, p.gearbox.hysteresis_stiffness_nm_rad) = (60.0, 4e5);
             p.sensors.measured = FeedbackSignal::MotorPosition;
         }),
-        machine("linear axis", |p| p.axis = Axis::Linear),
+        machine("linear axis", |p| p.axis = AxisKind::Linear),
         machine("torque sensor in a gearbox with a gap", |p| p.sensors.measured = FeedbackSignal::Torque),
         machine("torque sensor behind a harmonic drive", |p| {
             p.gearbox.backlash_rad = 0.0;

@@ -30,7 +30,7 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
             if case.controlled == case.rate {
                 format!(
                     "{} moves",
-                    if case.rate.axis == counterpoise_models::Axis::Rotary { "hub" } else { "slide" }
+                    if case.rate.axis == counterpoise_models::AxisKind::Rotary { "hub" } else { "slide" }
                 )
             } else {
                 format!("{} varies by", case.controlled.name())

@@ -1,7 +1,7 @@
 //! From the continuous design to the sampled controller that runs.
 
 use counterpoise_controller::sensitivity::realise_form;
-use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, Parts, Path, PathSignal, Scaling};
 use counterpoise_lti::{StateSpace, c2d};
 
 use crate::anti_windup::{anti_windup, anti_windup_of};
@@ -117,13 +117,13 @@ pub(crate) fn heave_module(design: &Design, sampling: &Sampling) -> Result<Heave
     Ok(Some((realise_form(&module.system.select(&[0], &[0]), sampling.form)?, Some(module.certified))))
 }
 
-fn place(channel: Channel, sampling: &Sampling) -> (&'static str, Signal, Scaling) {
+fn place(channel: Channel, sampling: &Sampling) -> (&'static str, PathSignal, Scaling) {
     match channel {
         Channel::Heave if sampling.out_of_balance_kg_m != 0.0 => {
-            ("heave", Signal::PlatformAcceleration, Scaling::WithOutOfBalance)
+            ("heave", PathSignal::PlatformAcceleration, Scaling::WithOutOfBalance)
         }
-        Channel::Heave => ("heave", Signal::PlatformAcceleration, Scaling::Fixed),
-        Channel::Pitch => ("pitch", Signal::PlatformRate, Scaling::Fixed),
+        Channel::Heave => ("heave", PathSignal::PlatformAcceleration, Scaling::Fixed),
+        Channel::Pitch => ("pitch", PathSignal::PlatformRate, Scaling::Fixed),
     }
 }
 
@@ -148,9 +148,9 @@ fn from_what_it_sees(design: &Design, feedback: &StateSpace) -> StateSpace {
 
 fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
     let inputs = match design.specification.reference {
-        _ if design.plant.rate_loop.is_some() => vec![Signal::RateError, Signal::HubRate],
-        Reference::Error => vec![Signal::RateError],
-        Reference::WeightOnly => vec![Signal::Demand, Signal::HubRate],
+        _ if design.plant.rate_loop.is_some() => vec![PathSignal::RateError, PathSignal::HubRate],
+        Reference::Error => vec![PathSignal::RateError],
+        Reference::WeightOnly => vec![PathSignal::Demand, PathSignal::HubRate],
     };
     let system = realise_form(feedback, sampling.form)?;
     let plant = sampled_plant(&design.plant, sampling)?;
@@ -169,7 +169,7 @@ fn feedforward_path(channel: Channel, module: &StateSpace, sampling: &Sampling) 
 }
 
 fn joint_path(design: &Design, joint: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
-    let mut inputs = vec![Signal::Demand, Signal::HubRate];
+    let mut inputs = vec![PathSignal::Demand, PathSignal::HubRate];
     for channel in [Channel::Heave, Channel::Pitch] {
         if let Some(module) = design.feedforward_controller(channel) {
             needs_one_input(&module)?;

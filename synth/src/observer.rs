@@ -1,6 +1,6 @@
 //! Cancelling dry friction by a nonlinear observer: identified levels in, observers for the controller out.
 
-use counterpoise_controller::{FrictionObserver, ObserverLaw, Signal};
+use counterpoise_controller::{FrictionObserver, ObserverLaw, PathSignal};
 
 use crate::Error;
 
@@ -87,8 +87,8 @@ fn observer(
     Ok(FrictionObserver {
         name: friction.name.clone(),
         rate: match drives {
-            Drives::MeasuredRate => Signal::RelativeRate,
-            Drives::Demand => Signal::Demand,
+            Drives::MeasuredRate => PathSignal::RelativeRate,
+            Drives::Demand => PathSignal::Demand,
         },
         law: at_the_hub(&friction.law, turns),
         coulomb_nm: level * turns,

@@ -1,6 +1,6 @@
 //! One sampled controller for a whole schedule over out-of-balance.
 
-use counterpoise_controller::{Controller, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, Path, PathSignal, Scaling};
 
 use crate::certificate::Certified;
 use crate::discretise::heave_module;
@@ -38,7 +38,13 @@ pub fn discretise_schedule(
             above_kg_m: at(index + 1),
         };
         let (name, anti_windup) = (format!("heave_{index}"), vec![0.0; system.order()]);
-        paths.push(Path { name, inputs: vec![Signal::PlatformAcceleration], system, anti_windup, scaling });
+        paths.push(Path {
+            name,
+            inputs: vec![PathSignal::PlatformAcceleration],
+            system,
+            anti_windup,
+            scaling,
+        });
     }
     let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
     Ok(Sampled { certified, ..check(&nominal.plant, controller, sampling)? })

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
 use counterpoise_linalg::Mat;
-use counterpoise_lti::{Named, SignalTerm, StateSpace, Timebase, poles, series};
+use counterpoise_lti::{NamedSystem, SignalTerm, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{Cause, Error, Generalised, Hidden, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn};
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
@@ -15,14 +15,16 @@ fn first_order(pole: f64, gain: f64) -> StateSpace {
 
 /// An unstable plant (its pole at +2) whose output is judged by two weights and measured with noise.
 fn by_name() -> Generalised {
-    let plant = Named::new(first_order(2.0, 1.0), &["drive"], &["rate"]).unwrap();
+    let plant = NamedSystem::new(first_order(2.0, 1.0), &["drive"], &["rate"]).unwrap();
     let drive =
-        Named::sum("drive", &[SignalTerm::new(1.0, "u"), SignalTerm::new(1.0, "w")], CONTINUOUS).unwrap();
-    let slow = Named::new(first_order(-0.1, 3.0), &["rate"], &["z1"]).unwrap();
-    let fast = Named::new(first_order(-40.0, 10.0), &["rate"], &["z2"]).unwrap();
-    let effort = Named::sum("z3", &[SignalTerm::new(1.0, "u")], CONTINUOUS).unwrap();
+        NamedSystem::sum("drive", &[SignalTerm::new(1.0, "u"), SignalTerm::new(1.0, "w")], CONTINUOUS)
+            .unwrap();
+    let slow = NamedSystem::new(first_order(-0.1, 3.0), &["rate"], &["z1"]).unwrap();
+    let fast = NamedSystem::new(first_order(-40.0, 10.0), &["rate"], &["z2"]).unwrap();
+    let effort = NamedSystem::sum("z3", &[SignalTerm::new(1.0, "u")], CONTINUOUS).unwrap();
     let sensor =
-        Named::sum("y", &[SignalTerm::new(1.0, "rate"), SignalTerm::new(0.1, "n")], CONTINUOUS).unwrap();
+        NamedSystem::sum("y", &[SignalTerm::new(1.0, "rate"), SignalTerm::new(0.1, "n")], CONTINUOUS)
+            .unwrap();
     let blocks = [
         NamedBlock { name: "plant", system: plant },
         NamedBlock { name: "sum of the drive", system: drive },

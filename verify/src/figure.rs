@@ -446,7 +446,7 @@ fn rejections(frequency_hz: f64) -> Vec<Figure> {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
-    use counterpoise_models::{Axis, DriveQuantity, QuantityKind};
+    use counterpoise_models::{AxisKind, DriveQuantity, QuantityKind};
 
     #[test]
     fn every_key_finds_its_figure_and_no_two_are_alike() {
@@ -475,7 +475,7 @@ mod tests {
     #[test]
     fn a_figure_has_the_key_and_the_unit_of_what_its_loop_controls() {
         let of = |kind, axis| ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
-        let torque = of(QuantityKind::Effort, Axis::Rotary);
+        let torque = of(QuantityKind::Effort, AxisKind::Rotary);
         let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
         assert_eq!((peak.key_in(torque), peak.unit(torque)), (peak.key(), "A"));
         let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
@@ -490,7 +490,7 @@ mod tests {
         for quantity in
             [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current]
         {
-            for controlled in [of(quantity, Axis::Rotary), of(quantity, Axis::Linear)] {
+            for controlled in [of(quantity, AxisKind::Rotary), of(quantity, AxisKind::Linear)] {
                 let mut keys: Vec<String> = Figure::all().iter().map(|f| f.key_in(controlled)).collect();
                 for (figure, key) in Figure::all().iter().zip(&keys) {
                     assert_eq!(Figure::from_key_in(controlled, key).unwrap(), *figure);

@@ -13,7 +13,7 @@ use counterpoise_models::{
     Drift, FeedbackSignal, LearnedElement, LearnedPlace, Parameters, RegimeVariable, Ripple, Sensor,
 };
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::findings::answer::{Answer, Basis};
 use crate::findings::channel_fits::Channels;
@@ -145,9 +145,9 @@ impl Scale {
     }
 
     /// Returns the loop in which the scaled machine is replayed: under the recorded control if its readings are scaled, because a controller
-    /// reads those of the machine itself. [`Loop::from_controller`] replays such a loop so anyway.
-    pub fn replayed_loop(self, control: Loop, measured: FeedbackSignal) -> Loop {
-        if self.reading(measured) == 1.0 { control } else { Loop::Open }
+    /// reads those of the machine itself. [`ReplayLoop::from_controller`] replays such a loop so anyway.
+    pub fn replayed_loop(self, control: ReplayLoop, measured: FeedbackSignal) -> ReplayLoop {
+        if self.reading(measured) == 1.0 { control } else { ReplayLoop::Open }
     }
 
     /// Converts the numbers of an answer back to the machine itself.

@@ -24,7 +24,7 @@ use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
-use counterpoise_models::{Axis, Parameters};
+use counterpoise_models::{AxisKind, Parameters};
 
 /// What the answer is derived from.
 pub struct Evidence<'a> {
@@ -126,7 +126,7 @@ impl Evidence<'_> {
     /// Returns the effect that acts as another one does whatever is recorded: on a platform that stands still, and over a small travel, a mass
     /// above or below the pivot pulls back or pushes away as a spring does.
     fn structural_equivalent(&self, effect: &Effect) -> Option<Name> {
-        let stands_still = !self.base.sensors.platform_gyro.is_fitted() && self.base.axis == Axis::Rotary;
+        let stands_still = !self.base.sensors.platform_gyro.is_fitted() && self.base.axis == AxisKind::Rotary;
         let small = self.simulator.travel_rad() < SMALL_TRAVEL_RAD;
         let other = match (effect.component, effect.effect) {
             (Component::Structure, EffectName::VerticalOffset) => EffectName::PositionStiffness,

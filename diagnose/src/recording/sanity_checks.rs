@@ -5,7 +5,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::{Loop, control_fit};
+use counterpoise_simulate::replay::{ReplayLoop, control_fit};
 
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
@@ -172,8 +172,12 @@ pub struct ControlMismatch {
 /// Compares the recorded control with what the project's controller makes of the recorded demand and hub rate. Returns `None` if they
 /// agree, if one of the three was not recorded, or if no controller is known. The columns must be the samples that were read, not
 /// made from others.
-pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<ControlMismatch> {
-    let Loop::Closed(controller) = control else { return None };
+pub fn check_control(
+    base: &Parameters,
+    recording: &Recording,
+    control: &ReplayLoop,
+) -> Option<ControlMismatch> {
+    let ReplayLoop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;
     let ratio = fit.residual_over_floor();
     (ratio > FOREIGN_CONTROL_MULTIPLE).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })

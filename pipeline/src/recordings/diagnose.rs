@@ -7,7 +7,7 @@ use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column_remarks::ColumnRemark;
 use super::read::{
@@ -24,7 +24,7 @@ pub struct DiagnosedRecordings {
     /// The answer and the improved mechanism.
     pub diagnosis: Diagnosis,
     /// The control under which the recordings were replayed.
-    pub control: Loop,
+    pub control: ReplayLoop,
     /// Recordings without the demand, for which the project's recording controller could not be run.
     pub without_demand: Vec<String>,
     /// What was found on reading each recording, with its name.

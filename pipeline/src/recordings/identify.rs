@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use counterpoise_diagnose::identification::Identified;
-use counterpoise_models::{Axis, ControlledQuantity, QuantityKind};
+use counterpoise_models::{AxisKind, ControlledQuantity, QuantityKind};
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
@@ -43,7 +43,7 @@ pub struct AxisUnits {
 
 impl AxisUnits {
     /// Returns the units of an axis.
-    pub fn of(axis: Axis) -> Self {
+    pub fn of(axis: AxisKind) -> Self {
         Self {
             moment: axis.unit("kg m"),
             inertia: axis.unit("kg m^2"),

@@ -5,7 +5,7 @@ use std::path::Path;
 use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_recordings::clock::stack_columns;
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{ChannelFit, Loop, Replay, replay};
+use counterpoise_simulate::replay::{ChannelFit, Replay, ReplayLoop, replay};
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
 /// One channel of one recording, measured and simulated.
@@ -87,7 +87,7 @@ const COMPARED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::Mot
 /// mechanism cannot replay is left out.
 pub fn replay_before_and_after(
     recordings: &[Recording],
-    control: &Loop,
+    control: &ReplayLoop,
     plant: &Parameters,
     improved: &Parameters,
 ) -> Vec<Track> {

@@ -12,7 +12,9 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{ControlledQuantity, FrictionLaw, OperatingPoint};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
-use counterpoise_simulate::fra::{self, Measurement, PlannedPoint, Response, Settings, Test, TestSine};
+use counterpoise_simulate::fra::{
+    self, MeasuredResponse, Measurement, PlannedPoint, Settings, Test, TestSine,
+};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::plant::Resolver;
@@ -335,7 +337,11 @@ impl Analyser {
         })
     }
 
-    fn point_of(&self, response: &Response, amplitude: f64) -> Result<ResponseMapPoint, PipelineError> {
+    fn point_of(
+        &self,
+        response: &MeasuredResponse,
+        amplitude: f64,
+    ) -> Result<ResponseMapPoint, PipelineError> {
         let rate = response.frequency_rad_s;
         let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
         let describing = self.described(&linear, rate, amplitude)?;
@@ -470,7 +476,7 @@ const PLATFORM_GYRO: usize = FIRST_READING + 2;
 
 /// Returns whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of
 /// their RMS.
-fn excited(found: &Response, period_s: f64) -> bool {
+fn excited(found: &MeasuredResponse, period_s: f64) -> bool {
     let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
     found.input.harmonics[0].norm() > EXCITED_ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
 }

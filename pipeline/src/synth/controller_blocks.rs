@@ -2,7 +2,7 @@
 
 use counterpoise_controller::signal::{HUB_POSITION, HUB_RATE};
 use counterpoise_controller::{
-    Correction, Estimator, FrictionObserver, Learning, Parts, Projection, READINGS, Signal,
+    Correction, Estimator, FrictionObserver, Learning, Parts, PathSignal, Projection, READINGS,
 };
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
@@ -184,7 +184,7 @@ pub(crate) fn estimator(
     Estimator {
         learning: learning(adaptation, modelled, observer),
         gravity_m_s2: p.gravity_m_s2,
-        rate: Signal::RelativeRate,
+        rate: PathSignal::RelativeRate,
         half_rate_rad_s: adaptation.half_rate_rad_s,
         volts_per_kg_m_s2: volts,
         rate_limit_kg_m_s: if mean { f64::INFINITY } else { adaptation.rate_limit_kg_m_s },

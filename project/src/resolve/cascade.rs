@@ -1,7 +1,7 @@
 //! What the loop controls: the rate, the position, the torque or the current that its sensor measures, or rate and position in a cascade.
 
 use counterpoise_lti::Discretisation;
-use counterpoise_models::{Axis, FeedbackSignal};
+use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
 
 use super::synthesis::{LoopKind, Synthesis};
@@ -81,14 +81,14 @@ const RATE_LIMIT: Field = Field::new(
 .limit(Limit::AtLeast(0.0));
 
 /// Reads or lists the largest rate that a loop of position demands.
-pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: Axis) {
+pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: AxisKind) {
     if !matches!(synth.loop_kind, LoopKind::Position | LoopKind::Cascade) {
         synth.rate_limit = None;
         return;
     }
     let unit = match axis {
-        Axis::Rotary => "rad/s",
-        Axis::Linear => "m/s",
+        AxisKind::Rotary => "rad/s",
+        AxisKind::Linear => "m/s",
     };
     maybe_number(v, &RATE_LIMIT.unit(unit), &mut synth.rate_limit);
 }

@@ -1,12 +1,12 @@
 //! The `[reduce]`, `[synth]` and `[export]` sections: what is asked of the design and of its code.
 
-use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_controller::words::is_word;
-use counterpoise_export::{Options, Precision};
+use counterpoise_export::{CodeOptions, Precision};
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{Discretisation, Timebase};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::{Axis, FeedbackSignal};
+use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
 };
@@ -50,7 +50,7 @@ pub struct Export {
     /// Languages.
     pub languages: Vec<Language>,
     /// Name and precision.
-    pub options: Options,
+    pub options: CodeOptions,
 }
 
 /// Languages of generated code.
@@ -95,7 +95,7 @@ impl Choice for Precision {
     const NAMES: &'static [(&'static str, Self)] = &[("double", Self::Double), ("single", Self::Single)];
 }
 
-impl Choice for Form {
+impl Choice for RealisationForm {
     const NAMES: &'static [(&'static str, Self)] =
         &[("least-sensitive", Self::LeastSensitive), ("modal", Self::Modal), ("balanced", Self::Balanced)];
 }
@@ -141,7 +141,7 @@ impl Default for Reduction {
 
 impl Default for Export {
     fn default() -> Self {
-        Self { languages: vec![Language::C99], options: Options::double("controller") }
+        Self { languages: vec![Language::C99], options: CodeOptions::double("controller") }
     }
 }
 
@@ -164,7 +164,7 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 }
 
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal, axis: Axis) {
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal, axis: AxisKind) {
     cascade::loop_kind(v, synth, measured);
     cascade::rate_limit(v, synth, axis);
     assembly_and_form(v, synth);

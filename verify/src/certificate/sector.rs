@@ -96,7 +96,7 @@ fn memoryless(law: &FrictionLaw) -> bool {
 pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error> {
     let parts = subject.controller.parts();
     let fed_back =
-        parts.observers.iter().any(|observer| observer.rate != counterpoise_controller::Signal::Demand);
+        parts.observers.iter().any(|observer| observer.rate != counterpoise_controller::PathSignal::Demand);
     let parameters = subject.case.plant.parameters();
     let point = &subject.procedure.operating_point;
     let teeth = teeth(subject.case, point)?;
