@@ -1,7 +1,7 @@
 //! Claims on the linear loop: margins, step, rejection.
 
 use counterpoise_linalg::C64;
-use counterpoise_verify::linear::Curve as Response;
+use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };

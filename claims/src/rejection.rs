@@ -166,7 +166,7 @@ fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<Curve> {
 
 /// Returns the controller without the path that sees the accelerometer.
 fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
-    let heave = counterpoise_controller::Signal::PlatformAcceleration;
+    let heave = counterpoise_controller::PathSignal::PlatformAcceleration;
     let kept = controller
         .with(|parts| parts.paths.retain(|path| !(is_feedforward(path) && path.inputs.contains(&heave))));
     Ok(kept.map_err(counterpoise_verify::Error::from)?)

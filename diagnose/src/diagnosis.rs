@@ -9,14 +9,14 @@ use crate::explanation::{Explanation, explain};
 use crate::findings::answer::{Answer, DiagnosisVerdict};
 use crate::findings::axis_units::set_axis_units;
 use crate::findings::instrument_findings::make_finding;
-use crate::findings::similarity::Scale;
-use crate::findings::verdict::Evidence;
-use crate::identification::{Amplifier, apply_identified, identify};
+use crate::findings::similarity::SimilarityScale;
+use crate::findings::verdict::VerdictEvidence;
+use crate::identification::{IdentifiedAmplifier, apply_identified, identify};
 use crate::library::{
     Component, Effect, EffectName, find_effects, list_effects, list_textbook_effects, make_free_gain_curve,
 };
 use crate::localisation::error_map::{MapCell, localise_errors};
-use crate::localisation::residual_regression::ReplayedRecording;
+use crate::localisation::residual_regression::AssessedReplay;
 use crate::localisation::torque_balances::{BalanceVisibility, list_balances};
 use crate::machine::{
     RedundantSensors, can_have, can_have_textbook, can_show, has_component, usable_sensors,
@@ -108,7 +108,7 @@ pub fn diagnose(
 /// # Errors
 /// As [`diagnose`].
 pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
-    let mut found = match Scale::of(request.base, request.recordings) {
+    let mut found = match SimilarityScale::of(request.base, request.recordings) {
         Some(scale) => {
             diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)?
         }
@@ -150,7 +150,7 @@ fn foreign_controls(
 
 /// Diagnoses a dynamically similar machine of the library's sizes, and brings the answer back to the machine itself.
 fn diagnose_scaled(
-    scale: Scale,
+    scale: SimilarityScale,
     base: &Parameters,
     control: ReplayLoop,
     recordings: &[Recording],
@@ -201,7 +201,7 @@ fn diagnose_of(
         return Err(Error::Cancelled);
     }
     let search = search.ok_or(Error::NotSimulated)?;
-    let evidence = Evidence {
+    let evidence = VerdictEvidence {
         simulator: &simulator,
         base,
         search: &search,
@@ -224,7 +224,7 @@ fn locate_error(
 ) -> Vec<MapCell> {
     let replayed = map(pool, simulator.count(), |index| {
         let (measured, assessment) = (simulator.signals_of(index)?, simulator.assess(base, index)?);
-        Some(ReplayedRecording { measured, assessment })
+        Some(AssessedReplay { measured, assessment })
     });
     localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
@@ -291,7 +291,7 @@ fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
 fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
     match found.amplifier {
-        Amplifier::Curve { .. } => {
+        IdentifiedAmplifier::Curve { .. } => {
             vec![(make_free_gain_curve(), make_free_gain_curve().values(&apply_identified(base, &found)))]
         }
         _ => Vec::new(),

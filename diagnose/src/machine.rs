@@ -8,7 +8,7 @@ use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmissi
 use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 
-use crate::library::{Component, Effect, EffectName, Kind};
+use crate::library::{Component, Effect, EffectKind, EffectName};
 
 /// The motor's current in the steady state: i = (gain u - back_emf w_m) / loss, after the static curve of the amplifier.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +111,9 @@ pub(crate) fn can_show(p: &Parameters, recordings: &[Recording], effect: &Effect
 pub(crate) fn can_have_textbook(p: &Parameters, effect: &Effect) -> bool {
     has_component(p, effect.component)
         && !replaced_by_cylinder(p, effect.component)
-        && (effect.component != Component::Motor || effect.kind != Kind::MissingPhysics || !is_direct(p))
+        && (effect.component != Component::Motor
+            || effect.kind != EffectKind::MissingPhysics
+            || !is_direct(p))
 }
 
 /// Whether a hydraulic cylinder drives in the place of a component, whose effects are then those of another machine.
@@ -174,7 +176,7 @@ fn amplifier_can_have(p: &Parameters, effect: EffectName) -> bool {
 fn friction_can_have(law: &FrictionLaw, effect: &Effect) -> bool {
     let has_none = *law == FrictionLaw::None;
     match (effect.effect, effect.kind) {
-        (EffectName::Coulomb, Kind::MissingPhysics) => has_none,
+        (EffectName::Coulomb, EffectKind::MissingPhysics) => has_none,
         (
             EffectName::Coulomb
             | EffectName::Stribeck
@@ -209,7 +211,7 @@ mod tests {
             EffectName::ContinuousCurrent,
         ];
         let absent = |e: &&Effect| {
-            let is_second_friction = e.effect == EffectName::Coulomb && e.kind == Kind::MissingPhysics;
+            let is_second_friction = e.effect == EffectName::Coulomb && e.kind == EffectKind::MissingPhysics;
             let of_other_sensor = e.component == Component::HubGyro
                 && e.effect == EffectName::Bias
                 && !sensor_can_have(FeedbackSignal::HubRate, e);

@@ -1,7 +1,7 @@
 //! Curves are read: each simple form with its numbers; a curve without one gets no reading.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::learning::reading::{Form, Reading, read};
+use counterpoise_diagnose::learning::reading::{CurveReading, Form, read};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 
 fn curve(variable: RegimeVariable, low: f64, high: f64, of: impl Fn(f64) -> f64) -> LearnedElement {
@@ -18,7 +18,7 @@ fn curve(variable: RegimeVariable, low: f64, high: f64, of: impl Fn(f64) -> f64)
 #[test]
 fn each_form_is_read_with_its_numbers() {
     use RegimeVariable::{Angle, Rate, Time};
-    let near = |reading: &Reading, name: &str, value: f64| {
+    let near = |reading: &CurveReading, name: &str, value: f64| {
         let (found, half) = (reading.value(name), reading.half_width(name));
         assert!(
             (found - value).abs() < half.max(0.03 * value.abs()),

@@ -1,6 +1,6 @@
 //! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
 
-use counterpoise_synth::{Certified, Channel, Cost, Equation, Feedforward};
+use counterpoise_synth::{Certified, Cost, DisturbanceChannel, Equation, Feedforward};
 use counterpoise_verify::Verification;
 
 use crate::Synthesised;
@@ -28,7 +28,7 @@ pub fn certify_designs(made: &Synthesised, verification: Option<&Verification>) 
         all.push(of_equation("feedback, filter equation", &design.feedback.filter));
         all.extend(of_cost("feedback", design.feedback.cost));
     }
-    for (name, channel) in [("heave", Channel::Heave), ("pitch", Channel::Pitch)] {
+    for (name, channel) in [("heave", DisturbanceChannel::Heave), ("pitch", DisturbanceChannel::Pitch)] {
         design.part(channel).into_iter().for_each(|part| all.extend(of_feedforward(name, part)));
     }
     made.sampled.certified.iter().for_each(|part| all.extend(of_sampled(part)));

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_project::Project;
-use counterpoise_verify::certificate::Certificate as StabilityCertificate;
+use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::{Procedure, VerifiedController};
 

@@ -15,7 +15,7 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
-    Circumstances, DesignPlant, Error as SynthesisError, FirstDesign, LimitKind, LimitLoops, Motion,
+    Circumstances, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign, LimitKind, LimitLoops,
     ParallelRun, RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
@@ -265,7 +265,7 @@ fn margins(project: &Project) -> RequiredMargins {
 
 /// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor
 /// reads it or it does not move.
-fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<Motion> {
+fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<ExpectedMotion> {
     let (amplitude, period_s) = (expected.amplitude.abs(), modelled.parameters.interface.sample_period_s);
     if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
         return None;
@@ -281,7 +281,7 @@ fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<Motio
         gain: gain * natural * natural,
     };
     let noise_rms = if sensor.noise_rms > 0.0 { sensor.noise_rms } else { UNKNOWN_NOISE * amplitude };
-    Some(Motion { generator, noise: noise_rms * noise_rms * period_s })
+    Some(ExpectedMotion { generator, noise: noise_rms * noise_rms * period_s })
 }
 
 /// Four significant digits, as a person would write them.
@@ -372,7 +372,7 @@ impl FirstDesignResult {
 impl From<&FirstDesign> for FirstDesignResult {
     fn from(first: &FirstDesign) -> Self {
         let (found, judged) = (&first.bandwidth, &first.judgement);
-        let row = |(limit, loops): (&counterpoise_synth::Limit, &LimitLoops)| {
+        let row = |(limit, loops): (&counterpoise_synth::BandwidthLimit, &LimitLoops)| {
             let told = |system: &StateSpace| {
                 SystemResult::new("loop", system, &["control_v"], &["returned_control_v"])
             };

@@ -6,7 +6,7 @@ use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
     angle_tones, pitch_simulator, random_motion, sine_tones, tones,
 };
-use counterpoise_verify::signals::{Drive, iso_road};
+use counterpoise_verify::signals::{RoadDrive, iso_road};
 use counterpoise_verify::{FurtherRoad, Road};
 
 use counterpoise_project::resolve::platform::{Motion, MotionKind, RoadSource};
@@ -60,7 +60,7 @@ pub fn realise_motion(motion: &Motion, gravity_m_s2: f64) -> Result<Road, counte
             pitch_simulator(&angle, *offset_m, how)
         }
         MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
-            let drive = Drive {
+            let drive = RoadDrive {
                 class: *class,
                 speed_m_s: *speed_m_s,
                 duration_s: how.duration_s,

@@ -4,7 +4,8 @@
 
 use counterpoise_linalg::riccati::Outcome;
 use counterpoise_linalg::{
-    C64, Mat, Riccati, Weights, care, dare, dlyap, dsylvester, gcare, gdare, gdlyap, glyap, lyap, sylvester,
+    C64, CostWeights, Mat, Riccati, care, dare, dlyap, dsylvester, gcare, gdare, gdlyap, glyap, lyap,
+    sylvester,
 };
 use counterpoise_lti as lti;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, linfnorm_bounds, margins};
@@ -115,8 +116,8 @@ fn riccati<'py>(
     let solved = py.detach(|| match (&E, time) {
         (None, Time::Continuous) => care(&A, &B, &Q, &R, S.as_ref()),
         (None, Time::Discrete) => dare(&A, &B, &Q, &R, S.as_ref()),
-        (Some(E), Time::Continuous) => gcare(&A, E, &B, &Weights { Q: &Q, R: &R, S: S.as_ref() }),
-        (Some(E), Time::Discrete) => gdare(&A, E, &B, &Weights { Q: &Q, R: &R, S: S.as_ref() }),
+        (Some(E), Time::Continuous) => gcare(&A, E, &B, &CostWeights { Q: &Q, R: &R, S: S.as_ref() }),
+        (Some(E), Time::Discrete) => gdare(&A, E, &B, &CostWeights { Q: &Q, R: &R, S: S.as_ref() }),
     });
     match solved.map_err(numerical)? {
         Outcome::Solved(found) => {

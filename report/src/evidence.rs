@@ -2,7 +2,7 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_verify::linear::{Curve, frequency::Rejection};
+use counterpoise_verify::linear::{ResponseCurve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
@@ -40,11 +40,11 @@ pub fn evidence_sections(found: &Verification) -> Vec<Section> {
     first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
-fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<ResponsePoint> {
+fn curve_points(frequency_hz: &[f64], curve: &ResponseCurve) -> Vec<ResponsePoint> {
     frequency_hz.iter().zip(&curve.response).map(|(f, h)| ResponsePoint::new(*f, h.re, h.im)).collect()
 }
 
-fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
+fn bode_curves(found: &Verification, curves: &[ResponseCurve]) -> Vec<BodeCurve> {
     let frequency = &found.evidence.curves.frequency_hz;
     let coloured = curves.iter().zip(Colour::CYCLE);
     coloured

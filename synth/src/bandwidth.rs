@@ -23,7 +23,7 @@ pub enum LimitKind {
 
 /// A limit of the bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limit {
+pub struct BandwidthLimit {
     /// What limits.
     pub kind: LimitKind,
     /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
@@ -55,7 +55,7 @@ pub struct Bandwidth {
     /// What limits it: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
     pub limited_by: Vec<LimitKind>,
     /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by what they allow.
-    pub limits: Vec<Limit>,
+    pub limits: Vec<BandwidthLimit>,
     /// What is not known.
     pub unknown: Vec<Unknown>,
     /// What was asked for, rad/s.

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::C64;
 
-use crate::bandwidth::Limit;
+use crate::bandwidth::BandwidthLimit;
 
 /// What is wrong, with its numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,7 +131,7 @@ pub enum Cause {
         /// Relative distance from being met.
         distance: f64,
         /// What does not meet it.
-        from: Hidden,
+        from: HiddenFrom,
         /// The block that it lives in.
         block: String,
     },
@@ -165,7 +165,7 @@ pub enum Cause {
     /// No bandwidth keeps what a first design must keep.
     NoBandwidth {
         /// The bandwidth up to which each limit alone would allow the loop.
-        limits: Vec<Limit>,
+        limits: Vec<BandwidthLimit>,
     },
     /// The sampled loop is not stable.
     SampledUnstable {
@@ -178,7 +178,7 @@ pub enum Cause {
 
 /// What does not meet a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hidden {
+pub enum HiddenFrom {
     /// No control reaches it, and it is not stable.
     Control,
     /// No measurement shows it, and it is not stable.

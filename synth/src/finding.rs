@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::Channel;
+use crate::DisturbanceChannel;
 use crate::cause::Cause;
 
 /// Whether a design can go on.
@@ -29,11 +29,11 @@ pub enum Part {
     Generalised,
 }
 
-impl From<Channel> for Part {
-    fn from(channel: Channel) -> Self {
+impl From<DisturbanceChannel> for Part {
+    fn from(channel: DisturbanceChannel) -> Self {
         match channel {
-            Channel::Heave => Part::Heave,
-            Channel::Pitch => Part::Pitch,
+            DisturbanceChannel::Heave => Part::Heave,
+            DisturbanceChannel::Pitch => Part::Pitch,
         }
     }
 }

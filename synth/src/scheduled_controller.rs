@@ -5,7 +5,7 @@ use counterpoise_controller::{Controller, Path, PathSignal, Scaling};
 use crate::certificate::Certified;
 use crate::discretise::heave_module;
 use crate::finding::Part;
-use crate::{Design, Entry, Error, Sampled, Sampling, check, discretise};
+use crate::{Design, Error, Sampled, Sampling, ScheduleEntry, check, discretise};
 
 /// Returns one controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
 /// feedforwards interpolated over the out-of-balance.
@@ -15,11 +15,11 @@ use crate::{Design, Entry, Error, Sampled, Sampling, check, discretise};
 /// [`Error::Refused`].
 pub fn discretise_schedule(
     nominal: &Design,
-    entries: &[Entry],
+    entries: &[ScheduleEntry],
     sampling: &Sampling,
 ) -> Result<Sampled, Error> {
     let base = discretise(nominal, sampling)?;
-    let mut sorted: Vec<&Entry> = entries.iter().collect();
+    let mut sorted: Vec<&ScheduleEntry> = entries.iter().collect();
     sorted.sort_by(|a, b| a.out_of_balance_kg_m.total_cmp(&b.out_of_balance_kg_m));
     if sorted.len() < 2 {
         return Err(Error::System { what: "schedule", problem: "it needs two configurations or more" });

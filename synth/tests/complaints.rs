@@ -4,7 +4,9 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{NamedSystem, SignalTerm, StateSpace, Timebase, poles, series};
-use counterpoise_synth::{Cause, Error, Generalised, Hidden, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn};
+use counterpoise_synth::{
+    Cause, Error, Generalised, HiddenFrom, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn,
+};
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
 
@@ -74,10 +76,10 @@ fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thri
     let plant = Generalised::new(stacked(), 1, 1).unwrap().of_blocks(origins).unwrap();
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
-            found
-                .iter()
-                .any(|cause| matches!(cause, Cause::ModeHidden { mode, from: Hidden::Control, block, .. }
-                if (mode - 2.0).norm() < 1e-6 && block.starts_with("copy"))),
+            found.iter().any(
+                |cause| matches!(cause, Cause::ModeHidden { mode, from: HiddenFrom::Control, block, .. }
+                if (mode - 2.0).norm() < 1e-6 && block.starts_with("copy"))
+            ),
             "{found:?}"
         );
     }

@@ -7,8 +7,8 @@ use common::{rig, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
-    Cause, DesignFinding, DesignPlant, FindingSeverity, Knowledge, Part, Reference, Specification, Weight,
-    design, preflight,
+    Cause, DesignFinding, DesignPlant, DisturbanceKnowledge, FindingSeverity, Part, Reference, Specification,
+    Weight, design, preflight,
 };
 
 fn pair(re: f64, im: f64) -> Vec<C64> {
@@ -138,8 +138,9 @@ fn noises_that_are_none() {
         let refused = refusals(&rig(), |s| s.feedback.measurement_noise = noise);
         assert!(matches!(refused[0].cause, Cause::Density { what: "the measurement noise", .. }));
     }
-    let refused =
-        refusals(&rig(), |s| s.heave.as_mut().unwrap().knowledge = Knowledge::Measured { noise: 0.0 });
+    let refused = refusals(&rig(), |s| {
+        s.heave.as_mut().unwrap().knowledge = DisturbanceKnowledge::Measured { noise: 0.0 }
+    });
     assert!(matches!(refused[0].cause, Cause::Density { .. }));
     assert_eq!(refused[0].part, Part::Heave);
 }
@@ -163,7 +164,7 @@ fn a_generator_too_rough_for_the_derivative_and_knowledge_that_is_not_complete()
     let refused =
         refusals(&plant, |s| s.pitch.as_mut().unwrap().generator = Weight::Lag { gain: 1.0, time_s: 1.0 });
     assert_eq!(refused[0].cause, Cause::GeneratorTooRough { relative_degree: 1, needed: 2 });
-    let refused = refusals(&rig(), |s| s.pitch.as_mut().unwrap().knowledge = Knowledge::Exact);
+    let refused = refusals(&rig(), |s| s.pitch.as_mut().unwrap().knowledge = DisturbanceKnowledge::Exact);
     assert_eq!(refused[0].cause, Cause::KnowledgeIncomplete { order: 2, known: 1 });
 }
 

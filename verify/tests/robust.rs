@@ -4,8 +4,8 @@
 use crate::support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Family, Layout, Points, Sense, Variation, Varied, configurations, figures_of,
-    merge, one_at_a_time, ranking, summary, worst_case,
+    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, Varied, configurations,
+    figures_of, merge, one_at_a_time, ranking, summary, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
@@ -36,7 +36,7 @@ fn campaign(samples: usize) -> Campaign {
         short(),
         variations,
         requirements,
-        Layout { samples, seed: 11, points: Points::LatinHypercube },
+        Layout { samples, seed: 11, points: PointLayout::LatinHypercube },
     )
     .unwrap()
 }
@@ -108,7 +108,7 @@ fn what_matters_in_either_direction_is_found() {
         },
     ];
     let drr = require("heave_compensated_drr_db at 1 Hz", Limit::AtMost(-40.0));
-    let layout = Layout { samples: 40, seed: 3, points: Points::LatinHypercube };
+    let layout = Layout { samples: 40, seed: 3, points: PointLayout::LatinHypercube };
     let campaign = Campaign::new(rig(), controller(), short(), variations, vec![drr], layout).unwrap();
     let samples: Vec<_> = (0..40).map(|index| campaign.run(index).unwrap()).collect();
     let order = ranking(&campaign, &samples, 0);

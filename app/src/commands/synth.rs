@@ -10,7 +10,7 @@ use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
-use counterpoise_synth::{Ended, Figures, Trial};
+use counterpoise_synth::{Ended, Figures, SearchTrial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -282,7 +282,7 @@ struct CurvePoint {
 fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
     let _watch = interrupt::watch_interrupts();
     let mut found =
-        search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::is_stop_requested())?;
+        search(&loaded.project, modelled, reduced, &mut |_: &SearchTrial| !interrupt::is_stop_requested())?;
     let world = ProjectWorld::of(loaded, ProgressDisplay::Quiet);
     let judged = match loaded.project.verify {
         Some(_) => verify_found(&found, modelled, reduced, &world, &mut || !interrupt::is_stop_requested())?,

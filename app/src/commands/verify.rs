@@ -19,9 +19,9 @@ use counterpoise_report::{
     Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
     two_axes,
 };
-use counterpoise_verify::certificate::{CaseCertificate, Certificate};
-use counterpoise_verify::difference::{Change, changes};
-use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::certificate::{CaseCertificate, StabilityCertificate};
+use counterpoise_verify::difference::{FigureChange, changes};
+use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
 use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};
@@ -165,7 +165,7 @@ struct VerificationStudy {
     /// The linear worst case of the ranges of the project's sweep.
     stability: Option<RobustStability>,
     /// Stability in every regime; `None` on the linear plant alone.
-    certificate: Option<Certificate>,
+    certificate: Option<StabilityCertificate>,
     /// The linear worst case in the other regimes and cases.
     regimes: Vec<RegimeRobustness>,
     /// What to change where a requirement fails.
@@ -254,7 +254,7 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
         format!("--road {class}: the classes of ISO 8608 here are A (very good) to E (very poor)")
     })?;
     let (duration_s, sample_period_s, fade_s) = DRIVE_S;
-    let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
+    let drive = RoadDrive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
     iso_road(drive, Vehicle::HEAVY, GRAVITY_M_S2).with_context(|| format!("--speed {speed_m_s}"))
 }
 
@@ -288,7 +288,7 @@ fn command(options: &VerifyOptions) -> String {
     words
 }
 
-fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Change]>) -> String {
+fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[FigureChange]>) -> String {
     let origin = Origin { project: String::new(), command: command(options) };
     let advised = advice::advice_section(&study.advice);
     let certified =
@@ -327,8 +327,8 @@ struct Row {
     holds: Option<bool>,
 }
 
-fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
-    let row = |change: &Change| Row {
+fn print_changes(options: &VerifyOptions, changed: &[FigureChange]) -> Result<()> {
+    let row = |change: &FigureChange| Row {
         figure: change.figure.key_in(change.controlled),
         unit: change.unit(),
         before: change.before,
@@ -341,7 +341,7 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
         return Ok(());
     }
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
-    let shown: Vec<&Change> = judged.collect();
+    let shown: Vec<&FigureChange> = judged.collect();
     for change in &shown {
         let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), output::format_figure);
         say!(

@@ -122,7 +122,7 @@ impl Anomaly {
 
 /// Something that is wrong, or worth knowing, about a recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Remark {
+pub struct SanityRemark {
     /// Name of the recording.
     pub recording: String,
     /// Channel.
@@ -132,10 +132,10 @@ pub struct Remark {
 }
 
 /// Checks the channels of one recording by themselves and against each other; `ratio` is the gear's, motor turns per hub turn.
-pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<Remark> {
+pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<SanityRemark> {
     let mut remarks = Vec::new();
     let mut note = |channel, anomaly| {
-        remarks.push(Remark { recording: name.to_owned(), channel, anomaly });
+        remarks.push(SanityRemark { recording: name.to_owned(), channel, anomaly });
     };
     for (channel, series) in channels(measured) {
         if let Some(anomaly) = check_alone(series) {

@@ -16,7 +16,7 @@ use crate::recording::noise::{measure_noise_floor, rounding_noise, stated_noise}
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
-    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift, Variant,
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
 };
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
@@ -328,7 +328,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
 
     fn residuals_of_variants(
         &self,
-        variants: &[Variant],
+        variants: &[MechanismVariant],
         index: usize,
         span: Span,
         near: &Assessment,

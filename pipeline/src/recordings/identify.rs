@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use counterpoise_diagnose::identification::Identified;
+use counterpoise_diagnose::identification::Identification;
 use counterpoise_models::{AxisKind, ControlledQuantity, QuantityKind};
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
@@ -15,7 +15,7 @@ use crate::PipelineError;
 #[derive(Debug, Clone)]
 pub struct IdentifiedRecordings {
     /// The identified mechanism.
-    pub identified: Identified,
+    pub identified: Identification,
     /// What was found on reading each recording, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
     /// The units of the values.

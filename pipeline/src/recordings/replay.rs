@@ -3,7 +3,7 @@
 use counterpoise_diagnose::fitting::fitted_start::fit_start;
 use counterpoise_diagnose::learning::visited_ranges::Visited;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
-use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
+use counterpoise_diagnose::recording::sanity_checks::{SanityRemark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Body;
@@ -184,7 +184,8 @@ fn worst(replay: &Replay) -> f64 {
 fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let ratio = plant.gearbox.ratio;
     let Some(signals) = read_signals(recording, plant.sensors.measured) else { return Vec::new() };
-    let remark = |found: Remark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
+    let remark =
+        |found: SanityRemark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
     let mut all: Vec<ColumnRemark> =
         check_signals(&recording.name, &signals, ratio).into_iter().map(remark).collect();
     if !plant.learned.is_empty() {

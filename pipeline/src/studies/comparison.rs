@@ -7,9 +7,9 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
-    Alternative, Channel, Design, DesignPlant, Entry, FeedbackWeights, Figures, JointOptimum, Method,
-    Reference, Refusal, Sampled, SourceCost, Weighed, Weight, alternative, attempt, check, discretise,
-    error_at, figure_systems, figures, total_cost,
+    Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
+    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, alternative, attempt,
+    check, discretise, error_at, figure_systems, figures, total_cost,
 };
 use serde::Serialize;
 
@@ -217,11 +217,11 @@ pub fn compare_designs(
 }
 
 fn balance_basis(
-    entries: &[Entry],
+    entries: &[ScheduleEntry],
     controlled: ControlledQuantity,
 ) -> Result<Vec<BalanceBasis>, PipelineError> {
     let Some(base) = entries.first().map(|entry| &entry.design) else { return Ok(Vec::new()) };
-    let basis = |entry: &Entry| {
+    let basis = |entry: &ScheduleEntry| {
         let design = &entry.design;
         Ok(BalanceBasis {
             controllers: controllers_of_design(design, controlled)
@@ -257,8 +257,8 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
 /// Returns the cost of a joint design. It has one cost for all paths; its parts are the gains from its sensors.
 fn joint_result(joint: &JointOptimum, total: f64) -> TotalCostResult {
     let names = std::iter::once("hub").chain(joint.channels.iter().map(|channel| match channel {
-        Channel::Heave => "heave",
-        Channel::Pitch => "pitch",
+        DisturbanceChannel::Heave => "heave",
+        DisturbanceChannel::Pitch => "pitch",
     }));
     let row = |(name, slope): (&str, &f64)| PartCostRow {
         part: format!("{name} sensor"),
@@ -388,7 +388,7 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
 /// Returns the row of an alternative, but for what it solved and whether it integrates.
 fn method_row(
     made: &Synthesised,
-    method: Method,
+    method: SynthesisMethod,
     answer: Result<Alternative, Refusal>,
 ) -> Result<MethodRow, PipelineError> {
     let blank = MethodRow {
@@ -420,7 +420,7 @@ fn problem(
     found: &Alternative,
 ) -> Result<MethodProblem, PipelineError> {
     let of_method = three_part(made, weights, &found.controller)?;
-    if found.method == Method::ThreePart {
+    if found.method == SynthesisMethod::ThreePart {
         return Ok(of_method);
     }
     let unnamed = |name: &str, system: &StateSpace| SystemResult::new(name, system, &[], &[]);
@@ -499,7 +499,8 @@ fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
 
 fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
     let mut rows = Vec::new();
-    for (channel, disturbance) in [(Channel::Heave, "heave"), (Channel::Pitch, "pitch")] {
+    for (channel, disturbance) in [(DisturbanceChannel::Heave, "heave"), (DisturbanceChannel::Pitch, "pitch")]
+    {
         if design.part(channel).is_none() {
             continue;
         }

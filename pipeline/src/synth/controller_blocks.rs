@@ -7,7 +7,7 @@ use counterpoise_controller::{
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
-    DesignPlant, Drive, Identified, Sampled, Sampling, Side, check, friction_observers,
+    DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check, friction_observers,
 };
 
 use crate::model::CONVERTER_RANGE_V;
@@ -157,13 +157,13 @@ fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace
 
 /// Observers of the friction at motor and pivot: as identified, or the plant's.
 fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
-    let follow = |name: &str, side: Side, given: &Option<Friction>, of_plant: &Friction| match given {
+    let follow = |name: &str, side: FrictionSide, given: &Option<Friction>, of_plant: &Friction| match given {
         Some(own) => observer_friction(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
         None => observer_friction(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
     };
-    let pivot = follow("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction);
-    let motor = follow("friction_motor", Side::Motor, &asked.motor, &p.motor_friction);
-    let identified: Vec<Identified> = pivot.into_iter().chain(motor).collect();
+    let pivot = follow("friction_pivot", FrictionSide::Load, &asked.pivot, &p.pivot_friction);
+    let motor = follow("friction_motor", FrictionSide::Motor, &asked.motor, &p.motor_friction);
+    let identified: Vec<ObservedFriction> = pivot.into_iter().chain(motor).collect();
     let drive = Drive { ratio: p.gearbox.ratio, stall_nm_v: torque_per_volt(p) };
     Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
 }

@@ -1,7 +1,7 @@
 //! What stands in a design's way, in words that a designer can act on: which weight, at which frequency, and what to do.
 
 use counterpoise_linalg::C64;
-use counterpoise_synth::{Cause, DesignFinding, Hidden, Limit, LimitKind, Part, Unknown};
+use counterpoise_synth::{BandwidthLimit, Cause, DesignFinding, HiddenFrom, LimitKind, Part, Unknown};
 
 /// Describes a finding in one line: the part, the weight and the frequency that are concerned, what is wrong, and what to do.
 pub fn describe_design_finding(finding: &DesignFinding) -> String {
@@ -138,24 +138,24 @@ fn describe_cause_in_plant(cause: &Cause) -> String {
     }
 }
 
-fn describe_hidden(from: Hidden, mode: C64, block: &str) -> String {
+fn describe_hidden(from: HiddenFrom, mode: C64, block: &str) -> String {
     let at = if mode.im == 0.0 {
         format!("the mode {:.6} of {block}", mode.re)
     } else {
         format!("the mode {:.6} +/- {:.6}j of {block}", mode.re, mode.im.abs())
     };
     match from {
-        Hidden::Control => format!("no control reaches {at}, which is not stable"),
-        Hidden::Measurement => format!("no measurement shows {at}, which is not stable"),
-        Hidden::Cost => format!("no weighted output shows {at}, which lies on the stability boundary"),
-        Hidden::Noise => {
+        HiddenFrom::Control => format!("no control reaches {at}, which is not stable"),
+        HiddenFrom::Measurement => format!("no measurement shows {at}, which is not stable"),
+        HiddenFrom::Cost => format!("no weighted output shows {at}, which lies on the stability boundary"),
+        HiddenFrom::Noise => {
             format!("no disturbance or noise excites {at}, which lies on the stability boundary")
         }
     }
 }
 
 /// Describes the limits of a bandwidth, each with its number.
-fn describe_limits(limits: &[Limit]) -> String {
+fn describe_limits(limits: &[BandwidthLimit]) -> String {
     let words: Vec<String> = limits
         .iter()
         .filter(|limit| limit.bandwidth_rad_s.is_finite())
@@ -272,16 +272,16 @@ fn suggest_remedy_in_plant(cause: &Cause) -> &'static str {
     }
 }
 
-fn suggest_remedy_for_hidden(from: Hidden) -> &'static str {
+fn suggest_remedy_for_hidden(from: HiddenFrom) -> &'static str {
     match from {
-        Hidden::Control => {
+        HiddenFrom::Control => {
             "let a control act on it, or leave it out; a block that is there twice is connected once, by name"
         }
-        Hidden::Measurement => {
+        HiddenFrom::Measurement => {
             "measure it, or leave it out; a block that is there twice is connected once, by name"
         }
-        Hidden::Cost => "weigh an output that shows it, or move a weight's pole off the axis",
-        Hidden::Noise => {
+        HiddenFrom::Cost => "weigh an output that shows it, or move a weight's pole off the axis",
+        HiddenFrom::Noise => {
             "let a disturbance excite it, if only a little, or move a weight's pole off the axis"
         }
     }
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn a_mode_that_nothing_reaches_is_named_with_its_block() {
         let (mode, block) = (C64::new(1.0, 0.0), "state 1".to_owned());
-        let cause = Cause::ModeHidden { mode, distance: 1e-12, from: Hidden::Control, block };
+        let cause = Cause::ModeHidden { mode, distance: 1e-12, from: HiddenFrom::Control, block };
         let text = describe_cause(&cause);
         assert!(
             text.starts_with("no control reaches the mode 1.000000 of state 1, which is not stable"),

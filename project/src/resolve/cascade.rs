@@ -2,7 +2,7 @@
 
 use counterpoise_lti::Discretisation;
 use counterpoise_models::{AxisKind, FeedbackSignal};
-use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
+use counterpoise_synth::{Assembly, FeedforwardBasis, SamplingMethod, SynthesisMethod};
 
 use super::synthesis::{LoopKind, Synthesis};
 use crate::file::field::{Field, Limit};
@@ -114,9 +114,9 @@ pub(super) fn problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
     let on_closed_loop = [&specification.heave, &specification.pitch]
         .into_iter()
         .flatten()
-        .any(|part| part.basis == Basis::ClosedLoop);
+        .any(|part| part.basis == FeedforwardBasis::ClosedLoop);
     let apart = [
-        (options.method != Method::ThreePart, "`method`"),
+        (options.method != SynthesisMethod::ThreePart, "`method`"),
         (!options.alternatives.is_empty(), "`alternatives`"),
         (options.controller_order.is_some(), "`controller_order`"),
         (!options.structure.blocks.is_empty(), "[[synth.block]]"),

@@ -2,8 +2,8 @@
 
 use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_synth::{
-    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
-    Specification, Weight,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
+    SamplingMethod, Specification, Weight,
 };
 
 use super::synthesis_options::SynthesisOptions;
@@ -112,13 +112,13 @@ pub(super) fn blank_feedback() -> FeedbackWeights {
 
 /// Returns weights of a feedforward still to be read.
 pub(super) fn blank_feedforward() -> FeedforwardWeights {
-    let knowledge = Knowledge::Measured { noise: f64::NAN };
+    let knowledge = DisturbanceKnowledge::Measured { noise: f64::NAN };
     FeedforwardWeights {
         error: blank_weight(),
         control: blank_weight(),
         generator: blank_weight(),
         knowledge,
         output: None,
-        basis: Basis::OpenLoop,
+        basis: FeedforwardBasis::OpenLoop,
     }
 }

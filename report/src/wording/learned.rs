@@ -1,7 +1,7 @@
 //! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
 
 use counterpoise_diagnose::findings::channel_fits::Channels;
-use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
+use counterpoise_diagnose::learning::reading::{CurveReading, Form, ReadElement};
 use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
@@ -80,7 +80,7 @@ fn describe_function(part: &LearnedPart) -> LearnedFunctionText {
     describe_element(&part.element, part.reading.as_ref())
 }
 
-fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> LearnedFunctionText {
+fn describe_element(element: &LearnedElement, reading: Option<&CurveReading>) -> LearnedFunctionText {
     LearnedFunctionText {
         place: place(element.place),
         quantity: quantity(element.quantity),
@@ -192,7 +192,7 @@ fn change(element: &LearnedElement, value: f64, half: f64) -> String {
 }
 
 /// Describes what a curve says, with its numbers and intervals.
-pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> String {
+pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>) -> String {
     let subject = subject(element);
     let Some(reading) = reading else { return without_form(element, &subject) };
     let sized = |name: &str| (reading.value(name), reading.half_width(name));
@@ -235,7 +235,7 @@ fn without_form(element: &LearnedElement, subject: &str) -> String {
 }
 
 /// Describes a curve that goes from one level to another, or to another and back.
-fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let of = |name: &str| change(element, reading.value(name).abs(), reading.half_width(name));
     let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
     let at = |name: &str| along(element.variable, reading.value(name));
@@ -272,7 +272,7 @@ fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
 }
 
 /// Describes a factor that changes in proportion to its variable.
-fn evenly(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn evenly(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let [size, half_width] = reading.change_over(element);
     let rises = if reading.value("slope") > 0.0 { "rises" } else { "falls" };
     let by = change(element, size, half_width);
@@ -288,7 +288,7 @@ fn spot(element: &LearnedElement, height: f64) -> &'static str {
     }
 }
 
-fn line(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn line(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, half_width) = (reading.value("slope"), reading.half_width("slope"));
     let size = format!(
         "{} N m per {} ({} to {})",
@@ -307,7 +307,7 @@ fn line(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     }
 }
 
-fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn stops(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, over) = (reading.value("slope"), variable(element.variable));
     let hard = slope < 0.0 && element.variable == RegimeVariable::Angle && !element.quantity.is_factor();
     format!(
@@ -320,7 +320,7 @@ fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     )
 }
 
-fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn cubic(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, cube) = (reading.value("slope"), reading.value("cubic"));
     let what = match (element.quantity, element.variable, cube < 0.0) {
         (LearnedQuantity::Torque, RegimeVariable::Angle, true) => ": a spring that hardens",
@@ -339,7 +339,7 @@ fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     )
 }
 
-fn sine(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn sine(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let amplitude = change(element, reading.value("amplitude"), reading.half_width("amplitude"));
     let (order, half) = (reading.value("order"), reading.half_width("order"));
     match element.variable {

@@ -233,7 +233,7 @@ fn riccati(problem: &Value) -> Answer {
 fn generalised_riccati(problem: &Value) -> Answer {
     let get = |key| matrix(problem, key);
     let (Q, R) = (get("Q")?, get("R")?);
-    let weights = linalg::Weights { Q: &Q, R: &R, S: None };
+    let weights = linalg::CostWeights { Q: &Q, R: &R, S: None };
     let (A, E, B) = (get("A")?, get("E")?, get("B")?);
     solved(text(match problem["kind"].as_str() {
         Some("gcare") => linalg::gcare(&A, &E, &B, &weights),

@@ -8,7 +8,7 @@ use counterpoise_models::Parameters;
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant, impedance};
 
-use super::Case;
+use super::CertifiedCase;
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
@@ -87,7 +87,10 @@ impl Elements {
     ///
     /// # Errors
     /// Those of the controller.
-    pub fn observers_at_rest(case: &Case, controller: &Controller) -> Result<Vec<ObserverGain>, Error> {
+    pub fn observers_at_rest(
+        case: &CertifiedCase,
+        controller: &Controller,
+    ) -> Result<Vec<ObserverGain>, Error> {
         let parameters = case.plant.parameters();
         let (ratio, period_s) = (parameters.gearbox.ratio, parameters.interface.sample_period_s);
         controller.parts().observers.iter().map(|observer| small(observer, period_s, ratio)).collect()

@@ -3,7 +3,7 @@
 use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
-use super::Case;
+use super::CertifiedCase;
 use super::elements::{Elements, Learning, Linear};
 use super::floor::Subject;
 use crate::Error;
@@ -118,7 +118,10 @@ impl RegimeLoop {
 ///
 /// # Errors
 /// Friction parameters out of range.
-pub fn teeth(case: &Case, subject_point: &counterpoise_models::OperatingPoint) -> Result<Teeth, Error> {
+pub fn teeth(
+    case: &CertifiedCase,
+    subject_point: &counterpoise_models::OperatingPoint,
+) -> Result<Teeth, Error> {
     let parameters = case.plant.parameters();
     if parameters.gearbox.backlash_rad == 0.0 {
         return Ok(Teeth::WithoutGap);

@@ -8,7 +8,7 @@ use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 use ndarray::Array2;
 
-use super::{Distribution, Points, Varied, figures_of};
+use super::{Distribution, PointLayout, Varied, figures_of};
 use crate::measure::Value;
 use crate::{Error, Figure, Procedure, Requirement};
 
@@ -52,7 +52,7 @@ pub struct Layout {
     /// Seed of the layout.
     pub seed: u64,
     /// The method.
-    pub points: Points,
+    pub points: PointLayout,
 }
 
 impl Campaign {

@@ -13,7 +13,7 @@ pub mod worst;
 
 pub use campaign::{Campaign, Layout, Sample, Variation, merge};
 pub use family::{Family, Member, configurations, one_at_a_time};
-pub use sampling::{Distribution, Points, latin_hypercube};
+pub use sampling::{Distribution, PointLayout, latin_hypercube};
 pub use selected_figures::{figures_of, history_of};
 pub use sobol::sobol;
 pub use statistics::{Ranked, Sense, Summary, ranking, summary};
