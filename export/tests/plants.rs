@@ -21,7 +21,7 @@ use counterpoise_models::{
     LearnedPlace, LearnedQuantity, Linkage, MapPoint, MotorHeat, OperatingPoint, Parameters, Plant,
     RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
-use counterpoise_simulate::convergence::cases;
+use counterpoise_simulate::convergence::convergence_cases;
 use counterpoise_simulate::{Firing, FurtherMotion, PlatformMotion, Playback, Scenario, Signal, Simulator};
 use support::{STRICT, folder, is_there, provenance, run, write};
 
@@ -252,7 +252,7 @@ fn every_law_of_friction_and_contact() {
         plant: case.plant,
         control_v: case.control_v.abs(),
     };
-    all_equal(&cases(&rig).unwrap().into_iter().map(of).collect::<Vec<_>>());
+    all_equal(&convergence_cases(&rig).unwrap().into_iter().map(of).collect::<Vec<_>>());
 }
 
 #[test]

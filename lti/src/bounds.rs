@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::error::During;
 use crate::level::Level;
 use crate::peak::Peak;
-use crate::response::point;
+use crate::response::point_of_rate;
 use crate::tolerance::{
     CAREFUL_BEYOND, CAREFUL_PER_DECADE, CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, NARROW_PEAK, PEAK_STEP,
     PEAK_WIDTHS, PRECISE_SIZE, VERTEX_RISE,
@@ -35,7 +35,9 @@ pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Pe
 /// Returns the largest singular value at a frequency, of the system as it is given; `None` at a pole.
 fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
     let system = StateRealisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
-    let Ok(H) = linalg::refined_transfer(system, point(rate_rad_s, g.timebase)) else { return Ok(None) };
+    let Ok(H) = linalg::refined_transfer(system, point_of_rate(rate_rad_s, g.timebase)) else {
+        return Ok(None);
+    };
     Ok(Some(linalg::largest_singular_value(&H).with_operation("L-infinity norm")?))
 }
 

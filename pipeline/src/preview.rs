@@ -11,7 +11,9 @@ use counterpoise_project::Project;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange};
+use counterpoise_verify::linear::{
+    self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange_controller,
+};
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
 use crate::first_design::leaves_weights_open;
@@ -288,7 +290,7 @@ fn close_loops(
     let uncontrolled = sampled.uncontrolled.clone();
     let mut loops = vec![ArrangedLoop { arrangement: Arrangement::Uncontrolled, closed: uncontrolled }];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
-        let acting = arrange(controller, arrangement)?;
+        let acting = arrange_controller(controller, arrangement)?;
         let closed = Closed::new(&sampled.plant, acting.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }

@@ -8,7 +8,7 @@ use crate::anti_windup::{anti_windup, anti_windup_of};
 use crate::cascade::from_error_and_reading;
 use crate::certificate::Certified;
 use crate::sampled_data::{self, Drafted};
-use crate::sampling::{Sampled, Sampling, SamplingMethod, check, sampled_plant};
+use crate::sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_plant};
 use crate::{Assembly, Design, DisturbanceChannel, Error, Reference};
 
 /// Returns the design as a sampled controller.
@@ -28,7 +28,7 @@ pub fn discretise(design: &Design, sampling: &Sampling) -> Result<Sampled, Error
     parts.out_of_balance_range_kg_m = sampling.out_of_balance_range_kg_m;
     parts.bias_v_per_kg_m = sampling.bias_v_per_kg_m;
     parts.transfer_time_s = sampling.transfer_time_s;
-    Ok(Sampled { certified, ..check(&design.plant, Controller::new(parts)?, sampling)? })
+    Ok(Sampled { certified, ..check_sampled_loop(&design.plant, Controller::new(parts)?, sampling)? })
 }
 
 type Paths = (Vec<Path>, Vec<Certified>);

@@ -127,7 +127,7 @@ pub use rational::Rational;
 pub use refusal::Refusal;
 pub use requirements::{BandSpectrum, Requirements};
 pub use residual::{Weighed, error_at, stabilisation_error};
-pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop, sampled_plant};
+pub use sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_loop, sampled_plant};
 pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
 pub use scheduled_controller::discretise_schedule;
 pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search, trade_off};

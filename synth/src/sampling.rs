@@ -111,7 +111,11 @@ impl Sampled {
 ///
 /// # Errors
 /// [`Error`] for a plant that is not one.
-pub fn check(plant: &DesignPlant, controller: Controller, sampling: &Sampling) -> Result<Sampled, Error> {
+pub fn check_sampled_loop(
+    plant: &DesignPlant,
+    controller: Controller,
+    sampling: &Sampling,
+) -> Result<Sampled, Error> {
     let loop_gain = sampled_loop(plant, &controller, sampling)?;
     let closed = counterpoise_lti::feedback(&loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?;
     let closed_loop = poles(&closed)?;

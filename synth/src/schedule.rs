@@ -129,7 +129,7 @@ fn entry(
     let factor = here.out_of_balance_kg_m / nominal.out_of_balance_kg_m;
     let noises: Vec<usize> =
         design.specification.feedback.disturbances.iter().map(|entry| entry.index).collect();
-    let conditions = conditions(&nominal.plant, &here.plant, factor, &noises)?;
+    let conditions = check_gain_law(&nominal.plant, &here.plant, factor, &noises)?;
     let law = law(conditions, base, &design, factor)?;
     let error = |with: &Design, gain: f64| match with.heave {
         Some(_) => stabilisation_error(&here.plant, with, DisturbanceChannel::Heave, gain).map(Some),
@@ -161,7 +161,7 @@ fn entry(
 ///
 /// # Errors
 /// [`Error::System`] where the plants have different sizes.
-pub fn conditions(
+pub fn check_gain_law(
     nominal: &DesignPlant,
     here: &DesignPlant,
     factor: f64,

@@ -5,7 +5,7 @@ use counterpoise_controller::{Controller, Path, PathSignal, Scaling};
 use crate::certificate::Certified;
 use crate::discretise::heave_module;
 use crate::finding::Part;
-use crate::{Design, Error, Sampled, Sampling, ScheduleEntry, check, discretise};
+use crate::{Design, Error, Sampled, Sampling, ScheduleEntry, check_sampled_loop, discretise};
 
 /// Returns one controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
 /// feedforwards interpolated over the out-of-balance.
@@ -47,5 +47,5 @@ pub fn discretise_schedule(
         });
     }
     let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
-    Ok(Sampled { certified, ..check(&nominal.plant, controller, sampling)? })
+    Ok(Sampled { certified, ..check_sampled_loop(&nominal.plant, controller, sampling)? })
 }

@@ -207,7 +207,7 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     let bytes = fs::read(folder.join("triangle.parquet")).unwrap();
     let files = [RecordingFile { name: "triangle.parquet".to_owned(), bytes }];
     let controller = recording_controller(&project).unwrap();
-    let read = recordings::read(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
+    let read = recordings::read_files(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
     let control = control_for(&project, controller.as_ref(), read.iter().map(|item| &item.recording));
     assert!(matches!(control, ReplayLoop::Closed(_)));
     let replayed = recordings::replay(&project, &read, &control, ReplayLength::Automatic).unwrap();

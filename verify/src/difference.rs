@@ -45,7 +45,7 @@ impl FigureChange {
 }
 
 /// Returns every figure of either verification, in the order of the second, those of the first alone at the end.
-pub fn changes(before: &Verification, after: &Verification) -> Vec<FigureChange> {
+pub fn figure_changes(before: &Verification, after: &Verification) -> Vec<FigureChange> {
     let mut figures: Vec<Figure> = after.figures.iter().map(|measured| measured.figure).collect();
     let gone = before.figures.iter().map(|measured| measured.figure);
     figures.extend(gone.filter(|figure| after.figures.iter().all(|m| m.figure != *figure)));

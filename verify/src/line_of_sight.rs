@@ -6,7 +6,7 @@
 
 use counterpoise_models::{Plant, QuantityKind};
 
-use crate::coincidence::shots;
+use crate::coincidence::coincidence_figures;
 use crate::history::{Experiment, History, integrate};
 use crate::measure::{MeasuredFigure, Value};
 use crate::signals::rms;
@@ -43,7 +43,7 @@ impl SightError {
 }
 
 /// Returns the run on which the line of sight is judged: the road, or heave and pitch together, with the whole controller.
-pub fn experiment(procedure: &Procedure) -> Experiment {
+pub fn sight_experiment(procedure: &Procedure) -> Experiment {
     let source = if procedure.road.is_some() { Source::Road } else { Source::Both };
     Experiment::Disturbance(source, Arrangement::Compensated)
 }
@@ -117,7 +117,8 @@ pub(crate) fn figures(
     procedure: &Procedure,
     loop_holds: LoopHolds,
 ) -> Vec<MeasuredFigure> {
-    let Some(sight) = procedure.line_of_sight.filter(|_| history.experiment == experiment(procedure)) else {
+    let Some(sight) = procedure.line_of_sight.filter(|_| history.experiment == sight_experiment(procedure))
+    else {
         return Vec::new();
     };
     let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
@@ -154,8 +155,9 @@ fn values(history: &History, settle_s: f64, sight: LineOfSight) -> Vec<(SightFig
         all.push((SightFigure::HubTransferLoss, optics.loss(&angles.hub_rad, exposure)));
         all.push((SightFigure::TipTransferLoss, optics.loss(&angles.tip_rad, exposure)));
     }
-    let fired =
-        sight.coincidence.and_then(|asked| shots(&angles.hub_rad, &angles.tip_rad, angles.period_s, &asked));
+    let fired = sight
+        .coincidence
+        .and_then(|asked| coincidence_figures(&angles.hub_rad, &angles.tip_rad, angles.period_s, &asked));
     if let Some(fired) = fired {
         all.push((SightFigure::Coincidence, fired.inside));
         all.push((SightFigure::Wait, fired.wait_s));
@@ -198,7 +200,7 @@ impl From<&Plant> for LoopHolds {
 
 /// Returns the figures of a run that diverges: the error is infinite, nothing is within the window, and no image is left.
 pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<MeasuredFigure> {
-    let Some(sight) = procedure.line_of_sight.filter(|_| ran == experiment(procedure)) else {
+    let Some(sight) = procedure.line_of_sight.filter(|_| ran == sight_experiment(procedure)) else {
         return Vec::new();
     };
     let worst = |figure| match figure {

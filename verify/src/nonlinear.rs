@@ -9,7 +9,7 @@ use counterpoise_simulate::{
 };
 
 use crate::history::{Experiment, History, HistoryColumn, integrate};
-use crate::linear::arrange;
+use crate::linear::arrange_controller;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// What acts on the mechanism: the controller, or the voltage that holds it.
@@ -72,7 +72,7 @@ pub fn run(
         Experiment::Disturbance(_, arrangement) => arrangement,
         Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
     };
-    let mut acting = match arrange(controller, arrangement)? {
+    let mut acting = match arrange_controller(controller, arrangement)? {
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
@@ -156,7 +156,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
 
 /// A machine fires where its base moves as on duty: figures of a step, of rest and of one motion alone are those of the machine that does not.
 fn firing(procedure: &Procedure, ran: Experiment) -> Firing {
-    let on_duty = line_of_sight::experiment(procedure);
+    let on_duty = line_of_sight::sight_experiment(procedure);
     match (ran, on_duty) {
         (Experiment::Disturbance(ran, _), Experiment::Disturbance(source, _)) if ran == source => {
             Firing::Stated

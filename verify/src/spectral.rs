@@ -21,7 +21,7 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// Returns the ratios of every arrangement that was run on the road; none without a road, or where the record is too short. Heave and
 /// pitch of a vehicle go together, so each ratio carries a part of the other: where they are coherent, it tells of both.
-pub fn spectral(found: &Verification) -> Vec<Spectral> {
+pub fn spectral_rejections(found: &Verification) -> Vec<Spectral> {
     let mut all = Vec::new();
     for source in [Source::Pitch, Source::Heave] {
         for arrangement in crate::ARRANGEMENTS {

@@ -13,7 +13,7 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
-use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
+use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange_controller};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
@@ -384,7 +384,7 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        let closed = Closed::new(&sampled, arrange(controller, arrangement)?.as_ref(), moment)?;
+        let closed = Closed::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     let whole = &loops[loops.len() - 1].closed;
@@ -467,7 +467,7 @@ fn linear_histories(
             match linear_history(sampled, closed, procedure, experiment)? {
                 None => figures.extend(infinite_figures(Model::Linear, experiment)),
                 Some(mut history) => {
-                    linear::surge::add(&mut history, sampled, loops, procedure)?;
+                    linear::surge::add_surge(&mut history, sampled, loops, procedure)?;
                     figures.extend(history_figures(&history, procedure.settle_s));
                     histories.push(history);
                 }

@@ -8,7 +8,7 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
 use counterpoise_verify::linear::frequency::{Curves, rejections};
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
-    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange, disturbance, step,
+    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange_controller, disturbance, step,
 };
 use counterpoise_verify::signals::step_figures;
 use counterpoise_verify::{Arrangement, HeaveAndPitch, Sine, Source, Step};
@@ -25,7 +25,7 @@ fn sampled() -> SampledPlant {
 }
 
 fn closed(plant: &SampledPlant, arrangement: Arrangement) -> Closed {
-    let controller = arrange(&controller(), arrangement).unwrap();
+    let controller = arrange_controller(&controller(), arrangement).unwrap();
     Closed::new(plant, controller.as_ref(), 151.67).unwrap()
 }
 

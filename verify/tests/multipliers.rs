@@ -4,7 +4,9 @@
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_verify::certificate::StabilityCriterion;
-use counterpoise_verify::certificate::multiplier::{FrictionKnowledge, Multiplier, ProofOutcome, search};
+use counterpoise_verify::certificate::multiplier::{
+    FrictionKnowledge, Multiplier, ProofOutcome, search_multiplier,
+};
 use counterpoise_verify::structured::taylor::{Evaluated, RateInterval, Taylor};
 
 const RANGE: [f64; 2] = [1e-3, 1e3];
@@ -39,7 +41,8 @@ fn proves(system: &StateSpace, k: f64, known: FrictionKnowledge, most: Stability
         let point =
             |rate: &f64| shifted(system, k, RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 }).unwrap();
         let all: Vec<_> = rates.iter().map(point).collect();
-        let found: Option<Multiplier> = search(&[known], most, &all, &rates).map(|best| best.multiplier);
+        let found: Option<Multiplier> =
+            search_multiplier(&[known], most, &all, &rates).map(|best| best.multiplier);
         let Some(multiplier) = found else { return false };
         match multiplier.proves(&|over| shifted(system, k, over), RANGE) {
             ProofOutcome::Holds { .. } => return true,

@@ -7,7 +7,7 @@ use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_pipeline::configuration::apply_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
-use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
+use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read_files, replay_held_out};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{Consequence, verify_redesign};
@@ -81,7 +81,7 @@ fn confirm(
 ) -> anyhow::Result<Vec<RecordingResult>> {
     let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
     let controller = recording_controller(&loaded.project).map_err(refused)?;
-    let read = read(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
+    let read = read_files(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
     let control = control_for(&loaded.project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let improved = apply_configuration(&loaded.project, &found.improved).map_err(refused)?;
     let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);

@@ -20,9 +20,9 @@ use counterpoise_report::{
     two_axes,
 };
 use counterpoise_verify::certificate::{CaseCertificate, StabilityCertificate};
-use counterpoise_verify::difference::{FigureChange, changes};
+use counterpoise_verify::difference::{FigureChange, figure_changes};
 use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
-use counterpoise_verify::spectral::{Spectral, spectral};
+use counterpoise_verify::spectral::{Spectral, spectral_rejections};
 use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};
 
@@ -83,7 +83,7 @@ const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 pub fn run(options: &VerifyOptions) -> Done {
     let study = verified(options, &options.project)?;
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
-    let changed = before.as_ref().map(|before| changes(&before.found, &study.found));
+    let changed = before.as_ref().map(|before| figure_changes(&before.found, &study.found));
     if let Some(path) = &options.report {
         projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
     }
@@ -226,7 +226,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         measured_on,
         budget,
         identity,
-        on_road: spectral(&found),
+        on_road: spectral_rejections(&found),
         loop_view: loop_view(&found)?,
         found,
         stability,

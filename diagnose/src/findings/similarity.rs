@@ -17,7 +17,7 @@ use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::findings::answer::{Answer, FindingBasis};
 use crate::findings::channel_fits::Channels;
-use crate::learning::reading::read;
+use crate::learning::reading::read_curve;
 use crate::library::{Component, EffectName, EffectParameter, find_effects, list_textbook_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
@@ -189,7 +189,7 @@ impl SimilarityScale {
         if let Some(learned) = &mut answer.learned {
             for part in &mut learned.parts {
                 self.inverse().learned(&mut part.element);
-                part.reading = read(&part.element);
+                part.reading = read_curve(&part.element);
             }
             let tables = [&mut learned.after, &mut learned.held_out_before, &mut learned.held_out_after];
             tables.into_iter().for_each(|table| self.bring_channels_back(table, measured));

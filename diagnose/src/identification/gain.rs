@@ -18,7 +18,7 @@ pub struct GainCurve {
 }
 
 /// Identifies the curve.
-pub fn curve(
+pub fn identify_amplifier(
     p: &Parameters,
     states: &[&[Recording]],
     plain: &Problem,

@@ -67,12 +67,12 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         return Err(Error::TooLittleSliding { sliding_s, needed_s: LEAST_SLIDING_S });
     }
     let mut linear = plain.fit().ok_or(Error::NotTold)?;
-    let mut found = gain::curve(p, states, &plain, &linear)?;
+    let mut found = gain::identify_amplifier(p, states, &plain, &linear)?;
     let negative = negative_viscous(plain.layout, found.curved.as_ref().map_or(&linear, |(_, fit)| fit));
     if negative.is_some() {
         plain = plain.with_held_viscous(Some(before.viscous.max(0.0)));
         linear = plain.fit().ok_or(Error::NotTold)?;
-        found = gain::curve(p, states, &plain, &linear)?;
+        found = gain::identify_amplifier(p, states, &plain, &linear)?;
     }
     let (problem, fit) = found.curved.as_ref().map_or((&plain, &linear), |(problem, fit)| (problem, fit));
     let layout = problem.layout;

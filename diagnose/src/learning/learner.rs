@@ -10,7 +10,7 @@ use crate::fitting::output_error::{
 };
 use crate::fitting::score::{RecordingPart, Score, score};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
-use crate::learning::reading::{CurveReading, read};
+use crate::learning::reading::{CurveReading, read_curve};
 use crate::learning::templates::{Template, TemplateContext, is_at};
 use crate::learning::visited_ranges::{Reach, Visited};
 use crate::library::{Component, Effect, learned_element};
@@ -489,7 +489,7 @@ impl LearningTask<'_> {
                 coverage: self.visited.coverage(known),
                 ..known.clone()
             };
-            let reading = read(&element);
+            let reading = read_curve(&element);
             parts.push(LearnedPart {
                 element,
                 reading,

@@ -8,7 +8,7 @@ use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Paramet
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::score;
 use crate::learning::learner::{FittedFunctions, LearningTask};
-use crate::learning::reading::{CurveReading, Form, read};
+use crate::learning::reading::{CurveReading, Form, read_curve};
 use crate::library::{Component, Effect, EffectName, find_effects, learned_element};
 use crate::selection::candidate::FittedCandidate;
 use crate::tolerance::{AMBIGUOUS, PARAMETER_PRICE, SEARCH_ITERATIONS};
@@ -90,7 +90,7 @@ impl LearningTask<'_> {
             coverage,
             ..learned_element(effect)?.clone()
         };
-        let reading = read(&element)?;
+        let reading = read_curve(&element)?;
         let forms = library_forms(&element, &reading, self.base);
         let fitted = forms.iter().filter_map(|form| self.fit_form(form, functions, named));
         fitted.min_by(|a, b| a.log_likelihood_deficit(b).total_cmp(&0.0))

@@ -115,11 +115,14 @@ pub struct ReadElement {
 
 /// Reads the free functions of a mechanism.
 pub fn read_elements(elements: &[LearnedElement]) -> Vec<ReadElement> {
-    elements.iter().map(|element| ReadElement { element: element.clone(), reading: read(element) }).collect()
+    elements
+        .iter()
+        .map(|element| ReadElement { element: element.clone(), reading: read_curve(element) })
+        .collect()
 }
 
 /// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
-pub fn read(element: &LearnedElement) -> Option<CurveReading> {
+pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     let curve = Curve::of(element)?;
     let constant = curve.best(Form::Constant)?;
     let total = constant.misfit;

@@ -51,7 +51,7 @@ fn made(element: &'static LearnedElement, size: f64) -> Effect {
     Effect {
         // a free function of one regime variable (Kennedy, O'Hagan 2001: discrepancy of a model)
         effect: EffectName::Unknown,
-        component: component(element.place),
+        component: component_of(element.place),
         kind: EffectKind::MissingPhysics,
         parameters: Box::leak(element.points.iter().enumerate().map(parameter).collect()),
         starts: &[],
@@ -59,7 +59,7 @@ fn made(element: &'static LearnedElement, size: f64) -> Effect {
 }
 
 /// Returns the component at which a free function acts.
-pub fn component(place: LearnedPlace) -> Component {
+pub fn component_of(place: LearnedPlace) -> Component {
     match place {
         LearnedPlace::Pivot => Component::Pivot,
         LearnedPlace::Motor => Component::Motor,

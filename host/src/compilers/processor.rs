@@ -79,7 +79,7 @@ fn count(core: &TargetCore, folder: &Path, code: &TargetCode) -> Option<CodeCost
 
 fn write(folder: &Path, files: &[File]) -> Option<()> {
     let place = |file: &File| -> PathBuf { folder.join(&file.name) };
-    files.iter().try_for_each(|file| files::write(&place(file), file.text.as_bytes()).ok())
+    files.iter().try_for_each(|file| files::write_file(&place(file), file.text.as_bytes()).ok())
 }
 
 /// Returns the standard output of a command that succeeded in a folder.

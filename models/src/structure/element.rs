@@ -49,7 +49,7 @@ pub struct Element {
 ///
 /// # Errors
 /// [`Error::PowerLaw`] if no power law passes through the element's three cross sections.
-pub fn element(
+pub fn element_matrices(
     profile: &Profile,
     from_m: f64,
     to_m: f64,

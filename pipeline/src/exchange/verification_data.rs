@@ -5,7 +5,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed_loop::{Closed, arrange, resolver_use};
+use counterpoise_verify::linear::closed_loop::{Closed, arrange_controller, resolver_use};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
     Verification, linear_plant,
@@ -146,7 +146,7 @@ fn controllers(
     for (arrangement, name) in
         [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
     {
-        let Some(part) = arrange(controller, arrangement)? else { continue };
+        let Some(part) = arrange_controller(controller, arrangement)? else { continue };
         let closed = Closed::new(sampled, Some(&part), moment)?;
         systems.extend(closed.controller.as_ref().map(|system| {
             SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])

@@ -61,7 +61,7 @@ pub enum Gaps {
 /// # Errors
 /// [`PipelineError::UnreadableRecording`] if a file cannot be read as it is mapped, [`PipelineError::NothingToReplay`] if the
 /// gaps of a recording leave no part of it.
-pub fn read(
+pub fn read_files(
     project: &Project,
     controller: Option<&RecordedController>,
     files: &[RecordingFile],
@@ -98,12 +98,12 @@ fn mapping(project: &Project) -> Mapping {
     Mapping { sample_period_s: clock, units, ..project.recording.clone() }
 }
 
-/// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
+/// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read_files`].
 ///
 /// `controller` is the project's [`recording_controller`].
 ///
 /// # Errors
-/// As [`read`].
+/// As [`read_files`].
 pub fn read_table(
     project: &Project,
     controller: Option<&RecordedController>,

@@ -2,7 +2,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::Verification;
-use counterpoise_verify::difference::{FigureChange, changes};
+use counterpoise_verify::difference::{FigureChange, figure_changes};
 
 use crate::{PipelineError, World, model, project_procedure, reduce, synthesise, verify_on};
 use counterpoise_project::Project;
@@ -42,7 +42,7 @@ pub fn verify_redesign(
     let before = verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1;
     let kept = verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1;
     Ok(Some(Consequence {
-        changes: changes(&before, &kept),
+        changes: figure_changes(&before, &kept),
         redesigned: redesigned.ok().map(|verified| verified.into_parts().1),
         before,
         kept,

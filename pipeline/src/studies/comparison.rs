@@ -9,7 +9,7 @@ use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
     Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, alternative, attempt,
-    check, discretise, error_at, figure_systems, figures, total_cost,
+    check_sampled_loop, discretise, error_at, figure_systems, figures, total_cost,
 };
 use serde::Serialize;
 
@@ -532,7 +532,7 @@ fn spillover(
     let order = plant.system.order();
     let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let pair = |pole: &C64| [pole.re, pole.im];
-    let checked = attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))?;
+    let checked = attempt(check_sampled_loop(&plant, made.sampled.controller.clone(), &made.sampling))?;
     let sampled_loop = checked.as_ref().ok().map(|sampled| {
         SystemResult::new("sampled loop", &sampled.loop_gain, &["control_v"], &["returned_control_v"])
     });

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 
 use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
-use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
+use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
 use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
@@ -137,7 +137,7 @@ pub fn map_recordings(
         let map = analyser.measure_recording(&item.recording, &plan.frequencies_hz)?;
         Ok(RecordedMap { map: Map { recording: Some(item.file), ..map }, columns: item.remarks })
     };
-    read(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
+    read_files(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
 }
 
 impl Around {

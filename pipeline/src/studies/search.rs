@@ -45,7 +45,7 @@ pub struct Searched {
 ///
 /// # Errors
 /// A project without requirements, and those of the plant and the design.
-pub fn search(
+pub fn search_weights(
     project: &Project,
     modelled: &Modelled,
     reduced: &Reduced,
@@ -81,7 +81,7 @@ pub fn search(
     let full = counterpoise_synth::DesignPlant { system: modelled.linear.system.clone(), ..plant.clone() };
     let designed = counterpoise_synth::design(&plant, &found.best.specification)?;
     let sampled = counterpoise_synth::discretise(&designed, &sampling)?;
-    let around_full = counterpoise_synth::check(&full, sampled.controller, &sampling)?;
+    let around_full = counterpoise_synth::check_sampled_loop(&full, sampled.controller, &sampling)?;
     let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };

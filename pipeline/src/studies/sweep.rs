@@ -5,7 +5,7 @@ use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::robust::{
     Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
-    one_at_a_time, ranking, summary, worst_case,
+    one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
@@ -65,8 +65,8 @@ impl CampaignResult {
             factors: Array2::from_shape_fn((samples.len(), variations.len()), |(i, k)| samples[i].factors[k]),
             values: Array2::from_shape_fn((samples.len(), requirements.len()), |(i, k)| samples[i].values[k]),
             passing: samples.iter().filter(|sample| campaign.passes(sample)).count(),
-            summaries: each.clone().map(|k| summary(campaign, samples, k)).collect(),
-            rankings: each.map(|k| ranking(campaign, samples, k)).collect(),
+            summaries: each.clone().map(|k| summarise_requirement(campaign, samples, k)).collect(),
+            rankings: each.map(|k| rank_parameters(campaign, samples, k)).collect(),
             worst: others.worst,
             families: others.families,
             stability: others.stability,
@@ -259,7 +259,7 @@ pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<Requi
     let one = |(k, requirement): (usize, &Requirement)| {
         let mut values: Vec<f64> = samples.iter().map(|s| s.values[k]).filter(|v| !v.is_nan()).collect();
         values.sort_by(f64::total_cmp);
-        let strongest = ranking(campaign, samples, k).into_iter().find(|r| r.correlation.is_finite());
+        let strongest = rank_parameters(campaign, samples, k).into_iter().find(|r| r.correlation.is_finite());
         let strongest = strongest.map(|r| StrongestParameter {
             key: campaign.variations()[r.variation].parameter.key(),
             correlation: r.correlation,
@@ -268,7 +268,7 @@ pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<Requi
         RequirementSpread {
             controlled: campaign.controlled_quantity(),
             requirement: requirement.clone(),
-            summary: summary(campaign, samples, k),
+            summary: summarise_requirement(campaign, samples, k),
             strongest,
             values,
         }

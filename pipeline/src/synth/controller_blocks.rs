@@ -7,7 +7,8 @@ use counterpoise_controller::{
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
-    DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check, friction_observers,
+    DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check_sampled_loop,
+    friction_observers,
 };
 
 use crate::model::CONVERTER_RANGE_V;
@@ -73,7 +74,7 @@ pub(crate) fn with_controller_blocks(
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
     let plant = attach_sensors(plant, &modelled.parameters.sensors, hub_angle_rad)?;
-    Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
+    Ok(Sampled { certified: sampled.certified, ..check_sampled_loop(&plant, controller, sampling)? })
 }
 
 /// Returns the projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of

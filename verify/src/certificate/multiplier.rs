@@ -324,7 +324,7 @@ pub struct Best {
 /// up.
 ///
 /// H is expected with diagonal entries of like size in every joint.
-pub fn search(
+pub fn search_multiplier(
     known: &[FrictionKnowledge],
     most: StabilityCriterion,
     H: &[Vec<Vec<Taylor>>],

@@ -118,7 +118,7 @@ impl RegimeLoop {
 ///
 /// # Errors
 /// Friction parameters out of range.
-pub fn teeth(
+pub fn teeth_can_part(
     case: &CertifiedCase,
     subject_point: &counterpoise_models::OperatingPoint,
 ) -> Result<Teeth, Error> {
@@ -146,7 +146,7 @@ pub(super) fn loops(subject: &Subject<'_>) -> Result<Vec<RegimeLoop>, Error> {
     }
     let one = |(regime, elements)| loop_in(subject, regime, elements);
     let mut all = regimes.into_iter().map(one).collect::<Result<Vec<_>, Error>>()?;
-    if teeth(subject.case, &subject.procedure.operating_point)? == Teeth::CanOpen {
+    if teeth_can_part(subject.case, &subject.procedure.operating_point)? == Teeth::CanOpen {
         let open = Elements { mesh_share: OPEN, ..rest };
         all.push(loop_in(subject, Regime::TeethOpen, &open)?);
     }

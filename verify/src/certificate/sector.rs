@@ -21,9 +21,9 @@ use counterpoise_models::{Friction, FrictionLaw};
 use super::elements::{ObserverGain, quasi_linear};
 use super::floor::Subject;
 use super::multiplier::{
-    Best, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms, search,
+    Best, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms, search_multiplier,
 };
-use super::regime::{Teeth, grid_rad_s, teeth};
+use super::regime::{Teeth, grid_rad_s, teeth_can_part};
 use crate::Error;
 use crate::structured::closing::{GainErrors, outermost_pole};
 use crate::structured::factor::Factor;
@@ -101,7 +101,7 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
         parts.observers.iter().any(|observer| observer.rate != counterpoise_controller::PathSignal::Demand);
     let parameters = subject.case.plant.parameters();
     let point = &subject.procedure.operating_point;
-    let teeth = teeth(subject.case, point)?;
+    let teeth = teeth_can_part(subject.case, point)?;
     let curved = !parts.drive_curve.is_empty()
         || !parameters.amplifier.map.is_empty()
         || parameters.amplifier.dead_zone_v != 0.0;
@@ -220,7 +220,8 @@ impl<'a> Scaled<'a> {
         for _ in 0..MULTIPLIER_ROUNDS {
             let point = |rate: &f64| self.at(RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 });
             let Some(all) = rates.iter().map(point).collect::<Option<Vec<_>>>() else { break };
-            let Some(Best { multiplier, is_hopeless }) = search(&self.known, most, &all, &rates) else {
+            let Some(Best { multiplier, is_hopeless }) = search_multiplier(&self.known, most, &all, &rates)
+            else {
                 break;
             };
             match multiplier.proves(&|over| self.at(over), range) {

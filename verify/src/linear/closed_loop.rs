@@ -76,7 +76,10 @@ fn same_period(controller: &Controller, interface_s: f64) -> Result<(), Error> {
 ///
 /// # Errors
 /// Those of the controller.
-pub fn arrange(controller: &Controller, arrangement: Arrangement) -> Result<Option<Controller>, Error> {
+pub fn arrange_controller(
+    controller: &Controller,
+    arrangement: Arrangement,
+) -> Result<Option<Controller>, Error> {
     match arrangement {
         Arrangement::Uncontrolled => Ok(None),
         Arrangement::Feedback => {

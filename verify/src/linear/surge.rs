@@ -12,7 +12,7 @@ use crate::{Arrangement, Error, HeaveAndPitch, Procedure, Source};
 ///
 /// # Errors
 /// Those of the simulation.
-pub fn add(
+pub fn add_surge(
     history: &mut History,
     plant: &SampledPlant,
     loops: &[ArrangedLoop],

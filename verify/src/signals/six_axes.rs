@@ -11,8 +11,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::spectrum::{
-    MotionRealisation, MotionTone, PERIOD_S, SINES, check, check_density, frequency, power, range_error,
-    sine_tones, sum, window,
+    MotionRealisation, MotionTone, PERIOD_S, SINES, check, check_density, frequency, power_in_band,
+    range_error, sine_tones, sum, window,
 };
 use crate::procedure::FurtherRoad;
 use crate::{Error, Road};
@@ -156,7 +156,7 @@ impl SixAxes {
         let mut tones = Vec::new();
         for k in 0..SINES {
             let low = grid.low_hz * grid.ratio.powi(k as i32);
-            let amplitude = (2.0 * power(psd, low, low * grid.ratio)).sqrt();
+            let amplitude = (2.0 * power_in_band(psd, low, low * grid.ratio)).sqrt();
             let rate_rad_s = TAU * low * grid.ratio.sqrt();
             for (share, phase_rad) in [(shared, common[k]), (1.0 - shared, own[k])] {
                 if share * amplitude > 0.0 {
@@ -206,7 +206,7 @@ mod tests {
                 road.heave_m_s2.iter().zip(&surge).map(|(a, b)| a * b).sum::<f64>() / surge.len() as f64;
             let correlation = both / (rms(&road.heave_m_s2) * rms(&surge));
             assert!((low..=high).contains(&correlation), "{coherence}: {correlation}");
-            let variance = power(&POINTS, 0.0, 100.0);
+            let variance = power_in_band(&POINTS, 0.0, 100.0);
             assert!((rms(&surge).powi(2) / variance - 1.0).abs() < 0.25, "{}", rms(&surge));
         }
     }

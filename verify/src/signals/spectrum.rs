@@ -150,7 +150,7 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<MotionTo
     let ratio = (last[0] / first[0]).powf(1.0 / SINES as f64);
     let tone = |k: usize| {
         let low = first[0] * ratio.powi(k as i32);
-        let variance = power(points, low, low * ratio);
+        let variance = power_in_band(points, low, low * ratio);
         MotionTone {
             rate_rad_s: TAU * low * ratio.sqrt(),
             amplitude: (2.0 * variance).sqrt(),
@@ -172,7 +172,7 @@ pub fn angle_tones(rate: &[MotionTone]) -> Vec<MotionTone> {
 }
 
 /// Returns the integral of the density over a band, exactly: between two points it is c f^p.
-pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
+pub fn power_in_band(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
     let piece = |two: &[[f64; 2]]| {
         let (from, to) = (two[0][0].max(low_hz), two[1][0].min(high_hz));
         if to <= from {
@@ -244,10 +244,10 @@ mod tests {
     fn the_variance_is_the_integral_of_the_density() {
         let tones = tones(&POINTS, 3, 0).unwrap();
         let variance: f64 = tones.iter().map(|t| 0.5 * t.amplitude * t.amplitude).sum();
-        assert!((variance / power(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
+        assert!((variance / power_in_band(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
         // 1/f from 1 to e has the integral 1
         let e = std::f64::consts::E;
-        assert!((power(&[[1.0, 1.0], [e, 1.0 / e]], 0.0, 9.0) - 1.0).abs() < 1e-12);
+        assert!((power_in_band(&[[1.0, 1.0], [e, 1.0 / e]], 0.0, 9.0) - 1.0).abs() < 1e-12);
         let made = random_motion(&POINTS, &[], HOW).unwrap();
         assert!((rms(&made.heave_m_s2).powi(2) / variance - 1.0).abs() < 0.1);
         assert!(made.pitch_rate_rad_s.iter().all(|p| *p == 0.0));
@@ -263,7 +263,7 @@ mod tests {
             let inside = |hz: f64| hz >= low && hz < high;
             let pairs = found.frequency_hz.iter().zip(&found.pxx);
             let sum: f64 = pairs.filter(|(hz, _)| inside(**hz)).map(|(_, density)| density * step).sum();
-            let ratio = sum / power(&POINTS, low, high);
+            let ratio = sum / power_in_band(&POINTS, low, high);
             assert!((0.7..1.4).contains(&ratio), "{low} to {high} Hz: {ratio}");
         }
     }
